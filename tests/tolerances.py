@@ -323,6 +323,9 @@ TOLERANCES = {
     "simulated film": Tolerance(
         "deg", 5e-5, "decks of .01 ft and 1E-5 minute, .06 ft of 1E5; averages of eight digits"
     ),
+    "simulated flight": Tolerance(
+        "deg", 2e-5, "picks of four decimals, 3E-5 px of 700 px, 2E-6 degree; twice that about axes"
+    ),
     "limit of a share": Tolerance(
         "1", 2e-3, "four decimals were worked; the effective number has two more hits of 104"
     ),

@@ -1,147 +1,278 @@
 """How often the truth lies inside the stated uncertainty: the tables of docs/coverage.md.
 
-    python -m tools.coverage [--part P] [--cells TEXT ...] [--landmarks N ...] [--seed N]
+    python -m tools.coverage --write [--part P] [--cells TEXT ...] [--landmarks N ...] [--seed N]
+                             [--processes N] [--results FILE]
 
 Films and flights whose truth is known are simulated apart from the package, with random
 errors, and solved; `--cells TEXT` takes the rows whose names have the text, `--part .1` a tenth
-of the jobs. The tables are Markdown on standard output. A cell is the share of frames whose
-truth lies inside the 95 % interval and, in brackets, inside one standard deviation; it has an
-asterisk where it is outside 93 to 97 or 67 to 70 by more than chance allows. An interrupt
-prints the rows that are complete.
+of the jobs. Each cell that is counted is added to a file, coverage.jsonl, and not counted again:
+an interrupted count goes on where it was; delete the file to begin anew. `--write` puts the rows
+that the file has into docs/coverage.md, the others stay; without it the tables go to standard
+output. A cell is the share of frames whose truth lies inside the 95 % interval and, in brackets,
+inside one standard deviation; it has an asterisk where it is outside its limits by more than chance
+allows in 999 of 1,000 counts.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import time
 import zlib
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from tests.kit.coverage import (
     ATTACK,
     ETA,
-    FLIGHT_ROWS,
     LANDMARKS,
     REST,
     ROWS,
     VEHICLE,
+    Array,
     Count,
-    FlightRow,
     Row,
-    Share,
     counted,
-    flight_counted,
+    share,
 )
 from tests.kit.flag_trials import TRIALS, Rates, Trial, rates
+from tests.kit.flight_coverage import FLIGHT_ROWS, FlightRow, flight_counted
+from tools.made_page import between
 
-ALLOWED_95, ALLOWED_68 = (0.93, 0.97), (0.67, 0.70)
+PAGE = Path(__file__).parents[1] / "docs" / "coverage.md"
+FILM_95, ALLOWED_68 = (0.93, 0.97), (0.67, 0.70)
+CONFIDENCE = 0.999
 SEED = 12
+
+Cell = dict[str, Any]
+"""What is kept of a counted cell: name, landmarks, seed, jobs, and its shares or rates."""
+
+MEASURES: dict[str, Callable[[Count], Array]] = {
+    "vehicle": lambda c: c.inside_95[..., VEHICLE],
+    "vehicle, one sigma": lambda c: c.inside_68[..., VEHICLE],
+    "attack": lambda c: c.inside_95[..., ATTACK],
+    "attack, one sigma": lambda c: c.inside_68[..., ATTACK],
+    "eta": lambda c: c.inside_95[..., ETA],
+    "ellipsoid": lambda c: c.attitude_95,
+    "mean": lambda c: c.mean_95,
+    "place": lambda c: c.place_95,
+}
 
 
 class Table(NamedTuple):
-    """A table: its title, the share of 95 % of a cell, that of one sigma, and its rows."""
+    """A table: its mark in the page, whether it is of flights, what a cell is, and its rows."""
 
-    title: str
-    wide: Callable[[Count], Share]
-    narrow: Callable[[Count], Share] | None = None
+    mark: str
+    flights: bool
+    wide: str
+    narrow: str = ""
     rows: Callable[[Row | FlightRow], bool] = lambda _row: True
 
 
-def _film(row: Row | FlightRow) -> bool:
-    return isinstance(row, Row)
-
-
-def _at_rest(row: Row | FlightRow) -> bool:
-    return isinstance(row, Row) and row.plan.jitter_deg == REST["jitter_deg"]
-
-
 TABLES = (
-    Table("Vehicle yaw, pitch, roll", lambda c: c.share_95(VEHICLE), lambda c: c.share_68(VEHICLE)),
-    Table("Alpha and beta", lambda c: c.share_95(ATTACK), lambda c: c.share_68(ATTACK), _film),
-    Table("Eta", lambda c: c.share_95(ETA), None, _film),
-    Table("The attitude inside the ellipsoid of its covariance", lambda c: c.share_of_attitudes),
-    Table("The mean attitude of a job", lambda c: c.share_of_means, None, _at_rest),
-)
+    Table("films: yaw, pitch, roll", False, "vehicle", "vehicle, one sigma"),
+    Table("films: alpha, beta", False, "attack", "attack, one sigma"),
+    Table("films: eta", False, "eta"),
+    Table("films: ellipsoid", False, "ellipsoid"),
+    Table("films: mean", False, "mean",
+          rows=lambda row: isinstance(row, Row) and row.plan.jitter_deg == REST["jitter_deg"]),
+    Table("flights: yaw, pitch, roll", True, "vehicle", "vehicle, one sigma"),
+    Table("flights: ellipsoid", True, "ellipsoid"),
+    Table("flights: place", True, "place"),
+    Table("flights: mean", True, "mean",
+          rows=lambda row: isinstance(row, FlightRow) and row.mean),
+    Table("flights: alpha, beta", True, "attack", "attack, one sigma",
+          rows=lambda row: isinstance(row, FlightRow) and row.attack),
+    Table("flights: eta", True, "eta",
+          rows=lambda row: isinstance(row, FlightRow) and row.attack),
+)  # fmt: skip
 
 
-def outside(share: Share, allowed: tuple[float, float]) -> bool:
-    """Whether no value that the counted share may stand for is allowed."""
-    return share.high < allowed[0] or share.low > allowed[1]
+class Line(NamedTuple):
+    """A line of a table: the name of its row, and its text; empty where it is not counted."""
+
+    name: str
+    text: str
 
 
-def cell(found: Count, table: Table) -> str:
-    """The text of a cell."""
-    wide = table.wide(found)
-    text, out = f"{100 * wide.share:.1f}", outside(wide, ALLOWED_95)
+# Counting
+
+
+def _jobs(row: Row | FlightRow | Trial, part: float) -> int:
+    number = row.plan.flights if isinstance(row, FlightRow) else row.plan.jobs
+    return max(8, round(number * part))
+
+
+def _key(row: Row | FlightRow | Trial, landmarks: int, seed: int, part: float) -> str:
+    return f"{row.name}; {landmarks} landmarks; {_jobs(row, part)} jobs; seed {seed}"
+
+
+def count(row: Row | FlightRow | Trial, landmarks: int, seed: int, part: float) -> Cell:
+    """Count a cell.
+
+    Args:
+        row: the configuration
+        landmarks: in a frame
+        seed: of all cells; the cell's own does not depend on which others are counted
+        part: of the jobs
+    """
+    jobs, own = _jobs(row, part), zlib.crc32(f"{seed} {row.name} {landmarks}".encode())
+    cell: Cell = {"key": _key(row, landmarks, seed, part), "jobs": jobs}
+    if isinstance(row, Trial):
+        return cell | {"rates": _rates(row, rates(row, landmarks, own, jobs))}
+    parts = (
+        flight_counted(row, landmarks, own, jobs)
+        if isinstance(row, FlightRow)
+        else [counted(row, landmarks, own, jobs)]
+    )
+    return cell | {
+        "lost": sum(one.lost for one in parts) if len(parts) == 1 else 0,
+        "shares": [
+            {name: share(measure(one), CONFIDENCE)[:3] for name, measure in MEASURES.items()}
+            for one in parts
+        ],
+    }
+
+
+def _rates(trial: Trial, found: Rates) -> dict[str, str]:
+    """Write the rates of a trial's flags, per cent, by what stands in their rows."""
+    texts = {}
+    for flag in trial.shown:
+        for which, shares in (("", found.found), (" in the other frames", found.false)):
+            value = shares.get(flag, float("nan"))
+            if value == value:
+                texts[f"`{flag}`{which}"] = f"{100 * value:.2f}"
+    if "misfit" in trial.shown and found.wrong:
+        texts["right one named"] = f"{100 * found.named:.1f}"
+        texts["right one named alone"] = f"{100 * found.named_alone:.1f}"
+    return texts
+
+
+def counted_cells(
+    rows: Sequence[Row | FlightRow | Trial], asked: argparse.Namespace
+) -> dict[str, Cell]:
+    """Count the cells that the file of results does not have, and add them to it."""
+    file: Path = asked.results
+    lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
+    cells = {one["key"]: one for one in map(json.loads, lines)}
+    todo = [
+        (row, n)
+        for row in rows
+        for n in columns_of(row)
+        if (not asked.landmarks or n in asked.landmarks)
+        and _key(row, n, asked.seed, asked.part) not in cells
+    ]
+    began = time.monotonic()
+    pool = ProcessPoolExecutor(asked.processes)
+    futures = [pool.submit(count, row, n, asked.seed, asked.part) for row, n in todo]
+    try:
+        with file.open("a", encoding="utf-8") as out:
+            for done, cell in enumerate((one.result() for one in as_completed(futures)), 1):
+                cells[cell["key"]] = cell
+                print(json.dumps(cell), file=out, flush=True)
+                spent = time.monotonic() - began
+                print(f"{done}/{len(todo)}, {spent:.0f} s: {cell['key']}", file=sys.stderr)
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return cells
+
+
+def columns_of(row: Row | FlightRow | Trial) -> tuple[int, ...]:
+    """List the numbers of landmarks with which a row is counted."""
+    return row.columns if isinstance(row, FlightRow) else LANDMARKS
+
+
+# Tables
+
+
+def outside(found: tuple[float, float, float], allowed: tuple[float, float]) -> bool:
+    """Tell whether no value that a counted share may stand for is allowed."""
+    return found[2] < allowed[0] or found[1] > allowed[1]
+
+
+def cell_text(shares: dict[str, Any], table: Table, row: Row | FlightRow) -> str:
+    """Write a cell: the share inside 95 %, in brackets that inside one standard deviation."""
+    allowed = (row.low, row.high) if isinstance(row, FlightRow) else FILM_95
+    wide = shares[table.wide]
+    if wide[0] != wide[0]:
+        return "-"
+    text, out = f"{100 * wide[0]:.1f}", outside(wide, allowed)
     if table.narrow:
-        narrow = table.narrow(found)
-        text, out = f"{text} ({100 * narrow.share:.0f})", out or outside(narrow, ALLOWED_68)
+        narrow = shares[table.narrow]
+        text = f"{text} ({100 * narrow[0]:.0f})"
+        out = out or (allowed == FILM_95 and outside(narrow, ALLOWED_68))
     return text + "\\*" * out
 
 
-def table_lines(
-    table: Table, counts: dict[Row | FlightRow, list[Count]], columns: tuple[int, ...]
-) -> Iterator[str]:
-    """One table as Markdown; its last column is how far chance may have moved a share."""
-    yield "".join(["| errors |", *(f" {n} |" for n in columns), " ± |"])
-    yield "|---" * (len(columns) + 2) + "|"
-    for row, found in counts.items():
-        widths = [100 * (s.high - s.low) / 2 for s in map(table.wide, found)]
-        cells = " | ".join(cell(one, table) for one in found)
-        yield f"| {row.name} | {cells} | {max(widths):.1f} |"
+def table_lines(table: Table, cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator[Line]:
+    """Write the rows of a table; the column before the last is how far chance may have gone.
+
+    A row that is not counted whole is given by its name, without a text.
+    """
+    heads = head(table)
+    yield Line("", f"| errors | {' | '.join(map(str, heads))} | ± |{' flights |' * table.flights}")
+    yield Line("", "|---" * (len(heads) + 2 + table.flights) + "|")
+    for row in filter(table.rows, FLIGHT_ROWS if table.flights else ROWS):
+        keys = {n: _key(row, n, asked.seed, asked.part) for n in columns_of(row)}
+        for k, part in enumerate(row.parts if isinstance(row, FlightRow) else ("",)):
+            name = f"{row.name}: {part}" if part else row.name
+            if not all(key in cells for key in keys.values()):
+                yield Line(name, "")
+                continue
+            shares = {n: cells[key]["shares"][k] for n, key in keys.items()}
+            if all(one[table.wide][0] != one[table.wide][0] for one in shares.values()):
+                continue  # places before they were solved for
+            texts = [cell_text(shares[n], table, row) if n in shares else "" for n in heads]
+            width = max(one[table.wide][2] - one[table.wide][1] for one in shares.values())
+            more = f" {_jobs(row, asked.part)} |" if table.flights else ""
+            yield Line(name, f"| {name} | {' | '.join(texts)} | {50 * width:.1f} |{more}")
 
 
-def flag_lines(trials: dict[Trial, list[Rates]], columns: tuple[int, ...]) -> Iterator[str]:
-    """The rates of the flags as Markdown, per cent."""
-    yield "".join(["| what is wrong | flag |", *(f" {n} |" for n in columns)])
-    yield "|---" * (len(columns) + 2) + "|"
-    for trial, found in trials.items():
-        for flag in trial.shown:
-            for which, shares in (("", "found"), (" in the other frames", "false")):
-                values = [getattr(one, shares).get(flag) for one in found]
-                if any(value == value for value in values):
-                    cells = " | ".join("-" if v != v else f"{100 * v:.2f}" for v in values)
-                    yield f"| {trial.name} | `{flag}`{which} | {cells} |"
-        if "misfit" in trial.shown and found[0].wrong:
-            for text, name in (("named", "named"), ("named alone", "named_alone")):
-                cells = " | ".join(f"{100 * getattr(one, name):.1f}" for one in found)
-                yield f"| {trial.name} | {text} | {cells} |"
+def head(table: Table) -> tuple[int, ...]:
+    """List the columns of a table."""
+    if not table.flights:
+        return LANDMARKS
+    return tuple(sorted({n for row in filter(table.rows, FLIGHT_ROWS) for n in columns_of(row)}))
 
 
-class Progress:
-    """A line on standard error that says how far the count is."""
-
-    def __init__(self, cells: int) -> None:
-        self.cells, self.done, self.began = cells, 0, time.monotonic()
-
-    def step(self, name: str, landmarks: int) -> None:
-        """One cell more is done."""
-        self.done += 1
-        spent = time.monotonic() - self.began
-        line = f"{self.done}/{self.cells}, {spent:.0f} s: {name}, {landmarks}"
-        if sys.stderr.isatty():
-            print(f"\r{line}\033[K", end="", file=sys.stderr, flush=True)
-        else:
-            print(line, file=sys.stderr, flush=True)
+def flag_lines(cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator[Line]:
+    """Write the rates of the flags, per cent."""
+    yield Line("", f"| what is wrong | flag | {' | '.join(map(str, LANDMARKS))} |")
+    yield Line("", "|---" * (len(LANDMARKS) + 2) + "|")
+    for trial in TRIALS:
+        keys = [_key(trial, n, asked.seed, asked.part) for n in LANDMARKS]
+        if not all(key in cells for key in keys):
+            yield Line(trial.name, "")
+            continue
+        found = [cells[key]["rates"] for key in keys]
+        for label in dict.fromkeys(label for one in found for label in one):
+            texts = " | ".join(one.get(label, "-") for one in found)
+            yield Line(trial.name, f"| {trial.name} | {label} | {texts} |")
 
 
-def _seed(seed: int, name: str, landmarks: int) -> int:
-    """A seed for a cell that does not depend on which other cells are counted."""
-    return zlib.crc32(f"{seed} {name} {landmarks}".encode())
+def page_with(page: str, mark: str, lines: Iterator[Line]) -> str:
+    """Write a table where a page has its mark; rows that are not counted stay as they are.
 
-
-def _counted(row: Row | FlightRow, landmarks: int, seed: int, part: float) -> Count:
-    jobs = max(8, round(row.plan.jobs * part))
-    if isinstance(row, FlightRow):
-        return flight_counted(row, landmarks, seed, jobs)
-    return counted(row, landmarks, seed, jobs)
+    Args:
+        page: the text of the page
+        mark: of the table
+        lines: of the table
+    """
+    begin, end = f"<!-- table of {mark} -->\n", "<!-- end of table -->"
+    old = page.split(begin)[1].split(end)[0].splitlines()
+    made = []
+    for name, text in lines:
+        made += [text] if text else [one for one in old if one.startswith(f"| {name} |")]
+    return between(page, begin, end, "\n".join([*made, ""]))
 
 
 def main() -> None:
-    """Count the asked cells and print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    """Count the asked cells, and write or print the tables."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--write", action="store_true", help="into docs/coverage.md")
     parser.add_argument("--part", type=float, default=1.0, metavar="P", help="of the jobs")
     parser.add_argument(
         "--cells",
@@ -150,40 +281,28 @@ def main() -> None:
         metavar="TEXT",
         help="rows with one of these in their names",
     )
-    parser.add_argument("--landmarks", type=int, nargs="*", default=LANDMARKS, metavar="N")
+    parser.add_argument("--landmarks", type=int, nargs="*", metavar="N")
     parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--processes", type=int, default=1, metavar="N")
+    parser.add_argument("--results", type=Path, default=Path("coverage.jsonl"), metavar="FILE")
     asked = parser.parse_args()
-    columns, part = tuple(asked.landmarks), asked.part
-    rows = [row for row in (*ROWS, *FLIGHT_ROWS) if any(c in row.name for c in asked.cells)]
-    trials = [trial for trial in TRIALS if any(c in trial.name for c in asked.cells)]
-    progress = Progress((len(rows) + len(trials)) * len(columns))
-    counts: dict[Row | FlightRow, list[Count]] = {}
-    flags: dict[Trial, list[Rates]] = {}
-    try:
-        for trial in trials:
-            jobs = max(8, round(trial.plan.jobs * part))
-            found = []
-            for n in columns:
-                found.append(rates(trial, n, _seed(asked.seed, trial.name, n), jobs))
-                progress.step(trial.name, n)
-            flags[trial] = found
-        for row in rows:
-            cells = []
-            for n in columns:
-                cells.append(_counted(row, n, _seed(asked.seed, row.name, n), part))
-                progress.step(row.name, n)
-            counts[row] = cells
-    except KeyboardInterrupt:
-        print("Interrupted.")
-    print(f"Seed {asked.seed}; {part:g} of the jobs.")
-    for table in TABLES:
-        if chosen := {row: found for row, found in counts.items() if table.rows(row)}:
-            print(f"\n{table.title}:\n", *table_lines(table, chosen, columns), sep="\n")
-    if flags:
-        print("\nFlags, per cent of the frames:\n", *flag_lines(flags, columns), sep="\n")
-    for row, found in counts.items():
-        if lost := sum(one.lost for one in found):
-            print(f"\n{row.name}: {lost} frames without an attitude or a standard deviation")
+    rows = [
+        row for row in (*FLIGHT_ROWS, *ROWS, *TRIALS) if any(c in row.name for c in asked.cells)
+    ]
+    cells = counted_cells(rows, asked)
+    made = {table.mark: table_lines(table, cells, asked) for table in TABLES}
+    made["flags"] = flag_lines(cells, asked)
+    page = PAGE.read_text(encoding="utf-8")
+    for mark, lines in made.items():
+        if asked.write:
+            page = page_with(page, mark, lines)
+        elif len(texts := [text for _, text in lines if text]) > 2:
+            print(f"\n{mark}\n", *texts, sep="\n")
+    if asked.write:
+        PAGE.write_text(page, encoding="utf-8", newline="\n")
+    for key, cell in cells.items():
+        if cell.get("lost"):
+            print(f"{key}: {cell['lost']} frames without an attitude", file=sys.stderr)
 
 
 if __name__ == "__main__":

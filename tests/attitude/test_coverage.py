@@ -18,12 +18,10 @@ import pytest
 from tests.kit.coverage import (
     ATTACK,
     ETA,
-    FLIGHT_ROWS,
     ROWS,
     VEHICLE,
     Share,
     counted,
-    flight_counted,
     share,
     sigmas_of,
     solved,
@@ -43,7 +41,7 @@ from tests.tolerances import assert_close, within
 from vopd.pipeline import read_deck
 
 CONFIDENCE = 0.999
-ROW = {row.name: row for row in (*ROWS, *FLIGHT_ROWS)}
+ROW = {row.name: row for row in ROWS}
 TRIAL = {trial.name: trial for trial in TRIALS}
 
 AT_REST = ("landmarks 100 ft, camera at rest", 3, 24)
@@ -101,12 +99,6 @@ def test_errors_that_are_given_are_not_in_the_reading_sigma() -> None:
     ratio = np.array([one.uncertainty.reading.sigma for one in solved(films)]) / true
     assert abs(ratio.mean() - 1.0) < within("estimated reading sigma")
     assert np.abs(ratio - 1.0).max() < within("reading sigma of a short film")
-
-
-def test_of_flights_too() -> None:
-    found = flight_counted(ROW["flight, all together"], 4, 8, 15)
-    allows(found.share_95(VEHICLE, CONFIDENCE), 0.93, 0.97)
-    allows(found.beyond_68(VEHICLE, CONFIDENCE), -0.013, 0.017)
 
 
 def flagged(name: str, landmarks: int, jobs: int) -> Rates:

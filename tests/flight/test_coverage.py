@@ -1,0 +1,62 @@
+"""The truth of flights lies inside the stated intervals as often as they say.
+
+A quick version of `python -m tools.coverage`: every cell must allow a share that the full table
+asks for, 93 to 97 of 100 inside the 95 % interval and, where sigma_px is stated, 67 to 70 inside
+one standard deviation. The limits are those of 999 of 1,000 counts. Files and truth are made by
+`tests.kit.simulated_flights`, apart from the package.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vopd
+from tests.kit.coverage import ATTACK, VEHICLE, Array, share
+from tests.kit.flight_coverage import FLIGHT_ROWS, flight_counted
+from tests.kit.simulated_flights import Errors, Plan, write_flight
+from tests.tolerances import within
+
+CONFIDENCE = 0.999
+ROW = {row.name: row for row in FLIGHT_ROWS}
+
+CELLS = [
+    ("all together", 4, 30),
+    ("all together, sigma_px stated", 3, 30),
+]
+HARDLY = Errors(1e-6, (1e-6,), ((1e-6, 1e-6, 1e-6),), clock_s=1e-9)
+
+
+def allows(inside: Array, low: float, high: float) -> None:
+    found = share(inside, CONFIDENCE)
+    assert found.low <= high and found.high >= low, found
+
+
+@pytest.mark.parametrize(("name", "landmarks", "flights"), CELLS)
+def test_the_truth_is_inside_as_often_as_stated(name: str, landmarks: int, flights: int) -> None:
+    row = ROW[name]
+    for found in flight_counted(row, landmarks, 7, flights):
+        for inside in (
+            found.inside_95[..., VEHICLE], found.inside_95[..., ATTACK], found.attitude_95,
+            found.place_95, found.mean_95,
+        ):  # fmt: skip
+            allows(inside, row.low, row.high)
+        if row.plan.sigma_px:
+            allows(found.inside_68[..., VEHICLE], 0.67, 0.70)
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [
+        Plan(HARDLY, distortion=(-0.1, 0.02), landmarks=6),
+        Plan(HARDLY, fisheye=True, focal_px=700.0, distortion=(0.05, -0.01)),
+        Plan(HARDLY, fix_hz=1.0, frame_hz=30.0, frames=90),
+    ],
+)  # fmt: skip
+def test_flights_without_errors_are_solved_to_the_truth(plan: Plan, tmp_path: Path) -> None:
+    truth = write_flight(tmp_path, plan, np.random.default_rng(4))
+    found = vopd.solve_flight(tmp_path / "flight.toml").vehicle_deg
+    apart = np.abs((found - truth.angles_deg[:, VEHICLE] + 180.0) % 360.0 - 180.0)
+    assert apart.max() < within("simulated flight")
