@@ -207,37 +207,95 @@ class Truth(NamedTuple):
     group: Array  # (F,) class of the frame's fix, or of its landmarks if they are its own
 
 
-# A flight and its files
+# A flight
 
 
-def write_flight(folder: Path, plan: Plan, rng: np.random.Generator) -> Truth:
+class Drawn(NamedTuple):
+    """What is true of a flight."""
+
+    plan: Plan
+    path: Flown
+    angles_deg: Array  # (F, 3) yaw, pitch, roll
+    marks_m: Array  # (N, 3) Earth-centred
+    which: Array  # (F, L) the landmarks of each frame
+    lens: LensErrors
+    air: float  # the coefficient of refraction
+    late_s: float  # how much later than they say all frames are
+    readout_s: float
+    slow: float = 0.0  # seconds that frames are later for each second that they say
+    off_m: Array = np.zeros(3)  # of all places, east, north, up
+
+    @property
+    def time_s(self) -> Array:
+        """Times that the frames say, (F,)."""
+        return np.asarray(np.arange(self.plan.frames) / self.plan.frame_hz)
+
+    @property
+    def true_s(self) -> Array:
+        """True times of the frames on the clock of the track, (F,)."""
+        return np.asarray(self.time_s * (1.0 + self.slow) + self.late_s)
+
+    @property
+    def place_m(self) -> Array:
+        """Places of the camera, Earth-centred, (F, 3)."""
+        return self.path.place_m(self.true_s, self.off_m)
+
+    def pixels(self, turn_deg: Array | float = 0.0, off_m: Array | float = 0.0) -> Array:
+        """Image the landmarks without errors of picks, (F, L, 2).
+
+        Args:
+            turn_deg: added to yaw, pitch, roll of all frames, (3,)
+            off_m: added to the places of all frames, east, north, up, (3,)
+        """
+        row_s = np.zeros(self.which.shape)
+        look = (self.angles_deg + turn_deg)[:, None]
+        for _ in range(4 if self.readout_s else 1):  # a row later is a small part of a row more
+            moved = self.path.attitude_deg(self.time_s[:, None] + row_s)
+            moved -= self.path.attitude_deg(self.time_s)[:, None]
+            place = self.path.place_m(self.true_s[:, None] + row_s, self.off_m + off_m)
+            ray = _rays(place, self.marks_m[self.which], look + moved, self.air)
+            pixel = image_of(self.plan, self.lens, ray)
+            row_s = self.readout_s * pixel[..., 1] / HIGH
+        return pixel
+
+
+def write_flight(
+    folder: Path, plan: Plan, rng: np.random.Generator, mistake: str = "", noticed: float = 1.0
+) -> Truth:
     """Draw a flight, and write its project as a user has it.
 
     Args:
         folder: for `flight.toml`, `picks.csv`, `landmarks.csv`, `track.csv` and `wind.csv`
         plan: what to draw
         rng: the random numbers
+        mistake: one of `MISTAKES` that the project does not know of
+        noticed: its size, in those that are noticeable
     """
-    e, frames = plan.errors, plan.frames
-    wrong = LensErrors(*rng.normal(0.0, e.lens))
+    e = plan.errors
+    path = Flown(plan, rng)
+    lens = LensErrors(*rng.normal(0.0, e.lens))
     air = plan.refraction * (1.0 + rng.normal(0.0, e.refraction))
     late_s = rng.normal(0.0, e.clock_s)
-    path = _Path(plan, rng)
-    time_s = np.arange(frames) / plan.frame_hz
-    angles = path.attitude_deg(time_s) + rng.uniform(-1.0, 1.0, (frames, 3)) * plan.jitter_deg
-    camera_m = path.place_m(time_s + late_s)
-    marks_m, which, mark_m, mark_group = _landmarks(plan, rng, path, angles, camera_m)
-    row_s = np.zeros(which.shape)
-    for _ in range(4 if plan.readout_ms else 1):  # each gains a factor of the rows moved a row
-        moved = path.attitude_deg(time_s[:, None] + row_s) - path.attitude_deg(time_s)[:, None]
-        look = angles[:, None] + moved
-        at_m = path.place_m(time_s[:, None] + row_s + late_s)
-        pixel = image_of(plan, wrong, _rays(at_m, marks_m[which], look, air))
-        row_s = plan.readout_ms / 1000.0 * pixel[..., 1] / HIGH
-    pixel += rng.normal(0.0, e.pick_px, pixel.shape)
+    time_s = np.arange(plan.frames) / plan.frame_hz
+    angles = path.attitude_deg(time_s)
+    angles += rng.uniform(-1.0, 1.0, angles.shape) * plan.jitter_deg
+    marks_m, which, mark_m, mark_group = _landmarks(plan, rng, path, angles, time_s + late_s)
+    right = Drawn(
+        plan, path, angles, marks_m, which, lens, air, late_s, plan.readout_ms / 1000.0
+    )  # fmt: skip
+    drawn = spoiled(right, mistake, noticed, rng) if mistake else right
 
+    pixel = drawn.pixels() + rng.normal(0.0, e.pick_px, (*which.shape, 2))
+    if mistake == "u and v exchanged":
+        pixel = pixel[..., ::-1]
+    if mistake == "v upward":
+        pixel = pixel * [1.0, -1.0] + [0.0, HIGH - 1.0]
+    label = np.arange(len(marks_m))
+    if mistake == "labels exchanged":
+        label[:2] = 1, 0
     _table(folder / "picks.csv", "frame,landmark,u_px,v_px", "%d,m%d,%.4f,%.4f", np.stack([
-        np.repeat(np.arange(frames), which.shape[1]), which.ravel(), *pixel.reshape(-1, 2).T,
+        np.repeat(np.arange(plan.frames), which.shape[1]), label[which].ravel(),
+        *pixel.reshape(-1, 2).T,
     ]))  # fmt: skip
     stated_m = marks_m + _enu(rng.normal(size=marks_m.shape) * mark_m[:, None], marks_m)
     by_row = len(e.landmark_m) > 1
@@ -246,8 +304,9 @@ def write_flight(folder: Path, plan: Plan, rng: np.random.Generator) -> Truth:
            f"m%d,{PLACE}" + ",%g" * by_row, np.stack(columns))  # fmt: skip
     bias_m = rng.normal(0.0, e.bias_m)
     if plan.stands:
-        place = _degrees(camera_m[:1] + _enu(bias_m, camera_m[:1]))
-        fix_group = np.zeros(frames, int)
+        place = right.place_m[:1]
+        place = _degrees(place + _enu(bias_m, place))
+        fix_group = np.zeros(plan.frames, int)
         where = "[position]\nlat_deg = {:.12f}\nlon_deg = {:.12f}\nh_m = {:.5f}\n".format(
             *(float(one[0]) for one in place)
         )
@@ -258,14 +317,14 @@ def write_flight(folder: Path, plan: Plan, rng: np.random.Generator) -> Truth:
     if plan.wind:
         _write_wind(folder, wind + rng.normal(0.0, e.wind_m_s, 2))
     (folder / "flight.toml").write_text(_project(plan, where), encoding="utf-8")
-    velocity = path.velocity_m_s(time_s + late_s, camera_m)
+    velocity = path.velocity_m_s(drawn.true_s, drawn.place_m)
     velocity[:, :2] -= wind
-    attack = np.full((frames, 3), np.nan) if plan.stands else attack_deg(angles, velocity)
+    attack = np.full_like(angles, np.nan) if plan.stands else attack_deg(angles, velocity)
     group = mark_group if plan.own and by_row else fix_group
-    return Truth(np.hstack([angles, angles, attack]), camera_m, group)
+    return Truth(np.hstack([angles, angles, attack]), drawn.place_m, group)
 
 
-class _Path:
+class Flown:
     """A drawn path: a straight one at constant speed, with a weaving across it, and attitude."""
 
     def __init__(self, plan: Plan, rng: np.random.Generator) -> None:
@@ -287,11 +346,11 @@ class _Path:
         self.side = plan.weave_m * side / max(float(np.linalg.norm(side)), 1e-9)
         self.middle_s = (plan.frames - 1) / plan.frame_hz / 2.0
 
-    def place_m(self, time_s: Array) -> Array:
-        """Place the camera, Earth-centred, (..., 3)."""
+    def place_m(self, time_s: Array, off_m: Array | float = 0.0) -> Array:
+        """Place the camera, Earth-centred, (..., 3), so far off east, north, up."""
         weave = np.sin(2.0 * np.pi * time_s / self.plan.weave_s + self.phase[3])[..., None]
         since = (time_s - self.middle_s)[..., None]
-        local = self.start + since * self.velocity + weave * self.side
+        local = self.start + since * self.velocity + weave * self.side + off_m
         return np.asarray(self.ground_m + local @ self.axes)
 
     def velocity_m_s(self, time_s: Array, place_m: Array) -> Array:
@@ -323,7 +382,7 @@ def _rays(camera_m: Array, mark_m: Array, look_deg: Array, air: float) -> Array:
 
 
 def _landmarks(
-    plan: Plan, rng: np.random.Generator, path: _Path, angles_deg: Array, camera_m: Array
+    plan: Plan, rng: np.random.Generator, path: Flown, angles_deg: Array, true_s: Array
 ) -> tuple[Array, Array, Array, Array]:
     """Lay landmarks where the camera sees them.
 
@@ -331,7 +390,7 @@ def _landmarks(
         True places (N, 3), the landmarks of each frame (F, L), the standard deviation of each
         landmark (N,), and the class of each frame's (F,).
     """
-    n, frames = plan.landmarks, len(camera_m)
+    n, frames, camera_m = plan.landmarks, plan.frames, path.place_m(true_s)
     sets = frames if plan.own else 1
     if plan.poor:
         along = np.linspace(-100.0, 100.0, n) + rng.uniform(-20.0, 20.0, (sets, n))
@@ -364,8 +423,75 @@ def _landmarks(
     return place.reshape(-1, 3), which, sizes[of_mark], group
 
 
+# Mistakes that a project does not know of
+
+STEPS = {
+    "clock": 1e-3,  # s
+    "frame rate": 1e-5,  # of itself
+    "focal length": 1e-4,  # of itself
+    "k1": 1e-4,
+    "heights": 0.01,  # m, of the track against the landmarks
+    "position": 0.01,  # m, in any direction
+    "landmark": 0.01,  # m, in any direction, in all frames
+    "readout": 1e-4,  # s
+}
+"""Mistakes that have a size, and how much of them is small."""
+MISTAKES = (*STEPS, "u and v exchanged", "v upward", "labels exchanged")
+NOTICED = 4.0  # standard deviations of a mistake's size: .001 for fifteen trials together
+
+
+def spoiled(drawn: Drawn, mistake: str, noticed: float, rng: np.random.Generator) -> Drawn:
+    """Make a mistake of a size that is so many times the noticeable one.
+
+    It is noticeable where its estimate differs from zero by `NOTICED` standard deviations in half
+    of the flights: by the normal equations of turns and places of the frames, with their priors.
+    """
+    if mistake not in STEPS:
+        return drawn
+    way = rng.normal(size=3)
+    way /= np.linalg.norm(way)
+    step = STEPS[mistake]
+    plan = drawn.plan
+    middle = drawn.pixels()
+    by = (_changed(drawn, mistake, step, way).pixels() - middle) / step
+    turns = [(drawn.pixels(turn_deg=one) - middle) / 1e-3 for one in 1e-3 * np.eye(3)]
+    sizes = np.array((plan.errors.fix_m or ((0.0,) * 3,))[0])
+    moves = [(drawn.pixels(off_m=one) - middle) / 1e-3 for one in 1e-3 * np.eye(3)]
+    known = [moved * size for moved, size in zip(moves, sizes, strict=True)]
+    flat = [np.stack(some, axis=-1).reshape(plan.frames, -1, len(some)) / plan.errors.pick_px
+            for some in ([by], turns + known)]  # fmt: skip
+    effect, others = flat[0], flat[1]
+    normal = others.swapaxes(1, 2) @ others + np.diag([0.0] * 3 + [1.0] * 3)
+    across = others.swapaxes(1, 2) @ effect
+    gain = (effect**2).sum() - (across * np.linalg.solve(normal, across)).sum()
+    return _changed(drawn, mistake, noticed * NOTICED / float(np.sqrt(gain)), way)
+
+
+def _changed(drawn: Drawn, mistake: str, size: float, way: Array) -> Drawn:
+    if mistake == "clock":
+        return drawn._replace(late_s=drawn.late_s + size)
+    if mistake == "frame rate":
+        return drawn._replace(slow=drawn.slow + size)
+    if mistake == "focal length":
+        return drawn._replace(lens=drawn.lens._replace(focal_rel=drawn.lens.focal_rel + size))
+    if mistake == "k1":
+        return drawn._replace(lens=drawn.lens._replace(k1=drawn.lens.k1 + size))
+    if mistake == "readout":
+        return drawn._replace(readout_s=drawn.readout_s + size)
+    if mistake == "landmark":
+        marks_m = drawn.marks_m.copy()
+        marks_m[:1] += _enu(size * way, marks_m[:1])
+        return drawn._replace(marks_m=marks_m)
+    return drawn._replace(
+        off_m=size * (way if mistake == "position" else np.array([0.0, 0.0, 1.0]))
+    )
+
+
+# Its files
+
+
 def _write_track(
-    folder: Path, plan: Plan, rng: np.random.Generator, path: _Path, time_s: Array, bias_m: Array
+    folder: Path, plan: Plan, rng: np.random.Generator, path: Flown, time_s: Array, bias_m: Array
 ) -> Array:
     """Write the track; the class of the fixes of each frame (F,), -1 where it has two."""
     e = plan.errors
