@@ -17,11 +17,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
 import sys
 import time
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,13 +40,17 @@ from tests.kit.coverage import (
 )
 from tests.kit.flag_trials import TRIALS, Rates, Trial, rates
 from tests.kit.flight_coverage import FLIGHT_ROWS, FlightRow, flight_counted
+from tests.kit.flight_mistakes import MISTAKE_ROWS, MistakeRow, mistakes_named
 from tools.made_page import between
+from vopd.findings import VopdError
 
 PAGE = Path(__file__).parents[1] / "docs" / "coverage.md"
 FILM_95, ALLOWED_68 = (0.93, 0.97), (0.67, 0.70)
 CONFIDENCE = 0.999
 SEED = 12
 
+AnyRow = Row | FlightRow | MistakeRow | Trial
+ALL_ROWS: tuple[AnyRow, ...] = (*FLIGHT_ROWS, *MISTAKE_ROWS, *ROWS, *TRIALS)
 Cell = dict[str, Any]
 """What is kept of a counted cell: name, landmarks, seed, jobs, and its shares or rates."""
 
@@ -101,16 +105,17 @@ class Line(NamedTuple):
 # Counting
 
 
-def _jobs(row: Row | FlightRow | Trial, part: float) -> int:
-    number = row.plan.flights if isinstance(row, FlightRow) else row.plan.jobs
+def _jobs(row: AnyRow, part: float) -> int:
+    number = row.plan.flights if isinstance(row, FlightRow | MistakeRow) else row.plan.jobs
     return max(8, round(number * part))
 
 
-def _key(row: Row | FlightRow | Trial, landmarks: int, seed: int, part: float) -> str:
-    return f"{row.name}; {landmarks} landmarks; {_jobs(row, part)} jobs; seed {seed}"
+def _key(row: AnyRow, landmarks: int, seed: int, part: float) -> str:
+    kind, jobs = type(row).__name__, _jobs(row, part)
+    return f"{kind} {row.name}; {landmarks} landmarks; {jobs} jobs; seed {seed}"
 
 
-def count(row: Row | FlightRow | Trial, landmarks: int, seed: int, part: float) -> Cell:
+def count(row: AnyRow, landmarks: int, seed: int, part: float) -> Cell:
     """Count a cell.
 
     Args:
@@ -123,6 +128,9 @@ def count(row: Row | FlightRow | Trial, landmarks: int, seed: int, part: float) 
     cell: Cell = {"key": _key(row, landmarks, seed, part), "jobs": jobs}
     if isinstance(row, Trial):
         return cell | {"rates": _rates(row, rates(row, landmarks, own, jobs))}
+    if isinstance(row, MistakeRow):
+        named = [mistakes_named(row, size, own, jobs) for size in row.sizes]
+        return cell | {"named": [dict(one._asdict()) for one in named]}
     parts = (
         flight_counted(row, landmarks, own, jobs)
         if isinstance(row, FlightRow)
@@ -151,9 +159,7 @@ def _rates(trial: Trial, found: Rates) -> dict[str, str]:
     return texts
 
 
-def counted_cells(
-    rows: Sequence[Row | FlightRow | Trial], asked: argparse.Namespace
-) -> dict[str, Cell]:
+def counted_cells(rows: Sequence[AnyRow], asked: argparse.Namespace) -> dict[str, Cell]:
     """Count the cells that the file of results does not have, and add them to it."""
     file: Path = asked.results
     lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
@@ -166,23 +172,34 @@ def counted_cells(
         and _key(row, n, asked.seed, asked.part) not in cells
     ]
     began = time.monotonic()
-    pool = ProcessPoolExecutor(asked.processes)
-    futures = [pool.submit(count, row, n, asked.seed, asked.part) for row, n in todo]
-    try:
-        with file.open("a", encoding="utf-8") as out:
-            for done, cell in enumerate((one.result() for one in as_completed(futures)), 1):
+    context = multiprocessing.get_context("spawn")  # a fork may copy a lock that is held
+    with context.Pool(asked.processes) as pool, file.open("a", encoding="utf-8") as out:
+        tasks = [(ALL_ROWS.index(row), n, asked.seed, asked.part) for row, n in todo]
+        for done, cell in enumerate(pool.imap_unordered(_count, tasks), 1):
+            spent = time.monotonic() - began
+            text = cell.get("error", cell["key"])
+            print(f"{done}/{len(todo)}, {spent:.0f} s: {text}", file=sys.stderr, flush=True)
+            if "error" not in cell:
                 cells[cell["key"]] = cell
                 print(json.dumps(cell), file=out, flush=True)
-                spent = time.monotonic() - began
-                print(f"{done}/{len(todo)}, {spent:.0f} s: {cell['key']}", file=sys.stderr)
-    finally:
-        pool.shutdown(cancel_futures=True)
     return cells
 
 
-def columns_of(row: Row | FlightRow | Trial) -> tuple[int, ...]:
+def _count(task: tuple[int, int, int, float]) -> Cell:
+    """Count a cell in a process of its own; an error ends the cell, not the count."""
+    row, settings = ALL_ROWS[task[0]], task[1:]
+    try:
+        return count(row, *settings)
+    except VopdError as error:
+        key = _key(row, *settings)
+        return {"key": key, "error": f"{key}: {error}"}
+
+
+def columns_of(row: AnyRow) -> tuple[int, ...]:
     """List the numbers of landmarks with which a row is counted."""
-    return row.columns if isinstance(row, FlightRow) else LANDMARKS
+    if isinstance(row, FlightRow):
+        return row.columns
+    return (row.plan.landmarks,) if isinstance(row, MistakeRow) else LANDMARKS
 
 
 # Tables
@@ -253,6 +270,21 @@ def flag_lines(cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator[Li
             yield Line(trial.name, f"| {trial.name} | {label} | {texts} |")
 
 
+def mistake_lines(cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator[Line]:
+    """Write how often mistakes are named, per cent."""
+    yield Line("", "| mistake | size | named | or misfits | another | frames | 95 % | flights |")
+    yield Line("", "|---" * 8 + "|")
+    for row in MISTAKE_ROWS:
+        cell = cells.get(_key(row, row.plan.landmarks, asked.seed, asked.part))
+        if cell is None:
+            yield Line(row.name, "")
+            continue
+        for size, found in zip(row.sizes, cell["named"], strict=True):
+            text = f"{size:.2g}" if len(row.sizes) > 1 else ""
+            shares = " | ".join(f"{100 * share:.1f}" for share in found.values())
+            yield Line(row.name, f"| {row.name} | {text} | {shares} | {cell['jobs']} |")
+
+
 def page_with(page: str, mark: str, lines: Iterator[Line]) -> str:
     """Write a table where a page has its mark; rows that are not counted stay as they are.
 
@@ -286,11 +318,10 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=1, metavar="N")
     parser.add_argument("--results", type=Path, default=Path("coverage.jsonl"), metavar="FILE")
     asked = parser.parse_args()
-    rows = [
-        row for row in (*FLIGHT_ROWS, *ROWS, *TRIALS) if any(c in row.name for c in asked.cells)
-    ]
+    rows = [row for row in ALL_ROWS if any(c in row.name for c in asked.cells)]
     cells = counted_cells(rows, asked)
     made = {table.mark: table_lines(table, cells, asked) for table in TABLES}
+    made["mistakes"] = mistake_lines(cells, asked)
     made["flags"] = flag_lines(cells, asked)
     page = PAGE.read_text(encoding="utf-8")
     for mark, lines in made.items():
