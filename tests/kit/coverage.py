@@ -83,16 +83,6 @@ class Count(NamedTuple):
             **{name: getattr(found, name) - expected for name in ("share", "low", "high")}
         )
 
-    @property
-    def share_of_attitudes(self) -> Share:
-        """The share inside the ellipsoid of the covariance, 95 %."""
-        return share(self.attitude_95)
-
-    @property
-    def share_of_means(self) -> Share:
-        """The share of the means over a job, 95 %."""
-        return share(self.mean_95)
-
     def share_95(self, angles: slice, confidence: float = 0.95) -> Share:
         """The share inside the 95 % interval."""
         return share(self.inside_95[..., angles], confidence)

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import fdtri
+from scipy.special import stdtr, stdtrit
 
 import vopd
-from tests.kit.coverage import Count
+from tests.kit.coverage import VEHICLE, Count
 from tests.kit.simulated_flights import (
     Errors,
     LensErrors,
@@ -36,6 +36,7 @@ ANGLES = (
 )  # fmt: skip
 BODY_AXES = ("forward", "right", "down")
 PLACE_95 = 1.959964
+FREEDOM = np.geomspace(0.5, 1e9, 400)
 
 
 class FlightRow(NamedTuple):
@@ -73,40 +74,40 @@ def flight_counted(
             truth = write_flight(Path(folder), plan, rng)
             found.append(_inside(Path(folder) / "flight.toml", truth, row))
             groups.append(truth.group)
-    parts = [np.stack(part) for part in zip(*found, strict=True)]
-    if len(row.parts) == 1:
-        return [_count(parts)]
+    arrays = [np.stack(part) for part in zip(*found, strict=True)]
+    lost = int(np.isnan(arrays[2][..., VEHICLE]).any(axis=-1).sum())
     group = np.stack(groups)[..., None]
-    return [
-        _count([np.where(group == k, one, np.nan) for one in parts[:-1]] + parts[-1:])
-        for k in range(len(row.parts))
-    ]
-
-
-def _count(parts: list[Array]) -> Count:
-    lost = int(np.isnan(parts[1][..., 3:6]).any(axis=-1).sum())
-    return Count(parts[0], parts[1], parts[2], parts[4], lost, parts[3])
+    counts = []
+    for k in range(len(row.parts)):
+        counted = (group == k) | (len(row.parts) == 1)
+        *frames, mean = arrays
+        one, chance, wide, attitude, place = (np.where(counted, part, np.nan) for part in frames)
+        counts.append(Count(one, chance, wide, attitude, mean, lost, place))
+    return counts
 
 
 def _inside(project: Path, truth: Truth, row: FlightRow) -> tuple[Array, ...]:
     """Solve a flight, and compare its table with the truth; NaN where nothing is compared.
 
     Returns:
-        Angles inside one standard deviation and inside the 95 % interval (F, 9), attitudes inside
-        the ellipsoid (F, 1), places inside 95 % (F, 3), and mean angles inside 95 % (1, 3).
+        Angles inside one standard deviation, the probability of that, and angles inside the 95 %
+        interval (F, 9), attitudes inside the ellipsoid (F, 1), places inside 95 % (F, 3), and
+        mean angles inside 95 % (1, 3).
     """
     history = vopd.solve_flight(project).history()
     stated = table([history])
     error = np.abs((_columns(stated, "{}_deg") - truth.angles_deg + 180.0) % 360.0 - 180.0)
+    if not row.attack:
+        error[:, 6:] = np.nan
     sigma, half = _columns(stated, "sigma_{}_deg"), _columns(stated, "half_width_95_{}_deg")
-    one_sigma, wide = (np.where(np.isnan(w + error), np.nan, error <= w) for w in (sigma, half))
+    narrow, wide = (np.where(np.isnan(w + error), np.nan, error <= w) for w in (sigma, half))
+    student = np.interp(-half / sigma, -stdtrit(FREEDOM, 0.975), FREEDOM)  # its degrees of freedom
+    chance = np.where(np.isnan(narrow + half), np.nan, 2.0 * stdtr(student, 1.0) - 1.0)
     eta = truth.angles_deg[:, 8]
     within = (stated["eta_low_95_deg"] <= eta) & (eta <= stated["eta_high_95_deg"])
     wide[:, 8] = np.where(np.isnan(error[:, 8]), np.nan, within)
-    if not row.attack:
-        one_sigma[:, 6:], wide[:, 6:] = np.nan, np.nan
     mean = _mean_inside(history, truth) if row.mean else np.full((1, 3), np.nan)
-    return one_sigma, wide, _attitudes(stated, truth), _places(stated, truth), mean
+    return narrow, chance, wide, _attitudes(stated, truth), _places(stated, truth), mean
 
 
 def _columns(stated: TableArrays, name: str) -> Array:
@@ -133,8 +134,7 @@ def _attitudes(stated: TableArrays, truth: Truth) -> Array:
     known = np.isfinite(off + spread.sum(axis=2)).all(axis=1)
     spread[~known] = np.eye(3)
     square = np.einsum("fi,fi->f", off, np.linalg.solve(spread, off[..., None])[..., 0])
-    limit = stated.get("covariance_factor_95", np.full(len(off), 3.0 * fdtri(3.0, 1e9, 0.95)))
-    return np.where(known, square <= limit, np.nan)[:, None]
+    return np.where(known, square <= stated["covariance_factor_95"], np.nan)[:, None]
 
 
 def _places(stated: TableArrays, truth: Truth) -> Array:
