@@ -302,7 +302,7 @@ def page_with(page: str, mark: str, lines: Iterator[Line]) -> str:
         mark: of the table
         lines: of the table
     """
-    begin, end = f"<!-- table of {mark} -->\n", "<!-- end of table -->"
+    begin, end = f"<!-- table of {mark} -->\n", f"<!-- end of {mark} -->"
     old = page.split(begin)[1].split(end)[0].splitlines()
     made = []
     for name, text in lines:
