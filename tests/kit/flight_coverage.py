@@ -24,6 +24,8 @@ from tests.kit.simulated_flights import (
     body_to_ned,
     ecef,
     local_axes,
+    mean_angles_deg,
+    turns_deg,
     write_flight,
 )
 from vopd.attitude.history import History
@@ -116,17 +118,10 @@ def _columns(stated: TableArrays, name: str) -> Array:
     return np.stack([stated.get(name.format(angle), missing) for angle in ANGLES], axis=1)
 
 
-def _turns(stated: TableArrays, truth: Truth) -> Array:
-    """Small turns from the stated to the true attitude about forward, right, down, (F, 3)."""
-    found = body_to_ned(_columns(stated, "{}_deg")[:, 3:6])
-    turn = found.swapaxes(-1, -2) @ body_to_ned(truth.angles_deg[:, 3:6])
-    off = np.stack([turn[:, 2, 1], turn[:, 0, 2], turn[:, 1, 0]], axis=-1)
-    return np.degrees(off - np.stack([turn[:, 1, 2], turn[:, 2, 0], turn[:, 0, 1]], axis=-1)) / 2.0
-
-
 def _attitudes(stated: TableArrays, truth: Truth) -> Array:
     """Whether the true attitudes are inside the ellipsoids of the covariance, (F, 1)."""
-    off = _turns(stated, truth)
+    found = body_to_ned(_columns(stated, "{}_deg")[:, VEHICLE])
+    off = turns_deg(found.swapaxes(-1, -2) @ body_to_ned(truth.angles_deg[:, VEHICLE]))
     spread = np.empty((len(off), 3, 3))
     for i, a in enumerate(BODY_AXES):
         for j, b in enumerate(BODY_AXES[i:], i):
@@ -150,14 +145,11 @@ def _places(stated: TableArrays, truth: Truth) -> Array:
 
 
 def _mean_inside(history: History, truth: Truth) -> Array:
-    """Whether the mean of the small turns to the truth is inside its 95 % interval, (1, 3)."""
-    stated = table([history])
-    u = history.uncertainty
-    off = _turns(stated, truth)
-    of_mean = u.covariance_common_deg2.mean(axis=0)
-    of_mean = of_mean + u.covariance_independent_deg2.mean(axis=0) / len(off)
-    sigma = np.sqrt(np.diagonal(of_mean))
-    return np.asarray(np.abs(off.mean(axis=0)) <= PLACE_95 * sigma, float)[None]
+    """Whether yaw, pitch, roll of the mean attitude are inside their 95 % intervals, (1, 3)."""
+    stated = history.mean()
+    off = stated.vehicle_deg - mean_angles_deg(truth.angles_deg[:, VEHICLE])
+    inside = np.abs((off + 180.0) % 360.0 - 180.0) <= stated.half_width_95[VEHICLE]
+    return inside.astype(float)[None]
 
 
 # Rows: errors are of picks of 1 px, stated, unless the name says otherwise

@@ -76,6 +76,36 @@ def attack_deg(angles_deg: Array, through_air: Array) -> Array:
     )
 
 
+def turns_deg(rotation: Array) -> Array:
+    """Convert rotations of less than 90 degrees to vectors, axis times angle, (..., 3)."""
+    off = np.stack([rotation[..., 2, 1], rotation[..., 0, 2], rotation[..., 1, 0]], axis=-1)
+    off -= np.stack([rotation[..., 1, 2], rotation[..., 2, 0], rotation[..., 0, 1]], axis=-1)
+    sine = np.linalg.norm(off, axis=-1, keepdims=True) / 2.0
+    large = sine > 1e-9
+    scale = np.where(large, np.arcsin(np.minimum(sine, 1.0)) / np.where(large, sine, 1.0), 1.0)
+    return np.asarray(np.degrees(off / 2.0 * scale))
+
+
+def mean_angles_deg(angles_deg: Array) -> Array:
+    """Average attitudes: the one from which the turns to all have the mean zero, (3,)."""
+    bodies, middle = body_to_ned(angles_deg), np.array(angles_deg[len(angles_deg) // 2])
+    for _ in range(20):
+        mean = turns_deg(body_to_ned(middle).T @ bodies).mean(axis=0)
+        forward, right, down = (body_to_ned(middle) @ _rotation(mean)).T
+        middle = np.degrees([
+            np.arctan2(forward[1], forward[0]), -np.arcsin(forward[2]),
+            np.arctan2(right[2], down[2]),
+        ])  # fmt: skip
+    return middle
+
+
+def _rotation(turn_deg: Array) -> Array:
+    """Convert a small turn to a rotation by Cayley's formula, exact to second order."""
+    x, y, z = np.radians(turn_deg) / 2.0
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.linalg.solve(np.eye(3) - cross, np.eye(3) + cross))
+
+
 # Lens and air
 
 WIDE, HIGH = 1920, 1080
