@@ -262,6 +262,12 @@ class Estimate(FrameEstimate):
     By component, those that are common to the frames with `COMMON_PART` at the end; None where
     each frame was solved by itself, and `gain` has the effect.
     """
+    image_by_ray: Floats | None = None
+    """(F, L, 2, 3) derivatives of image coordinates by unit vectors along image x, image y and the
+    optical axis, where each landmark was picked, for a lens whose image is none of a plane.
+
+    None where `image` is a plane's, at the focal length from the camera.
+    """
     outlier: Bools | None = None
     """(F, L) the landmark that does not fit the others, where the source has tested it already."""
 

@@ -28,6 +28,7 @@ from vopd.attitude.mistakes import (
     MOST_LANDMARKS,
     MOST_NAMED,
     NEAR,
+    NOT_SEARCHED,
     NOTHING,
     PASSES,
     PLAUSIBLE,
@@ -54,7 +55,7 @@ NONE = float("nan")
 
 
 def test_limits_of_the_search() -> None:
-    assert (MOST_LANDMARKS, MOST_IN_A_FRAME, MOST_FRAMES, MOST_NAMED) == (24, 200, 200, 3)
+    assert (MOST_LANDMARKS, MOST_IN_A_FRAME, MOST_FRAMES, MOST_NAMED) == (24, 200, 1000, 3)
     assert (PASSES, PLAUSIBLE, NEAR) == (12, 0.001, 0.1)
     assert_approved(NOTHING)
 
@@ -256,7 +257,7 @@ def test_that_nothing_explains_a_frame_is_said(monkeypatch: pytest.MonkeyPatch) 
 def test_only_so_many_frames_are_searched(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     text = told(monkeypatch, [], [True, False, True, True], most=most)
     searched = (0, 2, 3)[:most]
-    assert text == [NOTHING if k in searched else "" for k in range(4)]
+    assert text == ["" if k == 1 else NOTHING if k in searched else NOT_SEARCHED for k in range(4)]
 
 
 @pytest.mark.parametrize(("count", "swaps", "drops"), [(1, 0, 0), (2, 0, 0), (3, 3, 3), (5, 10, 5)])
@@ -370,7 +371,7 @@ def test_many_repairs_are_few_lines() -> None:
 
 
 def test_frames_that_were_not_searched() -> None:
-    (one,) = misfit_findings(with_details("", ""))
+    (one,) = misfit_findings(with_details(NOT_SEARCHED, NOT_SEARCHED))
     assert one.message.endswith("what explains them: not searched")
     assert misfit_findings(with_details()) == []
 

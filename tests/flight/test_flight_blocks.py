@@ -22,6 +22,7 @@ from tests.tolerances import assert_close, within
 from vopd.attitude import long_history
 from vopd.attitude.history import History, HistoryOptions
 from vopd.attitude.long_history import frame_landmarks
+from vopd.attitude.mistakes import NOT_SEARCHED
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import table
 from vopd.export import FORMATS, FileRequest
@@ -135,7 +136,9 @@ def test_searches_for_what_explains_a_misfit_are_as_many_in_blocks(
     in_blocks(monkeypatch, 60)
     one = history(flight)
     assert one.flags.raised["misfit"][wrong].all()
-    assert [k for k, text in enumerate(one.flags.detail["misfit"]) if text] == wrong[:7].tolist()
+    texts = one.flags.detail["misfit"]
+    assert [k for k, text in enumerate(texts) if text] == wrong.tolist()
+    assert [k for k, text in enumerate(texts) if text == NOT_SEARCHED] == wrong[7:].tolist()
 
 
 @pytest.mark.parametrize("counts", [COUNTS, [6] * 40])

@@ -24,16 +24,16 @@ from vopd.attitude.residuals import (
 from vopd.attitude.sigmas import SigmasInForce, given_components
 from vopd.estimate import Estimate
 from vopd.geometry.rotation_fit import Sights, closest_axes, fit_rotations
-from vopd.geometry.rotations import ahead
 
 PASSES = 12
 PLAUSIBLE = SIGNIFICANCE  # the least chance of the residuals of a repair that is named
 NEAR = 0.1  # repairs less likely than this, against the best, are not named
 MOST_LANDMARKS = 24  # of a frame: of more only the worst are searched
 MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
-MOST_FRAMES = 200  # of a job
+MOST_FRAMES = 1000  # of a job, some 4 ms each; of the others the flag says that they are not
 MOST_NAMED = 3  # repairs of a frame
 NOTHING = "neither an exchange of two labels nor one wrong landmark"
+NOT_SEARCHED = "not searched"
 
 
 class Repair(NamedTuple):
@@ -145,9 +145,11 @@ def fitted_trials(estimate: Estimate, frame: int, weighted: Floats) -> FittedTri
         kept,
         estimate.focal_length,
     )
+    if estimate.image_by_ray is not None:
+        by_ray = np.broadcast_to(estimate.image_by_ray[frame], (*kept.shape, 2, 3))
+        sights = sights._replace(image_by_ray=by_ray)
     axes, _ = fit_rotations(sights, closest_axes(sights), PASSES)
-    in_front = ((ahead(axes, sights.direction) > 0.0) | ~kept).all(axis=1)
-    return FittedTrials(repair, label, sights, axes, np.asarray(in_front))
+    return FittedTrials(repair, label, sights, axes, sights.in_front(axes))
 
 
 def trial_equations(fitted: FittedTrials, given: ResidualEquations) -> ResidualEquations:
@@ -183,11 +185,15 @@ def misfit_text(
     """
     text = [""] * len(estimate.frame)
     misfits = np.flatnonzero(scale.misfit)
+    for frame in misfits:
+        text[frame] = NOT_SEARCHED
+    misfits = misfits[:most]
+    misfits = misfits[estimate.used[misfits].sum(axis=1) <= MOST_IN_A_FRAME]
     if not len(misfits):
         return text
     components = given_components(estimate, sigmas)
     pool = Pool(scale.test_sigma, scale.freedom, None)
-    for frame in misfits[:most]:
+    for frame in misfits:
         equations = equations_of(estimate, components, np.array([frame]))
         found = repairs(estimate, int(frame), equations, pool)
         texts = [

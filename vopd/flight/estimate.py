@@ -29,7 +29,7 @@ from vopd.flight.solve import (
     SolvedFlight,
 )
 from vopd.geometry.earth import NED_FROM_ENU, geodetic, local_axes
-from vopd.geometry.lenses import Projection, project, ray_of_pixel
+from vopd.geometry.lenses import LensKind, Projection, project, ray_of_pixel
 from vopd.geometry.linear import FAR_FROM_SINGULAR, crossing, inverse
 from vopd.geometry.rotations import (
     angles_by_turns,
@@ -463,6 +463,9 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         ignored=slots.spread(left_out[picks.landmark]),
         direction=slots.spread(_part(used, solved.lines.direction)),
         image=slots.spread(_part(used, _ideal(flight))),
+        image_by_ray=slots.spread(_part(used, _image_by_ray(flight)))
+        if flight.lens.kind is LensKind.FISHEYE
+        else None,
         focal_length=float(flight.lens.focal_px.mean()),
         residual=slots.coordinates(_part(used, residual)),
         partials=partials @ turns_by_angles(radians),
@@ -497,6 +500,13 @@ def _ideal(flight: Flight) -> Floats:
     """Remove the lens's distortion from picks: image coordinates (P, 2)."""
     ray = ray_of_pixel(flight.lens, flight.picks.pixel)
     return np.asarray(-flight.lens.focal_px.mean() * ray[:, :2] / ray[:, 2:])
+
+
+def _image_by_ray(flight: Flight) -> Floats:
+    """Differentiate image coordinates of picks by their rays in image axes, (P, 2, 3)."""
+    ray = ray_of_pixel(flight.lens, flight.picks.pixel)
+    by_ray = project(flight.lens, ray).by_turns @ crossing(ray)
+    return np.asarray(-by_ray @ IMAGE_FROM_CAMERA.T)
 
 
 def gain_of_turns(partials: Floats, weight: Floats) -> Floats:
