@@ -1,7 +1,8 @@
 """The truth lies inside the stated intervals as often as they say, by simulated films.
 
 A quick version of `tools/coverage.py`: every cell must allow a share that the full table asks
-for, 93 to 97 of 100 inside the 95 % interval and 67 to 70 inside one standard deviation.
+for, 93 to 97 of 100 inside the 95 % interval and 67 to 70 inside one standard deviation, or by so
+much fewer as Student's t has for few degrees of freedom.
 The limits are those of 999 of 1,000 counts. Films and truth are made by
 `tests.kit.simulated_films`, apart from the package. Each cell stands for a mistake that it
 would notice; the mistakes were made one by one to see that.
