@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, binary files by their first bytes, optional packages."""
+"""Files that appear whole or not at all, binary files by their first bytes, what parsers say."""
 
 from __future__ import annotations
 
@@ -209,6 +209,99 @@ def optional_package(module: str, extra: str, purpose: str = "") -> Any:
         need = f"{purpose} needs {package}, which" if purpose else package
         raise VopdError(f"{need} is not installed: pip install 'vopd[{extra}]'") from error
     return found
+
+
+# Errors of parsers in plain words
+
+PARSERS = {
+    "Expecting value": "a value is missing",
+    "Expecting property name enclosed in double quotes": "a name in double quotes is missing",
+    "Expecting ':' delimiter": "a colon is missing",
+    "Expecting ',' delimiter": "a comma is missing",
+    "Illegal trailing comma before end of object": "a comma stands before the end",
+    "Illegal trailing comma before end of array": "a comma stands before the end",
+    "Extra data": "something follows the end",
+    "Unterminated string starting at": "a text has no closing quote",
+    "Invalid control character at": "a text has no closing quote on its line",
+    "not well-formed (invalid token)": "a character that cannot stand there",
+    "mismatched tag": "a tag ends that is not the last one begun",
+    "no element found": "the end comes too early",
+    "unclosed token": "a tag has no closing bracket",
+    "junk after document element": "something follows the end",
+    "undefined entity": "an entity is not defined",
+    "duplicate attribute": "an attribute stands twice",
+    "Invalid value": "not a value",
+    "Invalid statement": "neither a key nor a section",
+    "Invalid initial character for a key part": "a key cannot begin with this character",
+    "Expected '=' after a key in a key/value pair": "no equals sign after a key",
+    "Expected newline or end of document after a statement": "something follows the value",
+    "Cannot overwrite a value": "a key stands twice",
+    "Unclosed array": "a list has no closing bracket",
+    "Unterminated string": "a text has no closing quote",
+    "Illegal character '\\n'": "a text has no closing quote on its line",
+    "Expected ']' at the end of a table declaration": "the name of a section has no closing bracket",
+}
+"""What Python's parsers of JSON, XML and TOML say, and the same in plain words."""
+
+CONVERSIONS = (
+    (r"could not convert string to float: (.*)", r"\1 is not a number"),
+    (r"invalid literal for int\(\) with base 10: (.*)", r"\1 is not a whole number"),
+    (r".*integer string conversion.*", "a whole number has thousands of digits"),
+    (r"field larger than field limit \((\d+)\)", r"a cell has more than \1 characters"),
+    (r"too many values to unpack.*", "more values stand together than belong there"),
+    (r"not enough values to unpack.*", "fewer values stand together than belong there"),
+    (r"unexpected end of data", "a quoted cell has no closing quote"),
+    (r"'.' expected after '\"'", "a quoted cell goes on behind its closing quote"),
+    (r"embedded null (byte|character)", "a null character is in the name"),
+    (r"cannot identify image file.*", "no kind of image that is known"),
+    (r"malformed node or string.*", "something that is neither a number, a text nor a list"),
+    (r"(.*) \(<unknown>, line (\d+)\)", r"line \2: \1"),
+    (r"Cannot declare .* twice", "a section stands twice"),
+    (r"setting an array element with a sequence.*", "a list stands in the place of a number"),
+)
+"""What Python and numpy say of a value that they cannot take, as a pattern, and plain words."""
+
+AT_END = " (at end of document)"
+PLACE = r"(.*?):? \(?(?:at )?line (\d+),? column (\d+)\)?(?: \(char \d+\))?"
+
+
+def reason(error: BaseException) -> str:
+    """Explain in plain words why a parser or a reader gave up: where, and what is wrong.
+
+    Args:
+        error: what it raised
+    """
+    if isinstance(error, RecursionError | MemoryError):
+        return "lists or tables stand in each other by the hundreds"
+    if isinstance(error, OverflowError):
+        return "a number is too large"
+    if isinstance(error, KeyError) and error.args:
+        return f"{error.args[0]} is missing"
+    if isinstance(error, IndexError):
+        return "a part is missing"
+    if isinstance(error, TypeError | AttributeError):
+        return "a value is of another kind than belongs there"
+    if isinstance(error, UnicodeDecodeError):
+        return "not text in UTF-8"
+    if mark := getattr(error, "problem_mark", None):  # of YAML
+        return f"line {mark.line + 1}, column {mark.column + 1}: {getattr(error, 'problem', '')}"
+    text = " ".join(str(getattr(error, "strerror", None) or error).split())
+    if found := re.fullmatch(PLACE, text):
+        what = found[1].rpartition(": ")[2]
+        column = int(found[3]) + hasattr(error, "position")  # expat counts columns from 0
+        return f"line {found[2]}, column {column}: {PARSERS.get(what) or _plain(found[1])}"
+    if text.endswith(AT_END):
+        what = text.removesuffix(AT_END)
+        return f"at the end: {PARSERS.get(what, what)}"
+    return _plain(text)
+
+
+def _plain(text: str) -> str:
+    """Replace what Python or numpy says of a value by plain words, if it is known."""
+    for pattern, plain in CONVERSIONS:
+        if found := re.fullmatch(pattern, text):
+            return found.expand(plain)
+    return text
 
 
 # Terminals

@@ -122,7 +122,9 @@ def _crs(name: str, where: str) -> Any:
     try:
         return pyproj.CRS.from_user_input(name)
     except pyproj.exceptions.CRSError as error:
-        raise VopdError(f"{where}: crs {name!r} is not known: {_short(error)}") from error
+        raise VopdError(
+            f"{where}: crs {name!r} is not known: write a code, for instance EPSG:32633"
+        ) from error
 
 
 def crs_is_geographic(name: str, where: str) -> bool:

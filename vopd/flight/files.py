@@ -18,6 +18,7 @@ from typing import Any, Generic, NamedTuple, TextIO, TypeVar
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.files import reason
 from vopd.findings import VopdError
 
 # Files of a project
@@ -112,7 +113,7 @@ def open_input(name: str, folder: Path) -> InputFile:
         _ = file.head
         return file
     except ValueError as error:  # a name that no file can have
-        raise VopdError(f"{name!r}: {error}") from error
+        raise VopdError(f"{name!r}: {reason(error)}") from error
     except OSError as error:
         raise VopdError(f"{name}: {error.strerror} (paths are relative to {folder})") from error
 
@@ -150,27 +151,9 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
             try:
                 return one.read(file, *more)
             except UNEXPECTED as error:  # a value of another kind than the format has there
-                raise file.error(
-                    f"not as {one.name} should be: {reason(error, repr(error))}"
-                ) from error
+                raise file.error(f"not as {one.name} should be: {reason(error)}") from error
     known = ", ".join(one.name for one in formats)
     raise file.error(f"the format is not recognised; known are {known}")
-
-
-def reason(error: Exception, plain: str) -> str:
-    """Explain why a parser or a reader gave up.
-
-    Args:
-        error: what it raised
-        plain: the error's own text, which serves for most
-    """
-    if isinstance(error, RecursionError | MemoryError):
-        return "lists or tables stand in each other by the hundreds"
-    if isinstance(error, OverflowError):
-        return "a number is too large"
-    if "integer string conversion" in str(error):
-        return "a whole number has thousands of digits"
-    return plain
 
 
 def shown(value: object) -> str:
@@ -443,7 +426,9 @@ def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
         try:
             rows = list(reader)
         except csv.Error as error:  # a cell of more characters than Python's csv takes
-            raise file.error(str(error), numbers[min(reader.line_num, len(lines)) - 1]) from error
+            raise file.error(
+                reason(error), numbers[min(reader.line_num, len(lines)) - 1]
+            ) from error
         if rows.pop() or len(rows) != len(lines):
             line = next(
                 n for n, line in zip(numbers, lines, strict=True) if _is_open(line, between)

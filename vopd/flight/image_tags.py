@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from vopd.files import optional_package
+from vopd.files import optional_package, reason
 from vopd.findings import VopdError
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
@@ -72,11 +72,13 @@ def read_tags(path: Path) -> ImageTags:
             xmp = xmp_text(image)
             size = (int(image.size[0]), int(image.size[1]))
     except (*UNREADABLE, pillow.DecompressionBombError) as error:
-        raise VopdError(f"{path.name}: not an image that can be read: {error}") from error
+        raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
     try:
         longitude, latitude, altitude = exif_position(gps)
     except UNREADABLE as error:
-        raise VopdError(f"{path.name}: the GPS tags are not as EXIF has them: {error}") from error
+        raise VopdError(
+            f"{path.name}: the GPS tags are not as EXIF has them: {reason(error)}"
+        ) from error
     own = [xmp_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
     if own[0] == own[0] and own[1] == own[1] and any(own[:2]):
         longitude, latitude = own[:2]

@@ -11,6 +11,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+from vopd.files import reason
 from vopd.findings import VopdError
 from vopd.flight.coordinates import HEIGHTS
 from vopd.flight.files import (
@@ -20,7 +21,6 @@ from vopd.flight.files import (
     did_you_mean,
     open_input,
     read_by_content,
-    reason,
     shown,
 )
 from vopd.flight.formats.lens import GRID_TO_CENTRE, MODELS_OPENCV
@@ -435,7 +435,7 @@ def read_project(name: str, location: str | None = None) -> Project:
     except UnicodeDecodeError as error:
         raise VopdError(f"{name}: not a text file in UTF-8") from error
     except (ValueError, RecursionError) as error:
-        raise VopdError(f"{name}: not valid TOML: {reason(error, str(error))}") from error
+        raise VopdError(f"{name}: not valid TOML: {reason(error)}") from error
     sections = {}
     for section, inside in values.items():
         if section not in SECTIONS:

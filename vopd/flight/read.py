@@ -10,6 +10,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.estimate import MapGrid
+from vopd.files import reason
 from vopd.findings import Finding
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.files import did_you_mean, read_by_content, shown
@@ -124,7 +125,9 @@ def _radial_table(
     try:
         values = np.array(rows, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
-        raise table.error("table_px", f"has something that is not a number: {error}") from error
+        raise table.error(
+            "table_px", f"has something that is not a number: {reason(error)}"
+        ) from error
     if not np.isfinite(values).all():
         raise table.error("table_px", "has a number that is not finite")
     if values[0, 0] > 0.0:

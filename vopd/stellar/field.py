@@ -241,8 +241,12 @@ class StarField(Rows):
             focal = np.broadcast_to(focal, (*shape[:-1], 1))
             if errors is not None:
                 errors = np.broadcast_to(np.asarray(errors, dtype=np.float64), (*shape, 2, 2))
-        except ValueError as error:
-            raise VopdError(f"the shapes of a star field do not fit: {error}") from None
+        except ValueError:
+            raise VopdError(
+                "the shapes of a star field do not fit: directions "
+                f"{vectors.shape}, images {images.shape}, focal lengths {focal.shape}, "
+                f"used {present.shape}"
+            ) from None
         return cls(
             _contained(vectors, mask, [0.0, 0.0, 1.0]),
             _contained(images, mask, [0.0, 0.0]),

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.files import CsvTable, InputFile, InputFormat, has_columns, read_csv, reason
+from vopd.files import reason
+from vopd.flight.files import CsvTable, InputFile, InputFormat, has_columns, read_csv
 
 # Landmarks as read
 
@@ -77,7 +78,7 @@ def read_gcp_list(file: InputFile) -> GcpList:
         try:
             values = [float(field) for field in fields[:5]]
         except ValueError as error:
-            raise file.error(str(error), number) from error
+            raise file.error(reason(error), number) from error
         if not np.isfinite(values).all():
             raise file.error("a number is not finite: a landmark needs x, y and height", number)
         numbers.append(values)
@@ -157,7 +158,7 @@ def read_geojson(file: InputFile) -> LandmarkRows:
     try:
         root = json.loads(file.text)
     except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error, str(error))}") from error
+        raise file.error(f"not valid JSON: {reason(error)}") from error
     features = root.get("features", [root]) if isinstance(root, dict) else []
     names, coordinates = [], []
     for k, feature in enumerate(features):

@@ -11,8 +11,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from vopd.files import optional_package
-from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, reason, shown
+from vopd.files import optional_package, reason
+from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, shown
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 
 # Lenses of numbers, on the grid whose (0, 0) is the first pixel's centre
@@ -115,7 +115,7 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
         values = [float(value) for value in found["intrinsics"]]
         width, height = (int(value) for value in found["imagersize"])
     except (*UNEXPECTED, SyntaxError, MemoryError) as error:  # the last by deep nesting
-        raise file.error(f"not a mrcal camera model: {reason(error, str(error))}") from error
+        raise file.error(f"not a mrcal camera model: {reason(error)}") from error
     if kind not in COUNTS_MRCAL:
         raise file.error(f"model {name} is not known; LENSMODEL_ {', '.join(COUNTS_MRCAL)} are")
     if len(values) != 4 + COUNTS_MRCAL[kind]:
@@ -141,7 +141,7 @@ def read_metashape(file: InputFile, question: LensQuestion) -> LensRead:
     try:
         root = ElementTree.fromstring(file.text.strip())
     except ElementTree.ParseError as error:
-        raise file.error(f"not valid XML: {error}") from error
+        raise file.error(f"not valid XML: {reason(error)}") from error
     sensors = root.findall(".//sensor")
     if question.camera is not None:
         sensors = [one for one in sensors if question.camera in (one.get("id"), one.get("label"))]
@@ -245,7 +245,7 @@ def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
     try:
         found = json.loads(file.text)
     except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error, str(error))}") from error
+        raise file.error(f"not valid JSON: {reason(error)}") from error
     if isinstance(found, list):
         found = found[0]
     cameras = found.get("cameras", found)
@@ -272,7 +272,7 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         shift = float(camera.get("c_x", 0.0)), float(camera.get("c_y", 0.0))
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise file.error(
-            f"a camera needs width, height, focal as numbers: {reason(error, str(error))}",
+            f"a camera needs width, height, focal as numbers: {reason(error)}",
             column=name,
         ) from error
     scale = float(max(size_px))
@@ -383,9 +383,7 @@ def _numbers(file: InputFile, value: Any) -> list[float]:
             float(str(one).lower().replace(".nan", "nan").replace(".inf", "inf")) for one in flat
         ]
     except ValueError as error:
-        raise file.error(
-            f"a matrix element is not a number: {reason(error, str(error))}"
-        ) from error
+        raise file.error(f"a matrix element is not a number: {reason(error)}") from error
 
 
 def _mapping(file: InputFile) -> dict[str, Any]:
@@ -396,7 +394,7 @@ def _mapping(file: InputFile) -> dict[str, Any]:
         try:
             found = json.loads(text)
         except (ValueError, RecursionError) as error:
-            raise file.error(f"not valid JSON: {reason(error, str(error))}") from error
+            raise file.error(f"not valid JSON: {reason(error)}") from error
     else:
         found = _yaml(file)
     if not isinstance(found, dict):
@@ -408,7 +406,7 @@ def _xml(file: InputFile) -> dict[str, Any]:
     try:
         root = ElementTree.fromstring(file.text.strip())
     except ElementTree.ParseError as error:
-        raise file.error(f"not valid XML: {error}") from error
+        raise file.error(f"not valid XML: {reason(error)}") from error
     found: dict[str, Any] = {}
     for one in root:
         data = one.find("data")
@@ -435,8 +433,7 @@ def _yaml(file: InputFile) -> Any:
     try:
         return yaml.load(text, Loader=Loader)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
-        why = reason(error, str(error))
-        raise file.error(f"not valid YAML: {' '.join(why.split())}") from error
+        raise file.error(f"not valid YAML: {reason(error)}") from error
 
 
 # COLMAP's cameras.txt: one camera a line, pixels counted from the image's corner
@@ -480,7 +477,7 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
     try:
         width, height, *values = (float(field) for field in fields)
     except ValueError as error:
-        raise file.error(str(error), number) from error
+        raise file.error(reason(error), number) from error
     if len(values) != focals + 2 + len(places):
         raise file.error(
             f"{name} has {focals + 2 + len(places)} parameters, not {len(values)}", number

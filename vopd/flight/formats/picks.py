@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.files import reason
 from vopd.findings import VopdError
 from vopd.flight.files import (
     UNEXPECTED,
@@ -22,7 +23,6 @@ from vopd.flight.files import (
     frames_of_column,
     has_columns,
     read_csv,
-    reason,
     whole_numbers,
 )
 from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
@@ -159,7 +159,7 @@ def read_cvat(file: InputFile) -> PickRows:
     try:
         root = ElementTree.fromstring(file.text.strip())
     except ElementTree.ParseError as error:
-        raise file.error(f"not valid XML: {error}") from error
+        raise file.error(f"not valid XML: {reason(error)}") from error
     found: list[tuple[int | str, str, float, float]] = []
     images = root.findall("image")
     for image in images:
@@ -202,7 +202,7 @@ def _pixels(file: InputFile, text: str) -> list[tuple[float, float]]:
         pairs = [pair.split(",") for pair in text.split(";") if pair]
         return [(float(u), float(v)) for u, v in pairs]
     except ValueError as error:
-        raise file.error(f"points {text!r}: {error}") from error
+        raise file.error(f"points {text!r}: {reason(error)}") from error
 
 
 # LabelMe's JSON: one file an image, or a folder of them; pixels are counted from the corner
@@ -232,9 +232,7 @@ def read_labelme(file: InputFile) -> PickRows:
                 for point in shape["points"]
             ]
         except (*UNEXPECTED, OSError) as error:
-            raise VopdError(
-                f"{path.name}: not a LabelMe file: {reason(error, repr(error))}"
-            ) from error
+            raise VopdError(f"{path.name}: not a LabelMe file: {reason(error)}") from error
     if not found:
         raise file.error("no shape is a point: landmarks are drawn as points")
     if len(sizes) > 1:

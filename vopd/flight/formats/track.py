@@ -10,8 +10,8 @@ from datetime import UTC, datetime
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.files import optional_package
-from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv, reason
+from vopd.files import optional_package, reason
+from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv
 from vopd.flight.formats.landmarks import CRS, SIGMA, SIGMAS, sigma_columns
 from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, read_tags
 
@@ -133,7 +133,7 @@ def read_mrk(file: InputFile) -> TrackRows:
             row = [float(fields[k]) for k in (1, 3, 5, 7, 9, 11, 13, 15, 16, 17, 18)]
             photo = int(fields[0])
         except ValueError as error:
-            raise file.error(reason(error, str(error)), line) from error
+            raise file.error(reason(error), line) from error
         if not np.isfinite(row).all() or abs(row[4]) > 90.0 or not 0 < week < 10_000:
             raise file.error("a number is not finite, or no latitude or GPS week", line)
         if row[-1] != NO_POSITION:
@@ -184,7 +184,7 @@ def read_gpx(file: InputFile) -> TrackRows:
     try:
         parsed = gpxpy.parse(file.text)
     except (gpxpy.gpx.GPXException, ValueError) as error:
-        raise file.error(f"not valid GPX: {' '.join(str(error).split())}") from error
+        raise file.error(f"not valid GPX: {reason(error)}") from error
     points = [p for track in parsed.tracks for segment in track.segments for p in segment.points]
     if not points:
         raise file.error("no track point is in the file")
@@ -240,7 +240,7 @@ def read_odm_geo(file: InputFile) -> TrackRows:
         try:
             values.append([float(field) for field in fields[1:4]])
         except ValueError as error:
-            raise file.error(str(error), number) from error
+            raise file.error(reason(error), number) from error
         if not np.isfinite(values[-1]).all():
             raise file.error("a position is not finite", number)
         horizontal, vertical = _accuracies(file, number, fields)

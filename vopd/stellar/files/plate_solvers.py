@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.files import optional_package
+from vopd.files import optional_package, reason
 from vopd.findings import Finding, InputError, Report
 from vopd.stellar.files.read import PixelFormat, StarFile
 
@@ -58,12 +58,12 @@ def _solutions(text: str, source: str) -> Iterator[Any]:
     except (ValueError, RecursionError) as error:
         lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
         if len(lines) < 2 or not all(line.lstrip().startswith("{") for _, line in lines):
-            raise InputError(Finding(f"not JSON: {error}", source=source)) from None
+            raise InputError(Finding(f"not JSON: {reason(error)}", source=source)) from None
         for number, line in lines:
             try:
                 yield json.loads(line)
             except (ValueError, RecursionError) as wrong:
-                finding = Finding(f"line {number}: not JSON: {wrong}", source=source)
+                finding = Finding(f"line {number}: not JSON: {reason(wrong)}", source=source)
                 raise InputError(finding) from None
         return
     yield from whole if isinstance(whole, list) else [whole]
@@ -163,7 +163,7 @@ def read_corr_fits(data: bytes, source: str) -> StarFile:
             with fits.open(io.BytesIO(data), memmap=False) as units:
                 tables = [_columns(unit) for unit in units]
     except Exception as error:  # astropy raises what its parts raise
-        raise _corr_error(f"not a FITS file that can be read: {error}", source) from None
+        raise _corr_error(f"not a FITS file that can be read: {reason(error)}", source) from None
     found = next((table for table in tables if set(COLUMNS) <= set(table)), None)
     if found is None:
         raise _corr_error(

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.files import kind_by_first_bytes
+from vopd.files import kind_by_first_bytes, reason
 from vopd.findings import Finding, InputError, Report, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
@@ -217,7 +217,7 @@ def read_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
         try:  # line by line: no cell of a star file spans two
             cells = next(csv.reader([line], strict=True, delimiter=separator))
         except csv.Error as error:
-            raise _error(f"line {number}: not CSV: {error}", source) from None
+            raise _error(f"line {number}: not CSV: {reason(error)}", source) from None
         if any(cell.strip() for cell in cells):
             rows.append((number, cells))
     return rows

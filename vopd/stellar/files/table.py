@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Floats
+from vopd.files import reason
 from vopd.findings import Finding, InputError
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.read import UNITS, read_text
@@ -262,7 +263,7 @@ def read_solutions(name: str) -> list[ReadSolution]:
     try:
         found = [_solution(one) for one in json.loads(text)]
     except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
-        raise InputError(Finding(f"{what}: {error}", source=source)) from None
+        raise InputError(Finding(f"{what}: {reason(error)}", source=source)) from None
     if not found:
         raise InputError(Finding("it has no solution", source=source))
     return found
