@@ -239,7 +239,7 @@ PARSERS = {
     "Unclosed array": "a list has no closing bracket",
     "Unterminated string": "a text has no closing quote",
     "Illegal character '\\n'": "a text has no closing quote on its line",
-    "Expected ']' at the end of a table declaration": "the name of a section has no closing bracket",
+    "Expected ']' at the end of a table declaration": "a section has no closing bracket",
 }
 """What Python's parsers of JSON, XML and TOML say, and the same in plain words."""
 
@@ -275,6 +275,8 @@ def reason(error: BaseException) -> str:
         return "lists or tables stand in each other by the hundreds"
     if isinstance(error, OverflowError):
         return "a number is too large"
+    if isinstance(error, ZeroDivisionError):
+        return "a number is 0 that cannot be"
     if isinstance(error, KeyError) and error.args:
         return f"{error.args[0]} is missing"
     if isinstance(error, IndexError):

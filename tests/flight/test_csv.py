@@ -98,7 +98,7 @@ def test_rows_that_are_refused_are_named_by_their_lines(text: str) -> None:
 
 def test_a_cell_that_is_too_long_is_named_by_its_line() -> None:
     said = told(lambda: read_csv(of("a,b\n1,2\n#\n1," + "x" * 131_073 + "\n3,4\n")))
-    assert said.startswith("t: line 4: ") and said.endswith("(131072)")  # Python's words
+    assert_approved(said)
 
 
 def test_a_quoted_cell_may_have_the_separator_and_quotes() -> None:
@@ -292,9 +292,7 @@ def test_a_gcp_list_without_names(tmp_path: Path) -> None:
     assert (marks.crs, marks.geodetic, marks.line) == ("WGS84 UTM 33N", False, [4])
     named = text.replace("a.jpg", "a.jpg one more")
     assert [*read(tmp_path, "picks", named).landmark] == ["one", "600.5 700 30.0"]
-    assert_approved(
-        told_of(tmp_path, "picks", text.replace("7 8 b", "x 8 b")), others_after="could not convert"
-    )
+    assert_approved(told_of(tmp_path, "picks", text.replace("7 8 b", "x 8 b")))
 
 
 # Tracks

@@ -69,9 +69,7 @@ def test_a_camera_of_colmap_by_its_number(tmp_path: Path) -> None:
     assert numbers(read(tmp_path, text, camera="2")) == [600, 500, 39.5, 29.5]
     assert numbers(read(tmp_path, text, camera="12")) == [900, 800, 44.5, 34.5]
     assert_approved(told(tmp_path, text, camera="1"))
-    assert_approved(
-        told(tmp_path, text.replace("800", "x"), camera="12"), others_after="could not convert"
-    )
+    assert_approved(told(tmp_path, text.replace("800", "x"), camera="12"))
 
 
 def opensfm(**camera: Any) -> str:
@@ -119,7 +117,7 @@ def test_a_camera_of_opensfm_by_its_name_and_in_a_reconstruction(tmp_path: Path)
     assert_approved(told(tmp_path, text, camera="none"))
     text = json.dumps([{"cameras": {"other": other}, "shots": {}}])
     assert numbers(read(tmp_path, text))[0] == 300.0
-    assert_approved(told(tmp_path, opensfm(focal="x")), others_after="as numbers:")
+    assert_approved(told(tmp_path, opensfm(focal="x")))
 
 
 def metashape(inside: str, camera: str = "") -> str:
@@ -498,10 +496,10 @@ def test_what_opensfm_s_files_are_refused_for() -> None:
     assert_approved(no_lens(opensfm(projection_type="dual")))
     for key in ("width", "height", "focal", "k1", "c_x", "c_y"):
         for wrong in ("x", None, [1]):
-            assert_approved(no_lens(opensfm(**{key: wrong})), others_after="as numbers:")
+            assert_approved(no_lens(opensfm(**{key: wrong})))
     missing = json.dumps({"b": {"width": 400, "focal": 0.5}})
-    assert no_lens(missing).endswith(": 'height'")
-    assert_approved(no_lens(opensfm()[:-1]), others_after="not valid JSON:")
+    assert_approved(no_lens(missing))
+    assert_approved(no_lens(opensfm()[:-1]))
     assert_approved(no_lens(opensfm(), camera="b"))
     assert_approved(no_lens('[{"cameras": {}, "width": 1, "focal": 1}]'))
 
@@ -526,7 +524,7 @@ def test_what_colmap_s_files_are_refused_for() -> None:
         (1, "1 PINHOLE 90 70 9 8 x 3\n"),
         (3, "\n  # a\n1 RADIAL 90 70 9 8 3 1 y"),
     ):
-        assert_approved(no_lens(text), parts=[number], others_after="could not convert")
+        assert_approved(no_lens(text), parts=[number])
     assert_approved(no_lens("1 PINHOLE 90 70 9 8 3\n"))
     assert_approved(no_lens("1 RADIAL 90 70 9 8 3\n"))
     two = "1 PINHOLE 90 70 9 8 4 3\n2 PINHOLE 90 70 9 7 4 3\n"
@@ -677,7 +675,7 @@ def test_xml_of_opencv() -> None:
         text = XML.format("opencv_storage", "M1", odd)
         assert_approved(no_lens(text))
     text = XML.format("opencv_storage", "M1", "x")
-    assert_approved(no_lens(text), others_after="could not convert")
+    assert_approved(no_lens(text))
     assert_approved(no_lens(text.replace("x 0.", "")))
     more = text.replace("x 0.", "3. 0. 5. 6. 7.")
     assert_approved(no_lens(more))
@@ -687,8 +685,7 @@ def test_xml_of_opencv() -> None:
 
 def test_broken_json_and_yaml_say_where() -> None:
     text = opencv_of(64, 48, 70, 60, 2, 0)
-    assert_approved(no_lens(text[:-1]), others_after="not valid JSON:")
-    assert ": line 1 column " in no_lens(text[:-1])
+    assert_approved(no_lens(text[:-1]))
     assert_approved(no_lens("camera_matrix: [1, 2\nb: }"), others_after="not valid YAML:")
     assert "\n" not in no_lens("camera_matrix: [1, 2\nb: }")
     assert_approved(no_lens("# camera_matrix\n- 1\n"))

@@ -348,23 +348,16 @@ def test_a_folder_of_labels_is_read_in_the_order_of_its_names(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("wrong", "message"),
+    "wrong",
     [
-        ("[", "b.json: not a LabelMe file: JSONDecodeError("),
-        ("[1]", "b.json: not a LabelMe file: TypeError("),
-        ({"imageWidth": 40}, "b.json: not a LabelMe file: KeyError('imageHeight')"),
-        (label() | {"imageWidth": "x"}, "b.json: not a LabelMe file: ValueError("),
-        (label() | {"imageHeight": None}, "b.json: not a LabelMe file: TypeError("),
-        (label(points=[[1]]), "b.json: not a LabelMe file: IndexError("),
-        (label(points=[["x", 2]]), "b.json: not a LabelMe file: ValueError("),
-        (label(height=31), "labels: the images are not all of one size: one project is one camer"),
-        (label(width=41), "labels: the images are not all of one size: one project is one camer"),
+        "[", "[1]", {"imageWidth": 40}, label() | {"imageWidth": "x"},
+        label() | {"imageHeight": None}, label(points=[[1]]), label(points=[["x", 2]]),
+        label(height=31), label(width=41),
     ],
 )  # fmt: skip
-def test_labels_that_are_refused(wrong: Any, message: str, tmp_path: Path) -> None:
-    with pytest.raises(VopdError) as refusal:
+def test_labels_that_are_refused(wrong: Any, tmp_path: Path) -> None:
+    with refused(VopdError):
         in_folder(tmp_path, a=label(), b=wrong)
-    assert str(refusal.value).startswith(message)
 
 
 def test_folders_without_points(tmp_path: Path) -> None:

@@ -63,7 +63,8 @@ def _solutions(text: str, source: str) -> Iterator[Any]:
             try:
                 yield json.loads(line)
             except (ValueError, RecursionError) as wrong:
-                finding = Finding(f"line {number}: not JSON: {reason(wrong)}", source=source)
+                why = reason(wrong).removeprefix("line 1, ")
+                finding = Finding(f"line {number}: not JSON: {why}", source=source)
                 raise InputError(finding) from None
         return
     yield from whole if isinstance(whole, list) else [whole]
