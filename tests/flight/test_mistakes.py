@@ -19,6 +19,7 @@ from vopd.findings import VopdError
 from vopd.flight import mistakes
 from vopd.flight.flight import Flight
 from vopd.flight.mistakes import (
+    AXES_MISTAKES,
     USUAL_MISTAKES,
     common_shift,
     freedom,
@@ -141,7 +142,7 @@ def test_a_frame_with_more_than_four_times_the_usual_picks_is_left_out(
 
 def corrected(name: str, project: Project, flight: Flight) -> list[tuple[Flight, str]]:
     """Flights without a mistake of the table, and the advice."""
-    (mistake,) = [one for one in USUAL_MISTAKES if one.name == name]
+    (mistake,) = [one for one in (*AXES_MISTAKES, *USUAL_MISTAKES) if one.name == name]
     found = mistake.change(project, flight, solved_trial(flight))
     return [(one, mistake.advice.format(*values)) for one, values in found]
 
@@ -152,7 +153,42 @@ def read(folder: Path, toml: str = TOML) -> tuple[Project, Flight]:
 
 
 def test_the_most_telling_mistake_comes_first() -> None:
-    assert_approved([one.name for one in USUAL_MISTAKES])
+    assert_approved([one.name for one in (*AXES_MISTAKES, *USUAL_MISTAKES)])
+
+
+def test_u_and_v_of_every_pick_are_exchanged(tmp_path: Path) -> None:
+    project, flight = read(tmp_path)
+    ((found, advice),) = corrected("u and v exchanged", project, flight)
+    assert found.picks.pixel.tolist() == flight.picks.pixel[:, [1, 0]].tolist()
+    assert_approved(advice)
+
+
+def test_labels_of_two_landmarks_that_were_exchanged_in_all_frames() -> None:
+    """The first and the third of five: among the exchanges of each two, this one leaves nothing."""
+    flight = uneven_flight([5] * 6, noise_px=0.0)
+    label = np.array([2, 1, 0, 3, 4])[flight.picks.landmark]
+    wrong = replace(flight, picks=replace(flight.picks, landmark=label))
+    found = {advice: trial_px(one) for one, advice in corrected("labels exchanged", ANY, wrong)}
+    assert len(found) == 10
+    best = min(found, key=lambda advice: found[advice])
+    assert found[best] < 1e-3 * sorted(found.values())[1]
+    names = flight.landmarks.name
+    assert f"{names[0]} and {names[2]} exchanged" in best
+    same = corrected("labels exchanged", ANY, flight)
+    assert all(len(set(one.picks.landmark.tolist())) == 5 for one, _ in same)
+
+
+def test_another_frame_rate_is_tried_where_frames_have_numbers(tmp_path: Path) -> None:
+    """Usual rates within a factor of three of the stated one, and not that itself."""
+    project, flight = read(tmp_path)
+    stated = project.section("picks").values["frame_rate_hz"]
+    found = corrected("another frame rate", project, flight)
+    assert found and all(f"in the place of {stated:g}" in advice for _, advice in found)
+    assert not any(f"frame_rate_hz = {stated:g} in" in advice for _, advice in found)
+    assert (
+        corrected("another frame rate", project.changed("picks", "frame_rate_hz", 1e3), flight)
+        == []
+    )
 
 
 @pytest.mark.parametrize("key", ["", 'v = "down"', 'v = "up"'])
@@ -412,6 +448,7 @@ def told(
         Mistake(advice, lambda *_, one=one: [(one, ())], advice)  # type: ignore[misc]
         for one, advice in changes
     ]
+    monkeypatch.setattr(mistakes, "AXES_MISTAKES", ())
     monkeypatch.setattr(mistakes, "USUAL_MISTAKES", table)
     return [*usual_mistakes(ANY, result)]
 
@@ -473,6 +510,7 @@ def exchanged(counts: list[int], frames: list[int]) -> FlightResult:
 
 @pytest.fixture
 def no_usual_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mistakes, "AXES_MISTAKES", ())
     monkeypatch.setattr(mistakes, "USUAL_MISTAKES", ())
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -35,6 +36,9 @@ TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
 TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
 LEAST_HEIGHT_M, MOST_HEIGHT_M = 5.0, 130.0  # of a geoid above the ellipsoid, and some metres
 MOST_OFFSET_S, MOST_ZOOM = 3600.0, 4.0  # clocks and focal lengths that are tried
+FRAME_RATES_HZ = (10.0, 15.0, 23.976, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 59.94, 60.0, 120.0)
+MOST_RATIO, SAME = 3.0, 1e-4  # of frame rates that are tried, and of those that are the same
+MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
 CLOSER = 4  # times a level, a clock or a focal length is solved for anew
 M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0
@@ -56,13 +60,20 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
     estimate = result.estimate if flight is result.flight else solved_trial(flight)
     before = typical_px(flight, estimate)
     if before > DOUBTED * sigma and freedom(estimate) >= LEAST_FREEDOM:
+        axes = explanations(AXES_MISTAKES, trial_px, project, flight, estimate)
         found = explanations(USUAL_MISTAKES, trial_px, project, flight, estimate)
         # a number that is fitted never fits worse than the mistake that has its value
-        best = likeliest(found, ALIKE, below=before / BETTER)
+        best = likeliest([*axes, *found], ALIKE, below=before / BETTER)
         if best is not None:
+            advice = best.advice
+            if (
+                best in axes
+            ):  # both mirror the image: they differ by a quarter turn about its centre
+                alike = [one for one in axes if one.residual <= ALIKE * best.residual]
+                advice = " or ".join(one.advice for one in alike)
             yield (
                 f"residuals are {before:.1f} px in a typical frame, and {best.residual:.1f} px "
-                f"{best.advice}"
+                f"{advice}"
             )
             return
     exchanged = list(_exchanged(result, MISFIT * sigma))
@@ -137,6 +148,12 @@ def _turned_over(project: Project, flight: Flight, estimate: Estimate) -> Correc
     yield replace(flight, picks=replace(flight.picks, pixel=upward)), (way, key)
 
 
+def _exchanged_axes(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Exchange u and v of all picks."""
+    exchanged = flight.picks.pixel[:, ::-1]
+    yield replace(flight, picks=replace(flight.picks, pixel=exchanged)), ()
+
+
 def _from_feet(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Take the heights of landmarks, of the camera, or of both for feet."""
 
@@ -193,6 +210,21 @@ def _from_another_level(project: Project, flight: Flight, estimate: Estimate) ->
             yield found, (height_m,)
 
 
+def _at_another_rate(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Take the frames' numbers for those of another usual frame rate."""
+    stated = project.section("picks").values.get("frame_rate_hz")
+    if not project.has("track") or not isinstance(stated, int | float):
+        return
+    for rate in FRAME_RATES_HZ:
+        if not 1.0 / MOST_RATIO < rate / stated < MOST_RATIO or abs(rate / stated - 1.0) < SAME:
+            continue
+        try:
+            changed = some_frames(flight_of(project.changed("picks", "frame_rate_hz", rate)))
+        except VopdError:
+            continue
+        yield changed, (rate, stated)
+
+
 def _with_another_offset(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Fit a constant difference between the clocks of the track and of the frames."""
     if not project.has("track") or flight.path.acceleration_m_s2 is None:
@@ -218,6 +250,25 @@ def _with_another_focal_length(project: Project, flight: Flight, estimate: Estim
         yield found, (before + px, before)
 
 
+def _exchanged_labels(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Exchange the labels of each two of the worst landmarks in all frames."""
+    squares = np.zeros(len(flight.landmarks.name) + 1)
+    index = np.searchsorted(np.sort(flight.landmarks.number), estimate.landmark)
+    place = np.append(np.argsort(flight.landmarks.number), len(squares) - 1)[index]
+    x, y = np.split(estimate.residual, 2, axis=1)
+    np.add.at(squares, place[estimate.used], (x**2 + y**2)[estimate.used])
+    worst = np.argsort(-squares[:-1], kind="stable")[:MOST_EXCHANGED]
+    worst = worst[squares[worst] > 0.0]
+    pairs = list(combinations(sorted(worst.tolist()), 2))
+    if len(worst) < 3 or len(pairs) * len(flight.picks.frame) > 2 * TRIAL_PICKS:
+        return
+    for one, other in pairs:
+        label = flight.picks.landmark.copy()
+        label[flight.picks.landmark == one], label[flight.picks.landmark == other] = other, one
+        names = flight.landmarks.name[one], flight.landmarks.name[other]
+        yield replace(flight, picks=replace(flight.picks, landmark=label)), names
+
+
 def _without_a_landmark(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Leave out each landmark in all frames."""
     marks = flight.landmarks
@@ -231,12 +282,21 @@ def _without_a_landmark(project: Project, flight: Flight, estimate: Estimate) ->
         yield replace(flight, landmarks=replace(marks, used=tuple(left.tolist()))), (marks.name[k],)
 
 
-USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
+AXES_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "v counted the other way",
         _turned_over,
         'with v counted {}: give [picks] v = "{}"?',
     ),
+    Mistake(
+        "u and v exchanged",
+        _exchanged_axes,
+        "with u and v of all picks exchanged: are the two columns in this order?",
+    ),
+)
+"""Mistakes by which the image is mirrored."""
+
+USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "heights in feet",
         _from_feet,
@@ -246,6 +306,16 @@ USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
         "GPS time for UTC",
         _by_another_clock,
         "with the track {:+.0f} s: is its clock {}?",
+    ),
+    Mistake(
+        "another frame rate",
+        _at_another_rate,
+        "with [picks] frame_rate_hz = {:g} in the place of {:g}: is that of the video right?",
+    ),
+    Mistake(
+        "labels exchanged",
+        _exchanged_labels,
+        "with {} and {} exchanged in all frames: are their names right?",
     ),
     Mistake(
         "another height datum",
