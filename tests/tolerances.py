@@ -425,6 +425,13 @@ TOLERANCES = {
     "robust minimum": Tolerance("sigma", 1e-4, "the same; scipy closes in slowly on a robust loss"),
     "sigma by differences": Tolerance("sigma", 1e-6, "slopes by differences over .01 sigma"),
     "solve of a micrometre": Tolerance("1", 1e-9, "a micrometre of 100 m, and rounding"),
+    "place of a solve": Tolerance("m", 1e-6, "6.4E6 m from the Earth's centre; a metre or two"),
+    "reading sigma by rounds": Tolerance(
+        "px", 4e-3, "rounds end where it changes by a thousandth of 2 px, from either side"
+    ),
+    "rotation by another reading sigma": Tolerance(
+        "1", 1e-4, "a thousandth more of the sigma moves places by a thousandth of some decimetres"
+    ),
     "exact coordinate": Tolerance("m", 1e-6, "its prior is a ten-thousandth of 1 mm"),
     "a hundredth of a millimetre": Tolerance("1", 1e-7, "of 2 m, squared, and rounding"),
     "same solve": Tolerance("1", 1e-8, "the solve ends at steps of 1E-8 sigma"),

@@ -410,11 +410,15 @@ def test_without_velocity_or_acceleration(solved: SolvedFlight) -> None:
             assert_close("ratio", found.airspeed[1:], np.full(2, np.sqrt(429.0)))
 
 
-def test_stated_sigmas_are_root_mean_squares_and_zero_where_not_given(estimate: Estimate) -> None:
+def test_stated_sigmas_are_those_of_each_landmark_and_of_all_frames(estimate: Estimate) -> None:
     """Four landmarks, two with standard deviations: 1, 2, 3 m and 7, 4, 1 m."""
     stated = estimate.stated
-    assert_close("ratio", stated.landmark, np.sqrt([50 / 4, 20 / 4, 10 / 4]))
-    assert stated.position == (0.5, 0.0, 0.25) and stated.time_s == 0.01
+    assert estimate.landmark_sigma is not None and estimate.fix_sigma is not None
+    assert estimate.fix_sigma.tolist() == [[0.5, 0.0, 0.25]] * 3
+    own = estimate.landmark_sigma[estimate.used]
+    assert {tuple(row) for row in own.tolist()} == {(1.0, 2.0, 3.0), (7.0, 4.0, 1.0), (0.0,) * 3}
+    assert stated.landmark == stated.position == stated.place == (0.0, 0.0, 0.0)
+    assert stated.time_s == 0.01
     assert_close("ratio", stated.focal_length, 0.002 * 1495.0)
     assert stated.principal_point == (1.5, 2.5)
 

@@ -63,7 +63,7 @@ def fisheye_flight(mistake: str, seed: int) -> tuple[Flight, list[set[str]]]:
         epoch=None,
         picks=Picks(frame, np.arange(total), np.concatenate(pixel), np.ones(total)),
         landmarks=LandmarkSet(names, np.concatenate(place), np.full((total, 3), np.nan)),
-        path=CameraPath(np.tile(camera, (FRAMES, 1)), np.full(3, np.nan)),
+        path=CameraPath(np.tile(camera, (FRAMES, 1))),
         mount=np.eye(3),
         refraction=Refraction(0.0),
     )

@@ -315,14 +315,14 @@ def test_what_is_said_of_the_whole_flight_is_in_each_part() -> None:
 def test_a_history_is_asked_for_with_all_that_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
     given: list[Any] = []
 
-    def asked(layout: Any, estimate_of: Any, options: HistoryOptions) -> Any:
+    def asked(layout: Any, estimate_of: Any, options: HistoryOptions, reading: Any) -> Any:
         given.append((estimate_of(np.array([1])).frame.tolist(), options))
         return type("Parts", (), {"whole": "the history"})
 
     monkeypatch.setattr(long_history, "history_of_long_job", asked)
     monkeypatch.setattr("vopd.export.tables.dataframe", lambda histories: histories)
     result = FlightResult(FlightEstimates(solve(three_frames())), ())
-    sigmas = Sigmas(reading=0.7)
+    sigmas = Sigmas(mount_deg=0.7)
     assert result.history(sigmas, 5.0, "geocentric") == "the history"
     assert result.to_dataframe(sigmas, 5.0, "geocentric") == ["the history"]
     result.history_parts(HistoryOptions(sigmas, 5.0, "geocentric"))

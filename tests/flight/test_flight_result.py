@@ -146,18 +146,17 @@ def rounds(
     )
     left = iter(blunders_of)
     solves: list[Any] = []
-    real = result_module.solve
+    real = result_module.settled
 
-    def solve(one: Flight, out: Any = None, before: Any = None) -> Any:
-        picks = None if out is None else np.flatnonzero(out).tolist()
-        solves.append((picks, before is None))
-        return real(one, out, before=before)
+    def settled(one: Flight, out: Any, before: Any) -> Any:
+        solves.append((np.flatnonzero(out).tolist() or None, before is None))
+        return real(one, out, before)
 
     def found(*_: Any) -> tuple[Ints, Floats]:
         pick = np.array(next(left), dtype=np.int64)
         return pick, np.full(len(pick), 9.0)
 
-    monkeypatch.setattr(result_module, "solve", solve)
+    monkeypatch.setattr(result_module, "settled", settled)
     monkeypatch.setattr(result_module, "blunders", found)
     told = solve_flight_read(flight).findings
     return [one.message for one in told], solves

@@ -206,7 +206,7 @@ def test_the_gradient_at_a_solution_is_nothing(loss: str, width: int) -> None:
 def test_residuals_at_the_stated_places_have_the_joint_cost(width: int) -> None:
     """With the marginal covariance of readings, places, landmarks and what is common."""
     solution, dense = solved("least-squares", width)
-    residual = solution.stated_residual().ravel()
+    residual = solution.stated_residual.ravel()
     turns, errors = np.split(dense.rows, [3 * dense.frames], axis=1)
     marginal = np.eye(len(errors)) + errors / dense.prior[3 * dense.frames :] @ errors.T
     weight = np.linalg.inv(marginal)

@@ -17,7 +17,7 @@ from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight import mistakes
-from vopd.flight.flight import Flight
+from vopd.flight.flight import Flight, FlightOptions
 from vopd.flight.mistakes import (
     AXES_MISTAKES,
     USUAL_MISTAKES,
@@ -419,10 +419,13 @@ def test_the_shift_that_takes_most_of_all_residuals_away() -> None:
 # Which mistake is named
 
 
+HELD = FlightOptions(solve_position=False)
+
+
 def noisy(scale: float, counts: tuple[int, ...] = (5,) * 6) -> FlightResult:
     """A flight whose errors of picks are so many times the same ones."""
     flight = uneven_flight(counts)
-    flight = replace(flight, path=replace(flight.path, lever_arm_m=None))
+    flight = replace(flight, path=replace(flight.path, lever_arm_m=None), options=HELD)
     exact = uneven_flight(counts, noise_px=0.0).picks.pixel
     pixel = exact + scale * (flight.picks.pixel - exact)
     return solve_flight_read(replace(flight, picks=replace(flight.picks, pixel=pixel)))
@@ -500,7 +503,7 @@ def test_mistakes_are_tried_from_four_residuals_more_than_angles_on(
 
 def exchanged(counts: list[int], frames: list[int]) -> FlightResult:
     """A flight in some of whose frames the first two landmarks are taken for each other."""
-    flight = uneven_flight(counts)
+    flight = replace(uneven_flight(counts), options=HELD)
     landmark = flight.picks.landmark.copy()
     for frame in frames:
         first = np.flatnonzero(flight.picks.frame == frame)[:2]

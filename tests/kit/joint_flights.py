@@ -153,6 +153,7 @@ def flight_of(
         CameraPath(
             scene.camera_m - turned_out(own, moved),
             priors.fixes,
+            np.array([priors.parameter.get(name, 0.0) for name in ("east", "north", "up")]),
             velocity_m_s=np.tile(np.array(velocity_m_s) @ NED_FROM_ENU, (frames, 1)),
         ),
         np.eye(3),

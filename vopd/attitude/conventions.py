@@ -8,8 +8,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
+from vopd.attitude.included import included_text, left_out_text
 from vopd.attitude.reading_sigma import SOURCES
-from vopd.attitude.sigmas import COMMON
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
 from vopd.estimate import Position, Vertical
@@ -125,14 +125,29 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
         "from frame": f"north, east, down at the vehicle; down {about.down}",
         "vertical": _vertical(histories),
         **(GENERAL | dict(about.words.conventions)),
+        **_included(histories),
         "sigmas": f"{SIGMAS}; components: {', '.join(components)}{_model_error(histories)}",
         "intervals": INTERVALS,
         "covariance": COVARIANCE,
-        "common errors": _common_errors([name for name in components if name in COMMON]),
+        "common errors": _common_errors(
+            list(dict.fromkeys(c for h in histories for c in h.uncertainty.common))
+        ),
         "reading sigma": _reading_sigmas(histories),
     }
     stated["position"] += farthest_from_own_text(histories)
     return {name: sentence for name, sentence in stated.items() if sentence}
+
+
+def _included(histories: Sequence[History]) -> dict[str, str]:
+    """Name the errors that the standard deviations include and leave out, where keys state them."""
+    first = histories[0]
+    keys = first.about.words.sigma_keys
+    if not keys:
+        return {}
+    return {
+        "sigmas_include": included_text(first),
+        "sigmas_not_included": left_out_text(first, keys) or "nothing that the project can state",
+    }
 
 
 def _common_errors(names: Sequence[str]) -> str:

@@ -235,7 +235,10 @@ EstimateOf = Callable[[Ints], Estimate]
 
 
 def history_of_long_job(
-    layout: LandmarkLayout, solved_estimate_of: EstimateOf, options: HistoryOptions
+    layout: LandmarkLayout,
+    solved_estimate_of: EstimateOf,
+    options: HistoryOptions,
+    scale: JobReadingSigma | None = None,
 ) -> HistoryParts:
     """Make the attitude history of one job from the estimates of its blocks.
 
@@ -246,6 +249,7 @@ def history_of_long_job(
         layout: how many landmarks each frame has
         solved_estimate_of: makes the estimate of some frames
         options: sigmas, maximum rate and vertical
+        scale: the reading sigma, where the solve has found it; None: from the estimates
 
     Raises:
         VopdError: where the rate is not above 0, or there is no such vertical
@@ -255,10 +259,15 @@ def history_of_long_job(
         return with_vertical(solved_estimate_of(frames), options.vertical)
 
     runs = layout.runs(TOGETHER, AT_ONCE)
-    if len(runs) == len(runs[0]) == 1:
-        return one_part(histories([solved_estimate_of(runs[0][0])], options)[0])
     check_rate(options.max_rate_deg_s)
-    scale = sampled_reading_sigma(layout, estimate_of, options.sigmas)
+    if len(runs) == len(runs[0]) == 1:
+        frames = runs[0][0]
+        own = None if scale is None else scale.take(frames)
+        (made,) = histories_without_jumps([estimate_of(frames)], options.sigmas, own)
+        mark_jumps(made, options)
+        return one_part(made)
+    if scale is None:
+        scale = sampled_reading_sigma(layout, estimate_of, options.sigmas)
     jump = _jumps(layout, estimate_of, options.max_rate_deg_s)
 
     def block(frames: Ints, most_searched: int) -> History:
@@ -288,7 +297,7 @@ def history_of_long_job(
 
     if len(runs) == 1:
         return one_part(part(runs[0], MOST_FRAMES))
-    first = np.zeros(1, np.int64)
+    first = np.array([(layout.count >= 2).argmax()])
     head = block(first, 0)
     head.flags.raised["jump"] = jump[first]
     every = [frames for blocks in runs for frames in blocks]

@@ -419,6 +419,7 @@ class JobReadingSigma(Rows):
 
 SOURCES = {
     "given": "as given",
+    "stated": "as stated in the project",
     "residuals": "from the residuals of all frames",
     "sample": "from the residuals of a sample of the frames",
     "repeated": "from repeated readings, which is more than the residuals show",

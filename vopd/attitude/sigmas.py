@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from math import isfinite
 from typing import NamedTuple
@@ -127,7 +127,8 @@ COMPONENTS = (
 """The components of the uncertainty of an angle, one for each cause."""
 
 INPUTS = (
-    "position", "landmark", "focal", "principal_point", "time", "mount", "velocity", "wind",
+    "position", "landmark", "focal", "principal_point", "distortion", "refraction", "time", "mount",
+    "velocity", "wind",
 )  # fmt: skip
 """Components that only the user or the source can state; the others are estimated."""
 
@@ -168,10 +169,10 @@ def given_components(
     if np.any(sigmas.principal_point):
         shift = _centre(estimate) * sigmas.principal_point
         found.append(_by_residuals("principal_point", shift))
-    if np.any(sigmas.landmark):
+    if estimate.landmark_sigma is not None or np.any(sigmas.landmark):
         moved = sigmas.landmark if sigmas.landmark.ndim == 1 else np.tile(sigmas.landmark, (2, 1))
         found.append(_by_residuals("landmark", r.landmark * moved, each_landmark=True))
-    if np.any(sigmas.position):
+    if estimate.fix_sigma is not None or np.any(sigmas.position):
         by_frame = np.reshape(sigmas.position, (-1, 1, 3))
         found.append(_by_residuals("position", r.position * by_frame))
     if np.any(sigmas.place):
@@ -190,28 +191,6 @@ def given_components(
         horizontal = -r.attack_by_velocity[..., :2]
         found.append(_velocity("wind", horizontal * sigmas.wind, estimate))
     return found
-
-
-def left_out(blocks: Iterable[Estimate], components: Collection[str]) -> list[str]:
-    """List the causes of errors that the standard deviations of a job do not contain.
-
-    Those that cannot change its angles are not listed: times of a camera that stands still,
-    and velocity and wind where no angle of attack is known.
-
-    Args:
-        blocks: the frames of the job, as far as they must be known
-        components: the components of its uncertainty
-    """
-    attack = moves = False
-    for one in blocks:
-        attack |= bool(np.isfinite(one.attack_deg).any())
-        moves |= bool(np.nan_to_num(one.responses.time).any())
-        if attack and moves:
-            break
-    without_effect = {"time": not moves, "velocity": not attack, "wind": not attack}
-    return [
-        name for name in INPUTS if name not in components and not without_effect.get(name, False)
-    ]
 
 
 def _by_residuals(name: str, residual: Floats, each_landmark: bool = False) -> ErrorComponent:

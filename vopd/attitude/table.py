@@ -166,6 +166,19 @@ GIMBAL = tuple(
 )
 """Stand before the standard deviations where images have a gimbal's angles."""
 
+PLACES = _columns(
+    "estimate.",
+    *(
+        (f"moved_{axis}_m", "m", 4, f"moved.{k}", "from the stated position to that as solved")
+        for k, axis in enumerate(("east", "north", "up"))
+    ),
+    *(
+        (f"sigma_{axis}_m", "m", 4, f"position_sigma.{k}", "standard deviation of the position")
+        for k, axis in enumerate(("east", "north", "up"))
+    ),
+)
+"""Stand there too where positions were solved for."""
+
 
 INTERVALS = (
     *_columns(
@@ -274,6 +287,8 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
         fixed.insert(3, IMAGE_NAME)
     if any(h.estimate.gimbal_deg is not None for h in histories):
         fixed += GIMBAL
+    if any(h.estimate.moved is not None for h in histories):
+        fixed += PLACES
     components = [c for c in COMPONENTS if any(c in h.uncertainty.components for h in histories)]
     faulty = any(h.estimate.slip_effect_deg is not None for h in histories)
     effects = SLIP_EFFECTS if faulty else ()

@@ -120,6 +120,7 @@ class Uncertainty(Rows):
     free_turn: Floats  # (F, 3) axis along forward, right, down that nothing determines; 0: none
     reading: JobReadingSigma
     sigmas: SigmasInForce  # from which all this is
+    common: tuple[str, ...] = ()  # components whose errors, or part of them, all frames have alike
 
     @property
     def covariance_independent_deg2(self) -> Floats:
@@ -246,6 +247,9 @@ def _uncertainty(
         free_turn=gains.free_turn,
         reading=reading,
         sigmas=force,
+        common=tuple(
+            part.removesuffix(COMMON_PART) for part in effects if part.endswith(COMMON_PART)
+        ),
     )
 
 
@@ -259,6 +263,8 @@ def _effects(
         found["reading"] = gains.readings(sigma)
     else:
         found |= {name: input_effect(estimate, one) for name, one in estimate.errors.items()}
+        if not reading_sigma.any():  # left out
+            found["reading"] = Effect(*(0.0 * one for one in found["reading"]))
     known = {name.removesuffix(COMMON_PART) for name in found}
     for one in given:
         if one.name not in known:

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from vopd.attitude.history import History
-from vopd.attitude.sigmas import left_out
+from vopd.attitude.included import included_text, left_out_text
 from vopd.cli.console import Messages, Progress
 from vopd.cli.histories import collect_jobs
 from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
@@ -45,7 +45,7 @@ SIGMA_OPTIONS = {
     "velocity": "--velocity-sigma",
     "wind": "--wind-sigma",
 }
-"""The option that states the standard deviation of a component, where the source has no key."""
+"""The option that states the standard deviation of a component of a deck's uncertainty."""
 NO_EPOCH = "give [flight] epoch in the project, or --epoch"
 
 
@@ -165,21 +165,22 @@ def command(
 
 
 def _left_out(heads: Sequence[History]) -> list[str]:
-    """Say which errors the sigmas do not contain, once for sources that are alike.
+    """Say which errors the sigmas contain and which not, once for sources that are alike.
 
     Args:
         heads: the history of each job, or of its first frames
     """
     sources: dict[str, dict[str, None]] = {}
     for one in heads:
-        where = SIGMA_OPTIONS | dict(one.about.words.sigma_keys)
-        names = left_out((part for _, part in one.estimates()), one.uncertainty.components)
-        told = [f"{name.replace('_', ' ')} ({where[name]})" for name in names if name in where]
-        if told:
-            sources.setdefault(", ".join(told), {})[one.about.source] = None
+        keys = one.about.words.sigma_keys
+        left = left_out_text(one, keys or SIGMA_OPTIONS)
+        told = f"the sigmas do not include errors of: {left}"
+        if keys:
+            told = f"the sigmas include errors of: {included_text(one)}" + f"; {told}" * bool(left)
+        if left or keys:
+            sources.setdefault(told, {})[one.about.source] = None
     return [
-        f"{next(iter(some))}{f' and {len(some) - 1} more' * (len(some) > 1)}: "
-        f"the sigmas do not include errors of: {told}"
+        f"{next(iter(some))}{f' and {len(some) - 1} more' * (len(some) > 1)}: {told}"
         for told, some in sources.items()
     ]
 

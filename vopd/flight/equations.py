@@ -239,6 +239,18 @@ class Model:
         middle = np.nanmean(flight.time_s) if np.isfinite(flight.time_s).any() else 0.0
         self._since_s = np.nan_to_num(flight.time_s - middle)
 
+    def with_priors(self, priors: Priors) -> Model:
+        """Take the same picks with other unknowns.
+
+        Args:
+            priors: the unknowns
+        """
+        used = np.zeros(len(self.flight.picks.frame), bool)
+        used[self.pick] = True
+        every = np.ones(self.frames, bool)
+        picks = self.flight.picks.sigma_px
+        return Model(self.flight, priors, used, every, picks, self.readout, self.loss)
+
     def _enu(self, ned: Floats | None) -> Floats:
         """Convert vectors to east, north, up (F, 3); 0 where they are not known."""
         return np.zeros((self.frames, 3)) if ned is None else np.nan_to_num(ned @ NED_FROM_ENU)
@@ -296,6 +308,11 @@ class Model:
             moved = moved + np.einsum("fji,j->fi", state.rotation, arm)
         return np.asarray(np.einsum("fji,fj->fi", self.axes, moved))
 
+    def landmark_by_m(self, state: State) -> Floats:
+        """Move the landmarks from their stated positions, Earth-centred (N, 3)."""
+        axes = self.flight.landmarks.axes
+        return np.asarray(np.einsum("nji,nj->ni", axes, state.landmark_m))
+
     def prior_cost(self, state: State) -> float:
         """Add up the squares of all errors over their prior standard deviations."""
         common = np.concatenate([state.parameter, state.landmark_m[self.free].ravel()])
@@ -319,7 +336,7 @@ class Model:
         """Linearise the equations of all picks, some frames at a time."""
         flight = self.flight
         camera_by = self.camera_by_m(state)
-        landmark_by = np.einsum("nji,nj->ni", flight.landmarks.axes, state.landmark_m)
+        landmark_by = self.landmark_by_m(state)
         height_m = geodetic(flight.landmarks.position_m + landmark_by).height_m
         lens = with_parameters(flight.lens, self.names, state.parameter)
         for frames, picks in self.parts:

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import outliers
 from vopd.estimate import (
+    COMMON_PART,
     About,
     Estimate,
     FrameStatus,
+    InputErrors,
     Position,
     Responses,
     StatedSigmas,
     Units,
     Words,
 )
+from vopd.flight.errors import stated_changes, turns_by_errors
 from vopd.flight.flight import Flight, FrameSlots, Refraction
+from vopd.flight.joint import JointSolution
 from vopd.flight.lines_of_sight import EARTH_RADIUS_M
 from vopd.flight.solve import (
     IMAGE_FROM_CAMERA,
@@ -193,6 +199,21 @@ ATTACK = (
 )
 
 
+SIGMA_KEYS = {
+    "position": "[track] or [position] sigma_m",
+    "landmark": "[landmarks] sigma_m",
+    "focal": "[uncertainty] focal_rel",
+    "principal_point": "[uncertainty] principal_px",
+    "distortion": "[uncertainty] k1, k2, p1p2",
+    "refraction": "[atmosphere] sigma_k",
+    "time": "[track] sigma_t_s",
+    "mount": "--mount-sigma",
+    "velocity": "[track] velocity_sigma_m_s",
+    "wind": "[wind] sigma_m_s",
+}
+"""Where the standard deviation of each component of a flight's uncertainty is stated."""
+
+
 def flight_words(solved: SolvedFlight) -> Words:
     """Choose the words for one flight.
 
@@ -202,7 +223,7 @@ def flight_words(solved: SolvedFlight) -> Words:
     flight = solved.flight
     conventions = {
         "input": "; ".join(flight.about),
-        "solve": f"rotation by {flight.options.loss} with the camera's position given; WGS 84; "
+        "solve": f"{_unknowns(solved).format(flight.options.loss)}; WGS 84; "
         "residuals in pixels of the image as it was taken, x to the left, y up",
         "pixels": "u right, v down, (0, 0) the centre of the first pixel",
         "refraction": _refraction(flight.refraction, solved),
@@ -224,11 +245,7 @@ def flight_words(solved: SolvedFlight) -> Words:
         if np.isfinite(flight.picks.repeatability_px)
         else "as stated in the project",
         sigma_keys={
-            "position": "[track] or [position] sigma_m",
-            "landmark": "[landmarks] sigma_m",
-            "focal": "[uncertainty] focal_rel",
-            "principal_point": "[uncertainty] principal_px",
-            "time": "[track] sigma_t_s",
+            name: key for name, key in SIGMA_KEYS.items() if name not in flight.options.exact
         },
         flags={
             "undetermined": (
@@ -249,6 +266,12 @@ def flight_words(solved: SolvedFlight) -> Words:
         },
         conventions=conventions,
     )
+
+
+def _unknowns(solved: SolvedFlight) -> str:
+    if solved.landmark_m is None:
+        return "rotation by {} with the camera's position given"
+    return "rotation by {}, with positions and landmarks under their standard deviations"
 
 
 def _refraction(refraction: Refraction, solved: SolvedFlight) -> str:
@@ -285,6 +308,9 @@ def _time(flight: Flight) -> str:
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
 
 
+FURTHER = ("distortion", "refraction")
+"""Components of errors that `Responses` has no derivatives for."""
+
 MOST_KEPT = 100_000  # picks of a flight whose estimates are kept, about 500 bytes each
 
 
@@ -293,6 +319,8 @@ class FlightEstimates:
 
     Attributes:
         solved: the flight and its rotations
+        joint: the solution of all its unknowns, from which these are; None: of rotations alone
+        reading: the reading sigma in force; None before it is known
         blocks: its frames
         origin_m: the first position that is known, Earth-centred, (3,); NaN: there is none
         origin_axes: east, north, up there as rows, (3, 3)
@@ -301,8 +329,13 @@ class FlightEstimates:
         largest_lean_deg: between the geodetic and the geocentric vertical
     """
 
-    def __init__(self, solved: SolvedFlight) -> None:
-        self.solved = solved
+    def __init__(
+        self,
+        solved: SolvedFlight,
+        joint: JointSolution | None = None,
+        reading: JobReadingSigma | None = None,
+    ) -> None:
+        self.solved, self.joint, self.reading = solved, joint, reading
         self.blocks = FlightBlocks(solved.flight)
         marks, camera_m = solved.flight.landmarks, solved.camera_m
         known = np.isfinite(camera_m[:, 0])
@@ -335,12 +368,62 @@ class FlightEstimates:
         if made is None:
             part = self.blocks.part(frames)
             made = flight_estimate(self.solved.part(part), self)
+            if self.joint is not None:
+                made = self._with_joint(made, part, self.joint)
             if self._outlier is not None:
                 slots = _slots(part)
                 made = replace(made, outlier=slots.spread(self._outlier[part.picks]))
             if self.layout.total <= MOST_KEPT:
                 self._made[key] = made
         return made
+
+    def _with_joint(self, one: Estimate, part: FlightPart, joint: JointSolution) -> Estimate:
+        """Add to the estimate of some frames what the joint solution knows of them."""
+        slots, here = _slots(part), np.tile(one.used, 2)
+        further = {name: slots.coordinates(own[part.picks]) for name, own in self._further.items()}
+        one = replace(
+            one,
+            further={name: np.where(here[..., None], own, 0.0) for name, own in further.items()},
+        )
+        if not joint.passes:
+            return one
+        residual = slots.coordinates(self._stated_residual[part.picks])
+        one = replace(one, test_residual=np.where(here, -residual, 0.0))
+        if self.reading is None:
+            return one
+        known = np.isfinite(self.solved.camera_m[part.frames])
+        place_m2 = joint.covariance.place_m2[part.frames]
+        return replace(
+            one,
+            errors=input_errors(self.solved.part(part), one, self._turns, part.frames),
+            moved=np.where(known, joint.moved_m[part.frames], np.nan),
+            position_sigma=np.sqrt(np.einsum("fii->fi", place_m2)),
+        )
+
+    @cached_property
+    def _further(self) -> dict[str, Floats]:
+        """Changes of the images by errors that are only propagated and have no `Responses`."""
+        assert self.joint is not None
+        changes = stated_changes(self.joint)
+        return {name: self._pixels(one) for name, one in changes.items() if name in FURTHER}
+
+    @cached_property
+    def _stated_residual(self) -> Floats:
+        """Residuals at the stated positions, pixels, (P, 2)."""
+        assert self.joint is not None
+        return self._pixels(self.joint.stated_residual[..., None])[..., 0]
+
+    def _pixels(self, values: Floats) -> Floats:
+        """Convert values of the picks that took part, in their sigmas, to pixels of all picks."""
+        assert self.joint is not None
+        every = np.zeros((len(self.flight.picks.frame), *values.shape[1:]))
+        every[self.joint.model.pick] = values / self.joint.model.scale[:, None, None]
+        return every
+
+    @cached_property
+    def _turns(self) -> dict[str, Floats]:
+        assert self.joint is not None
+        return turns_by_errors(self.joint)
 
     def outliers(self) -> Bools:
         """Find the picks that do not fit the others of their frames, at most one in each, (P,).
@@ -412,6 +495,29 @@ def attack_angles(solved: SolvedFlight) -> AttackAngles:
     return angles_of_attack(body_to_ned, path.velocity_m_s - wind, change)
 
 
+def input_errors(
+    solved: SolvedFlight, estimate: Estimate, turns: Mapping[str, Floats], frames: Ints
+) -> dict[str, InputErrors]:
+    """Convert turns of the camera by errors of the inputs to those of its angles and of the body.
+
+    Args:
+        solved: some frames of a flight
+        estimate: of these frames
+        turns: of all frames, about the camera's axes, (F, 3, C) each
+        frames: the indices of these among all
+    """
+    by_turns = angles_by_turns(np.radians(estimate.camera_deg)) @ IMAGE_FROM_CAMERA
+    found = {}
+    for name, every in turns.items():
+        own = every[frames]
+        attack = np.zeros_like(own)
+        if name == "time" + COMMON_PART:
+            sigma_s = solved.flight.options.parameter_sigma["clock"]
+            attack[:, :, 0] = estimate.responses.attack_by_time * sigma_s
+        found[name] = InputErrors(-by_turns @ own, -solved.flight.mount @ own, attack)
+    return found
+
+
 @np.errstate(all="ignore")
 def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) -> Estimate:
     """Convert a solved flight to the estimate that `vopd.attitude` takes.
@@ -478,6 +584,10 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         landmark_names=whole.landmark_names,
         frame_names=list(flight.image_name),
         stated=_stated(flight),
+        fix_sigma=None if flight.path.fixes is None else flight.path.fixes.frame_sigma_m,
+        landmark_sigma=slots.spread(flight.landmarks.sigma_m[picks.landmark])
+        if flight.landmarks.sigma_m.any()
+        else None,
         grid=flight.grid,
         gimbal_deg=flight.path.gimbal_deg,
     )
@@ -535,17 +645,11 @@ def _position(solved: SolvedFlight, largest_lean_deg: float) -> Position:
 
 
 def _stated(flight: Flight) -> StatedSigmas:
-    """Collect the sigmas that the project states; of rows their root mean square."""
-    own = flight.landmarks.sigma_m
-    landmark = np.sqrt((own**2).mean(axis=0)) if len(own) else np.zeros(3)
-    variance = flight.path.bias_sigma_m**2
-    if flight.path.fixes is not None:
-        variance = variance + (flight.path.fixes.sigma_m**2).mean(axis=0)
-    position, common = np.sqrt(variance), flight.options.parameter_sigma
+    """Collect the standard deviations that are one for the flight."""
+    common, place = flight.options.parameter_sigma, flight.path.bias_sigma_m
     return StatedSigmas(
-        (float(landmark[0]), float(landmark[1]), float(landmark[2])),
-        (float(position[0]), float(position[1]), float(position[2])),
-        common.get("focal", 0.0),
-        common.get("clock", 0.0),
-        (common.get("centre_u", 0.0), common.get("centre_v", 0.0)),
+        focal_length=common.get("focal", 0.0),
+        time_s=common.get("clock", 0.0),
+        principal_point=(common.get("centre_u", 0.0), common.get("centre_v", 0.0)),
+        place=(float(place[0]), float(place[1]), float(place[2])),
     )

@@ -33,6 +33,12 @@ class Picks:
     repeatability_px: float = float("nan")  # of one pick, from points picked several times
     one_sigma_px: float = 1.0  # usual standard deviation of one pick, as stated
     least_sigma_px: float = 0.3  # below this a smaller one is not believed: rounding to pixels
+    stated: bool = False  # whether the standard deviations are those of the project or a file
+
+    def with_sigma(self, one_sigma_px: float) -> Picks:
+        """Scale all standard deviations to another usual one of a pick."""
+        scaled = self.sigma_px * (one_sigma_px / self.one_sigma_px)
+        return replace(self, sigma_px=scaled, one_sigma_px=one_sigma_px)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +86,12 @@ class TrackFixes:
     def of_frames(self, frames: Ints) -> TrackFixes:
         """Take the parts that some of the frames have in the fixes, by their indices."""
         return replace(self, first=self.first[frames], weight=self.weight[frames])
+
+    @property
+    def frame_sigma_m(self) -> Floats:
+        """Standard deviations of the frames' positions, east, north, up, (F, 3)."""
+        squared = replace(self, weight=self.weight**2)
+        return np.asarray(np.sqrt(squared.at_frames(self.sigma_m[..., None] ** 2)[..., 0]))
 
     @property
     def together(self) -> int:
@@ -136,6 +148,11 @@ class CameraPath:
     lever_arm_m: Floats | None = None  # (3,) antenna to camera in body axes forward, right, down
     gimbal_deg: Floats | None = None  # (F, 3) yaw, pitch, roll of the view, for comparison only
 
+    @property
+    def stands(self) -> bool:
+        """Whether the camera does not move: it has one position and one error in all frames."""
+        return self.fixes is None and bool((self.position_m == self.position_m[:1]).all())
+
 
 @dataclass(frozen=True)
 class Refraction:
@@ -173,6 +190,7 @@ class FlightOptions:
             `vopd.attitude.sigmas.COMPONENTS` names them
         not_stated: those of which the project and its files say nothing; `bias` among them if
             nothing says how much of a track's error is common to its fixes
+        reading_sigma_px: of one pick, where the user gives it; 0 leaves it out
     """
 
     loss: str = "least-squares"
@@ -181,6 +199,7 @@ class FlightOptions:
     parameter_sigma: Mapping[str, float] = field(default_factory=dict)
     exact: tuple[str, ...] = ()
     not_stated: tuple[str, ...] = ()
+    reading_sigma_px: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

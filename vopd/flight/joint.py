@@ -48,14 +48,27 @@ class JointSolution:
 
     @cached_property
     def factored(self) -> Factored:
-        """The same with their priors, factored."""
-        return Factored(self.normal)
+        """The same with their priors, factored.
+
+        Raises:
+            VopdError: if they have no solution
+        """
+        try:
+            return Factored(self.normal)
+        except np.linalg.LinAlgError as error:
+            raise _no_solution(self.model.flight) from error
+
+    @cached_property
+    def covariance(self) -> Covariance:
+        """The covariances of rotations and places, by component."""
+        return covariance(self)
 
     @property
     def moved_m(self) -> Floats:
         """From the stated to the solved place, east, north, up (F, 3)."""
         return self.model.moved_m(self.state)
 
+    @cached_property
     def stated_residual(self) -> Floats:
         """Residuals at the stated places, landmarks and parameters, (P, 2), linearised here.
 
@@ -73,7 +86,7 @@ class JointSolution:
 
 def solve_jointly(
     flight: Flight, priors: Priors, used: Bools | None = None, start: State | None = None,
-    readout: Readout | None = None,
+    readout: Readout | None = None, first: SolvedFlight | None = None,
 ) -> JointSolution:  # fmt: skip
     """Solve rotations, places and parameters of a flight.
 
@@ -85,13 +98,14 @@ def solve_jointly(
         used: picks that take part, (P,)
         start: where to begin; None: at the stated places
         readout: of a rolling shutter
+        first: the flight solved with the same picks; None: it is solved at the stated places
 
     Raises:
         VopdError: if the picks do not determine a parameter
     """
     left_out = None if used is None else ~used
     loss = LOSSES[flight.options.loss]
-    first = solve(_for_start(flight, priors), left_out)
+    first = first or solve(_for_start(flight, priors), left_out)
     rotation, weight = first.attitudes.rotation, first.attitudes.weight
     solved, taken = np.isfinite(rotation[:, 0, 0]), first.used & (weight > 0.0)
     model = Model(flight, priors, taken, solved, flight.picks.sigma_px, readout, loss)
@@ -101,7 +115,10 @@ def solve_jointly(
     state = model.start(known)
     if start is not None:
         state = start._replace(rotation=np.where(solved[:, None, None], start.rotation, known))
-    normal, turn, passes = _descend(model, state)
+    try:
+        normal, turn, passes = _descend(model, state)
+    except np.linalg.LinAlgError as error:
+        raise _no_solution(flight) from error
     weight = np.zeros_like(weight)
     weight[model.pick] = normal.weight * model.scale**2
     attitudes = first.attitudes._replace(
@@ -111,8 +128,18 @@ def solve_jointly(
         weight=weight,
     )
     camera_m = flight.path.position_m + model.camera_by_m(normal.state)
-    found = replace(first, flight=flight, camera_m=camera_m, attitudes=attitudes)
+    landmark_m = flight.landmarks.position_m + model.landmark_by_m(normal.state)
+    found = replace(
+        first, flight=flight, camera_m=camera_m, attitudes=attitudes, landmark_m=landmark_m
+    )
     return JointSolution(model, normal.state, found, passes)
+
+
+def _no_solution(flight: Flight) -> VopdError:
+    return VopdError(
+        f"{flight.source}: the equations of its positions and landmarks have no solution within "
+        'rounding; [solve] position = "fixed" holds both where they are stated'
+    )
 
 
 def _for_start(flight: Flight, priors: Priors) -> Flight:
@@ -322,10 +349,7 @@ def _prior_places(model: Model) -> Floats:
     by = model.place_by_common(np.arange(model.frames)) * sigma
     out = by @ by.swapaxes(1, 2)
     if model.priors.fixes is not None:
-        fixes = model.priors.fixes
-        squared = replace(fixes, weight=fixes.weight**2)
-        own = squared.at_frames(model.fix_sigma_m[..., None] ** 2)[..., 0]
-        out[:, np.arange(3), np.arange(3)] += own
+        out[:, np.arange(3), np.arange(3)] += model.priors.fixes.frame_sigma_m**2
     return np.asarray(out)
 
 

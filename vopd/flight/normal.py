@@ -128,7 +128,10 @@ class Normal:
             triangle = np.linalg.cholesky(normal)
             self.log_determinant += 2.0 * float(np.log(np.einsum("bii->bi", triangle)).sum())
         inverse, mixed = np.linalg.inv(normal), across @ further
-        left = across_further @ further - mixed.swapaxes(1, 2) @ (inverse @ mixed)
+        beside = further - turn @ (inverse @ mixed)  # what no turn of the frame explains
+        plain = loss is LOSSES["least-squares"] and self.damping is None
+        # as a square it is never negative, whatever the rounding
+        left = (beside.swapaxes(1, 2) if plain else across_further) @ beside
         self.parts.append(Eliminated(rows.frames, inverse, mixed, index))
         self._turn[rows.frames] = right[..., 0]
         if self.fixes is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -281,10 +282,12 @@ def _means(read: PickRows, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
     return mean, sigma
 
 
-def _usual(read: PickRows) -> dict[str, float]:
+def _usual(read: PickRows) -> dict[str, Any]:
     """Estimate the usual sigma of one pick; a smaller one than stated is not believed."""
     usual = float(np.median(read.sigma_px)) if len(read.sigma_px) else 1.0
-    return {"one_sigma_px": usual} | ({"least_sigma_px": usual} if read.stated else {})
+    return {"one_sigma_px": usual} | (
+        {"least_sigma_px": usual, "stated": True} if read.stated else {}
+    )
 
 
 def _contrary(away: Floats, sigma: Floats, inverse: Ints, points: int) -> Bools:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING
@@ -10,8 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.long_history import sampled_reading_sigma
+from vopd.attitude.reading_sigma import JobReadingSigma
+from vopd.attitude.residuals import SIGNIFICANCE
+from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError
+from vopd.flight.errors import SOLVED_WITH, priors_of, with_sigmas
 from vopd.flight.estimate import (
     FlightEstimates,
     attack_angles,
@@ -19,7 +24,9 @@ from vopd.flight.estimate import (
     vehicle_angles,
 )
 from vopd.flight.flight import Flight
+from vopd.flight.joint import JointSolution, solve_jointly
 from vopd.flight.read import read_flight
+from vopd.flight.sizes import sigma_freedom, size_of_residuals
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen, project
 
@@ -28,7 +35,6 @@ if TYPE_CHECKING:
 
     from vopd.attitude.history import History, HistoryOptions
     from vopd.attitude.long_history import HistoryParts
-    from vopd.attitude.sigmas import Sigmas
 
 
 # A solved flight
@@ -114,7 +120,6 @@ class FlightResult:
             VopdError: where there is no such vertical
         """
         from vopd.attitude.history import HistoryOptions
-        from vopd.attitude.sigmas import Sigmas
 
         options = HistoryOptions(sigmas or Sigmas(), max_rate_deg_s, vertical)
         return self.history_parts(options).whole
@@ -130,7 +135,13 @@ class FlightResult:
         """
         from vopd.attitude.long_history import history_of_long_job
 
-        return history_of_long_job(self.estimates.layout, self.estimates.of, options)
+        flight = with_sigmas(self.flight, options.sigmas)
+        if flight is not self.flight:
+            rest = replace(options.sigmas, **dict.fromkeys(SOLVED_WITH, 0.0), reading=None)
+            own = replace(options, sigmas=rest)
+            return solve_flight_read(flight).history_parts(own)
+        made = self.estimates
+        return history_of_long_job(made.layout, made.of, options, made.reading)
 
     def to_dataframe(
         self,
@@ -198,9 +209,10 @@ def solve_flight_read(flight: Flight) -> FlightResult:
     require_two_landmarks(flight)
     dropped = np.zeros(len(flight.picks.frame), bool)
     findings: list[Finding] = []
-    solved = solve(flight)
+    before = None
     for left in range(DROP_PASSES * flight.options.drop_blunders, -1, -1):
-        estimates = FlightEstimates(solved)
+        estimates = settled(flight, dropped, before)
+        solved, before = estimates.solved, estimates.joint
         wrong, off_px = blunders(flight, estimates)
         for k, off in zip(wrong, off_px, strict=True):
             label, done = pick_label(flight, int(k)), "it is left out" if left else KEPT
@@ -209,9 +221,86 @@ def solve_flight_read(flight: Flight) -> FlightResult:
         if not left or not len(wrong):
             break
         dropped[wrong] = True
-        solved = solve(flight, dropped, before=solved)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
     return FlightResult(estimates, (*flight.findings, *findings))
+
+
+ROUNDS = 12  # of a solve with another reading sigma
+SETTLED = 1e-3  # relative change of the reading sigma that is none
+LEAST_FREEDOM = 0.1  # of a reading sigma of which the residuals say nothing
+REJECTED = 1.5  # times the stated reading sigma, from where on that is not believed
+
+
+def settled(
+    flight: Flight, left_out: Bools, before: JointSolution | None = None
+) -> FlightEstimates:
+    """Solve a flight, with its positions and landmarks as far as they are uncertain.
+
+    They have the more weight the larger the reading sigma is. One that is not stated is estimated
+    from the residuals, and the flight solved again until it no longer changes.
+
+    Args:
+        flight: the flight
+        left_out: picks that take no part, (P,)
+        before: the solution with fewer picks left out
+    """
+    priors, robust = priors_of(flight), flight.options.loss != "least-squares"
+    start = before.state if before is not None and before.passes else None
+    same = None
+    if before is not None and not before.passes:
+        same = solve(flight, left_out, before=before.solved)
+    joint = solve_jointly(flight, priors, ~left_out, start, first=same)
+    reading = stated_reading(joint)
+    if reading is None:
+        for _ in range(ROUNDS):
+            reading = residual_reading(joint)
+            sigma = joint.model.flight.picks.one_sigma_px
+            weighs = joint.passes > 0 or robust
+            if not weighs or abs(reading.sigma / sigma - 1.0) < SETTLED:
+                break
+            start = joint.state if joint.passes else None
+            same = joint.solved if joint.passes and not robust else None
+            scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))
+            joint = solve_jointly(scaled, priors, ~left_out, start, first=same)
+    return FlightEstimates(replace(joint.solved, flight=flight), joint, reading)
+
+
+def stated_reading(joint: JointSolution) -> JobReadingSigma | None:
+    """Take the reading sigma that is given or stated; None where there is none, or it is rejected.
+
+    It is rejected where the residuals of all frames together are larger than what is stated
+    allows, which happens by chance once in a thousand flights, and those of the frames that agree
+    with each other speak for more than `REJECTED` times as much.
+
+    Args:
+        joint: of a flight solved with it
+    """
+    flight, estimates = joint.solved.flight, FlightEstimates(joint.solved, joint)
+    given, stated = flight.options.reading_sigma_px, flight.picks.one_sigma_px
+    if given is None and not flight.picks.stated:
+        return None
+    sigmas = Sigmas(reading=stated if given is None else given)
+    found = sampled_reading_sigma(estimates.layout, estimates.of, sigmas)
+    if given is not None:
+        return found
+    _, chance = size_of_residuals(joint, np.ones(len(found.chance), bool))
+    if chance < SIGNIFICANCE and residual_reading(joint).sigma > REJECTED * stated:
+        return None
+    return replace(found, source="stated")
+
+
+def residual_reading(joint: JointSolution) -> JobReadingSigma:
+    """Estimate the reading sigma from the residuals of all frames.
+
+    Args:
+        joint: of a solved flight
+    """
+    estimates = FlightEstimates(joint.solved, joint)
+    found = sampled_reading_sigma(estimates.layout, estimates.of, Sigmas())
+    if found.source == "repeated":
+        return found
+    freedom = max(sigma_freedom(joint), LEAST_FREEDOM)
+    return replace(found, freedom=min(found.freedom, freedom))
 
 
 def frame_label(flight: Flight, k: int) -> str:

@@ -466,11 +466,12 @@ class SolvedFlight:
     attitudes: Attitudes
     used: Bools  # (P,) picks that were to take part
     raised_most_rad: float  # by refraction, of all lines of sight; NaN where there is none
+    landmark_m: Floats | None = None  # (N, 3) Earth-centred, where they were solved for
 
     @cached_property
     def lines(self) -> SightLines:
         """The lines of sight that the rotations were solved from."""
-        return _lines(self.flight, self.camera_m)
+        return _lines(self.flight, self.camera_m, self.landmark_m)
 
     def part(self, part: FlightPart) -> SolvedFlight:
         """Take some of the frames of the solution."""
@@ -489,6 +490,7 @@ class SolvedFlight:
             ),
             self.used[picks],
             self.raised_most_rad,
+            self.landmark_m,
         )
 
 
@@ -555,6 +557,7 @@ def _solve_part(
     return camera_m, attitudes, lines
 
 
-def _lines(flight: Flight, camera_m: Floats) -> SightLines:
-    marks, picks = flight.landmarks.position_m, flight.picks
+def _lines(flight: Flight, camera_m: Floats, landmark_m: Floats | None = None) -> SightLines:
+    picks = flight.picks
+    marks = flight.landmarks.position_m if landmark_m is None else landmark_m
     return sight_lines(camera_m, marks, picks.frame, picks.landmark, flight.refraction)

@@ -306,7 +306,11 @@ def other_sigmas_text(history: History) -> str:
 
 
 def _size(value: float | tuple[float, float] | Floats) -> str:
-    """Write one number, or several with commas if they differ."""
+    """Write one number, several with commas if they differ, or the range of those of many rows."""
+    if np.ndim(value) > 1:
+        some = np.asarray(value)[np.asarray(value) > 0.0]
+        value = (float(some.min()), float(some.max()))
+        return " to ".join(dict.fromkeys(f"{one:.3g}" for one in value))
     return ", ".join(dict.fromkeys(f"{one:.3g}" for one in np.atleast_1d(value)))
 
 

@@ -1,0 +1,135 @@
+"""Errors that the standard deviations of a history include, and those that they leave out."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.attitude.history import History
+from vopd.attitude.sigmas import INPUTS, Sigmas, angle_gains, given_components, in_force
+from vopd.estimate import Block, Estimate, Units
+
+
+def label(component: str) -> str:
+    """Name a component of the uncertainty in a sentence.
+
+    Args:
+        component: its name
+    """
+    return component.replace("_", " ")
+
+
+def included_text(history: History) -> str:
+    """Describe the errors that the standard deviations include, and how large they are.
+
+    The sizes are those in the first frame that has an attitude.
+
+    Args:
+        history: of a job, or of its first frames
+    """
+    components = history.uncertainty.components
+    first = int(history.has_attitude.argmax())
+    some = slice(first, first + 1)
+    each = [f"{label(name)} {_largest_deg(own[some]):.2g}" for name, own in components.items()]
+    frame = history.estimate.frame_label(first)
+    return f"{', '.join(each)} degree, the largest of yaw, pitch and roll, frame {frame}"
+
+
+def _largest_deg(angles_deg: Floats) -> float:
+    """Take the largest of the vehicle's angles in a frame, else of the angles of attack."""
+    vehicle, attack = angles_deg[0, 3:6], angles_deg[0, 6:9]
+    return float((vehicle if np.nan_to_num(vehicle).any() else attack).max())
+
+
+def left_out_text(history: History, where: Mapping[str, str]) -> str:
+    """Describe the errors that the standard deviations leave out; of a flight with round sizes.
+
+    Args:
+        history: of a job, or of its first frames
+        where: where each component can be stated; those that are not here are not named
+    """
+    blocks = history.estimates()
+    if history.about.words.sigma_keys:
+        blocks = ((frames, one) for frames, one in [_first_frame(history)])
+    kept = [one for _, one in blocks]
+    told = [one for one in left_out(kept, history.uncertainty.components) if one in where]
+    effects = usual_effects(kept[0], told) if history.about.words.sigma_keys else {}
+    return ", ".join(
+        f"{label(name)} ({where[name]}{': ' * (name in effects)}{effects.get(name, '')})"
+        for name in told
+    )
+
+
+def _first_frame(history: History) -> Block:
+    """Take the first frame that has an attitude, else the first one."""
+    first = int(history.has_attitude.argmax())
+    for frames, one in history.estimates():
+        if first in frames:
+            return np.array([first]), one.take(np.flatnonzero(frames == first))
+    raise AssertionError(first)
+
+
+def left_out(blocks: Iterable[Estimate], components: Collection[str]) -> list[str]:
+    """List the causes of errors that the standard deviations of a job do not contain.
+
+    Those that cannot change its angles are not listed: times of a camera that stands still,
+    and velocity and wind where no angle of attack is known.
+
+    Args:
+        blocks: the frames of the job, as far as they must be known
+        components: the components of its uncertainty
+    """
+    attack = moves = False
+    for one in blocks:
+        attack |= bool(np.isfinite(one.attack_deg).any())
+        moves |= bool(np.nan_to_num(one.responses.time).any())
+        if attack and moves:
+            break
+    without_effect = {"time": not moves, "velocity": not attack, "wind": not attack}
+    return [
+        name for name in INPUTS if name not in components and not without_effect.get(name, False)
+    ]
+
+
+@np.errstate(all="ignore")
+def usual_effects(estimate: Estimate, names: Collection[str]) -> dict[str, str]:
+    """Describe the effect of a round size of errors on the angles, such as `1 m is 0.46 degree`.
+
+    Args:
+        estimate: some frames of a job
+        names: components
+    """
+    sizes = _round_sizes(estimate.units, estimate.focal_length)
+    gains, found = angle_gains(estimate), {}
+    for name in names:
+        if name not in sizes:
+            continue
+        field, size, text = sizes[name]
+        force = in_force(estimate, Sigmas(reading=0.0, fiducial=0.0))
+        none: dict[str, Any] = dict.fromkeys(force._fields, 0.0)
+        none |= {one: np.zeros(3) for one in ("landmark", "position", "place")}
+        none["principal_point"] = (0.0, 0.0)
+        of_one = given_components(estimate, type(force)(**none | {field: size}))
+        own = [gains.effect(one).angles_deg for one in of_one if one.name == name]
+        if own:
+            degrees = _largest_deg(np.sqrt(sum((one**2).sum(axis=2) for one in own)))
+            if np.isfinite(degrees):
+                found[name] = f"{text} is {degrees:.2g} degree"
+    return found
+
+
+def _round_sizes(units: Units, focal_length: float) -> dict[str, tuple[str, Any, str]]:
+    """List of each component its field of `SigmasInForce`, a round size, and the size in words."""
+    one = np.ones(3)
+    return {
+        "position": ("position", one, f"1 {units.length}"),
+        "landmark": ("landmark", one, f"1 {units.length}"),
+        "focal": ("focal_length", 1e-3 * focal_length, "0.1 % of it"),
+        "principal_point": ("principal_point", (1.0, 1.0), f"1 {units.image}"),
+        "time": ("time_s", 0.1, "0.1 s"),
+        "velocity": ("velocity", 1.0, f"1 {units.length}/s"),
+        "wind": ("wind", 1.0, f"1 {units.length}/s"),
+    }

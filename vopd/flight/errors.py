@@ -1,0 +1,131 @@
+"""Errors of a flight's inputs: which are solved for, and how they move its rotations.
+
+Errors of positions and landmarks are solved for under the standard deviations that are stated,
+and what is left of them is in the solution's covariance. Those of the lens, the clock and the
+refraction are not, unless they are freed: one standard deviation of each is propagated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.attitude.sigmas import Sigmas
+from vopd.estimate import COMMON_PART
+from vopd.flight.equations import COMPONENT, LEAST_SIGMA_M, SHIFT, Priors
+from vopd.flight.flight import CameraPath, Flight, TrackFixes
+from vopd.flight.joint import JointSolution, propagated
+
+
+def priors_of(flight: Flight) -> Priors:
+    """Collect the unknowns of a flight besides its rotations, as its files state them.
+
+    Args:
+        flight: the flight
+    """
+    if not flight.options.solve_position:
+        return Priors()
+    path, landmark_m = flight.path, flight.landmarks.sigma_m
+    place = np.maximum(path.bias_sigma_m, LEAST_SIGMA_M) if path.bias_sigma_m.any() else ()
+    return Priors(
+        path.fixes,
+        landmark_m if landmark_m.any() else None,
+        dict(zip(SHIFT, place, strict=False)),
+    )
+
+
+SOLVED_WITH = ("landmark", "position", "focal_length", "time_s")
+"""The fields of `Sigmas` besides `reading` with which a flight is solved."""
+
+
+def with_sigmas(flight: Flight, sigmas: Sigmas) -> Flight:
+    """Replace standard deviations of a flight by those that the user gives.
+
+    Args:
+        flight: the flight
+        sigmas: the user's; 0 leaves what the project states, and None of the readings
+
+    Returns:
+        The flight itself where none of them takes part in its solve.
+    """
+    path, marks, options = flight.path, flight.landmarks, flight.options
+    if sigmas.reading is None and not any(getattr(sigmas, name) for name in SOLVED_WITH):
+        return flight
+    if sigmas.landmark > 0.0:
+        marks = replace(marks, sigma_m=np.full_like(marks.sigma_m, sigmas.landmark))
+    if sigmas.position > 0.0:
+        path = _with_position_sigma(path, sigmas.position)
+    common = dict(options.parameter_sigma)
+    common |= {"focal": sigmas.focal_length} if sigmas.focal_length > 0.0 else {}
+    common |= {"clock": sigmas.time_s} if sigmas.time_s > 0.0 else {}
+    options = replace(options, parameter_sigma=common, reading_sigma_px=sigmas.reading)
+    picks = flight.picks
+    if sigmas.reading:
+        picks = picks.with_sigma(sigmas.reading)
+    return replace(flight, path=path, landmarks=marks, options=options, picks=picks)
+
+
+def _with_position_sigma(path: CameraPath, sigma_m: float) -> CameraPath:
+    """State the standard deviation of a standing camera's place, or of all fixes of a track."""
+    frames, fixes = len(path.position_m), path.fixes
+    if path.stands:
+        return replace(path, bias_sigma_m=np.full(3, sigma_m))
+    if fixes is None:
+        fixes = TrackFixes(np.arange(frames), np.ones((frames, 1)), np.zeros((frames, 3)))
+    return replace(path, fixes=replace(fixes, sigma_m=np.full_like(fixes.sigma_m, sigma_m)))
+
+
+def stated_changes(solution: JointSolution) -> dict[str, Floats]:
+    """Differentiate the images by errors that are stated and not solved for.
+
+    Args:
+        solution: of the flight
+
+    Returns:
+        Changes of the computed images by one standard deviation of each, in standard deviations
+        of the picks, (P, 2, C), by component; P picks take part.
+    """
+    model, state = solution.model, solution.state
+    stated = model.flight.options.parameter_sigma.items()
+    sigma = {name: one for name, one in stated if one > 0.0 and name not in model.names}
+    if not sigma:
+        return {}
+    more = replace(model.priors, parameter={**model.priors.parameter, **sigma})
+    full = model.with_priors(more)
+    none = np.zeros(len(sigma))
+    start = state._replace(parameter=np.concatenate([state.parameter, none]))
+    change = np.zeros((len(model.pick), 2, len(sigma)))
+    for rows in full.rows(start):
+        change[rows.picks] = rows.by_parameter[..., len(model.names) :]
+    change *= list(sigma.values())
+    component = [COMPONENT[name] for name in sigma]
+    return {
+        name: change[..., [one == name for one in component]] for name in dict.fromkeys(component)
+    }
+
+
+def turns_by_errors(solution: JointSolution) -> dict[str, Floats]:
+    """Estimate how errors of one standard deviation turn the cameras, by component.
+
+    Args:
+        solution: of the flight, in which places or landmarks were solved for
+
+    Returns:
+        Turns about the camera's axes, radians, (F, 3, C); those of errors that are common to the
+        frames have `COMMON_PART` in their names.
+    """
+    found = {name: _roots(one) for name, one in solution.covariance.component.items()}
+    for name, change in stated_changes(solution).items():
+        found[name + COMMON_PART] = propagated(solution, change)
+    return found
+
+
+def _roots(covariances: Floats) -> Floats:
+    """Take symmetric roots of covariances (F, 3, 3); NaN where there is none."""
+    known = np.isfinite(covariances).all(axis=(1, 2))
+    sizes, axes = np.linalg.eigh(covariances[known])
+    out = np.full_like(covariances, np.nan)
+    out[known] = axes * np.sqrt(np.maximum(sizes, 0.0))[:, None]
+    return out

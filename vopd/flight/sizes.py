@@ -1,0 +1,97 @@
+"""Degrees of freedom of a joint solution: of its residuals, and of a reading sigma from them."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import chdtrc
+
+from vopd.arrays import Bools, Floats
+from vopd.flight.joint import DERIVATIVE, JointSolution
+from vopd.flight.normal import Factored
+
+
+def explained(solution: JointSolution) -> dict[str, float]:
+    """Count what the picks say of the errors of each component: the sum of 1 - after / before.
+
+    Args:
+        solution: of the flight
+    """
+    model, factored = solution.model, solution.factored
+    parts = 1.0 - np.diag(factored.common) / model.common_sigma**2
+    found: dict[str, float] = {}
+    for name, part in zip(model.component, parts.tolist(), strict=True):
+        found[name] = found.get(name, 0.0) + part
+    if model.priors.fixes is not None:
+        part = float((1.0 - fix_variances(factored) / model.fix_sigma_m**2).sum())
+        found["position"] = found.get("position", 0.0) + part
+    return found
+
+
+def fix_variances(factored: Factored) -> Floats:
+    """Calculate variances of the fixes' errors after the solve (J, 3).
+
+    Args:
+        factored: the normal equations
+    """
+    assert factored.chain is not None
+    diagonal, _ = factored.chain.selected_inverse()
+    own = np.einsum("jii->ji", diagonal).reshape(-1, 3)
+    back = factored.back
+    through = ((back @ factored.common) * back).sum(axis=2)
+    return np.asarray((own + through)[: len(factored.model.fix_sigma_m)])
+
+
+def residual_freedom(solution: JointSolution) -> tuple[float, float]:
+    """Count the degrees of freedom that the picks keep, and those if all priors were exact.
+
+    Args:
+        solution: of the flight
+    """
+    exact = 2.0 * len(solution.model.pick) - 3.0 * solution.model.solved
+    return exact - sum(explained(solution).values()), exact
+
+
+def sigma_freedom(solution: JointSolution) -> float:
+    """Count the degrees of freedom of a reading sigma that is estimated from a solution.
+
+    Twice the square of the variance over the variance of its estimate: the trace of (W R)^2,
+    R the covariance of the readings, W the marginal weights less what the turns fit. With the
+    covariance M after the solve and the prior P it is 2N - 3F - q + trace (P^-1 M)^2, q errors,
+    and that trace the derivative of P^-1 M by a factor of P.
+
+    Args:
+        solution: of the flight
+    """
+    model, scale = solution.model, 1.0 + 1j * DERIVATIVE
+    varied = Factored(solution.normal, fix_scale=scale, common_scale=scale)
+    total = (np.diag(varied.common) / model.common_sigma**2).sum()
+    if model.priors.fixes is not None:
+        total = total + (fix_variances(varied) / model.fix_sigma_m**2).sum()
+    errors = np.isfinite(model.common_sigma).sum() + model.fix_sigma_m.size
+    free = (~np.isfinite(model.common_sigma)).sum()
+    exact = 2.0 * len(model.pick) - 3.0 * model.solved - free
+    return float(exact - errors - total.imag / DERIVATIVE)
+
+
+def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, float]:
+    """Compare the residuals of some frames together with what is stated of all errors.
+
+    The cost of the joint solution, of picks and priors, is chi-square with as many degrees of
+    freedom as the picks have more coordinates than the frames have angles.
+
+    Args:
+        solution: of the flight
+        frames: those that count, (F,)
+
+    Returns:
+        The size of the residuals over that which is to be expected, and the chance of such large
+        ones, or larger.
+    """
+    model = solution.model
+    picks = np.bincount(model.flight.picks.frame[model.pick], minlength=model.frames)
+    count = frames & (picks >= 2)
+    freedom = float((2.0 * picks - 3.0)[count].sum())
+    cost = float(solution.normal.frame_cost[count].sum())
+    if not freedom > 0.0:
+        return 1.0, 1.0
+    return float(np.sqrt(cost / freedom)), float(chdtrc(freedom, cost))
