@@ -15,7 +15,7 @@ from vopd.cards.deck import CardBlock
 from vopd.cards.format import BASIC_DATA, group_of
 from vopd.cards.read import read_jobs
 from vopd.errata import NO_FIXES, Fix, Fixes
-from vopd.findings import Finding, InputError, Report
+from vopd.findings import Finding, InputError, Report, count_text
 from vopd.geometry.linear import pseudo_inverse
 from vopd.job import Job, Readings, copied_readings_text
 from vopd.program.average import averages
@@ -429,7 +429,7 @@ def tables_span(job: Job, locations: CardLocations) -> Iterator[Finding]:
         ):
             count = int(beyond.sum())
             if count:
-                frames = "1 frame is" if count == 1 else f"{count} frames are"
+                frames = count_text(count, "frame is", "frames are")
                 message = f"{frames} outside this table, which is extrapolated: "
                 yield locations.warning(label, row, field, f"{message}{what} {extreme:.8g}")
 

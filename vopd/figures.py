@@ -17,7 +17,7 @@ from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import Units
 from vopd.files import optional_package
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -624,7 +624,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     when = f"{e.time_s[k]:.3f} s, " if np.isfinite(e.time_s[k]) else ""
     return (
         f"{caption([history])}\nframe {plain(e.frame_label(k))}, {when}"
-        f"{history.landmarks[k]} landmarks; corrected for distortion"
+        f"{count_text(history.landmarks[k], 'landmark')}; corrected for distortion"
         f"{'' if few else '; too many landmarks to label'}\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
         f"{_misfit(history, k)}"

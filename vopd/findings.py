@@ -8,6 +8,8 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from vopd.findings import count_text
+
 # Findings: errors and warnings about an input, with their location in it.
 #
 # An error that is raised carries a finding; a warning is one.
@@ -107,6 +109,17 @@ def frames_text(labels: Sequence[str]) -> str:
     left = sum(map(len, runs[MOST_RUNS:]))
     more = f" and {left} more" if left else ""
     return f"frame{'' if len(labels) == 1 else 's'} {', '.join(named[:MOST_RUNS])}{more}"
+
+
+def count_text(number: int, one: str, many: str = "") -> str:
+    """Write a number with its noun: `1 frame`, `12 more frames`, `1 frame is left out`.
+
+    Args:
+        number: how many
+        one: what follows 1
+        many: what follows other numbers; by default the same with an s
+    """
+    return f"{number} {one if number == 1 else many or f'{one}s'}"
 
 
 Report = Callable[[Finding], None]

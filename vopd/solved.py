@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Generic, overload
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, count_text
 from vopd.records import Array
 from vopd.results import Results, SolvedJob
 
@@ -110,7 +110,7 @@ class Run(Sequence[Results]):
 
     def __repr__(self) -> str:
         frames = sum(len(one.frame) for one in self)
-        return f"Run({len(self)} job{'s'[: len(self) != 1]}, {frames} frames)"
+        return f"Run({count_text(len(self), 'job')}, {count_text(frames, 'frame')})"
 
     def histories(
         self,

@@ -13,7 +13,7 @@ from vopd.attitude.reading_sigma import SOURCES
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
 from vopd.estimate import Position, Vertical
-from vopd.findings import Finding, Report
+from vopd.findings import Finding, Report, count_text
 from vopd.version import __version__
 
 # Offset of a file's positions from the source's own coordinates.
@@ -168,7 +168,7 @@ def _reading_sigmas(histories: Sequence[History]) -> str:
         for h in histories[:MOST_JOBS]
     ]
     left = len(histories) - len(stated)
-    more = [f"{left} more jobs: see the columns reading_sigma and degrees_of_freedom"]
+    more = [f"{count_text(left, 'more job')}: see the columns reading_sigma and degrees_of_freedom"]
     return "; ".join(stated + (more if left else []))
 
 

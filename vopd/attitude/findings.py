@@ -11,7 +11,7 @@ import numpy as np
 from vopd.attitude.history import History
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.estimate import About
-from vopd.findings import Finding, frames_text
+from vopd.findings import Finding, count_text, frames_text
 
 # Summary of a job's frames.
 
@@ -109,5 +109,7 @@ def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
         for frames, repair in repairs
     ]
     if left:
-        messages.append(f"{left} more frames misfit; the flags say what explains them")
+        messages.append(
+            f"{count_text(left, 'more frame')} with misfit: the flags say what explains it"
+        )
     return [Finding(one, about.source, job=about.job, severity="warning") for one in messages]

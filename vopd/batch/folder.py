@@ -19,7 +19,7 @@ from vopd.attitude.flags import MEANING
 from vopd.batch.sources import PAGE, BatchSettings, BatchSource, file_sha256, input_sha256
 from vopd.export import FORMATS
 from vopd.files import OutputError, whole_file
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.version import __version__
 
 # Locks, which the system frees when the process that holds one has ended
@@ -583,5 +583,5 @@ def totals(records: Sequence[SourceRecord]) -> str:
     ended = [one.status for one in records]
     count = ", ".join(f"{ended.count(word)} {word}" for word in WORST_FIRST if word in ended)
     frames, attitudes = sum(o.frames for o in records), sum(o.attitudes for o in records)
-    sources = "1 source" if len(records) == 1 else f"{len(records)} sources"
-    return f"{sources}: {count}; {frames} frames, {attitudes} with an attitude"
+    sources = count_text(len(records), "source")
+    return f"{sources}: {count}; {count_text(frames, 'frame')}, {attitudes} with an attitude"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vopd.arrays import Bools
 from vopd.files import kind_by_first_bytes
-from vopd.findings import Finding, InputError, Report, Severity, VopdError
+from vopd.findings import Finding, InputError, Report, Severity, VopdError, count_text
 
 # Consecutive cards as an array of bytes
 
@@ -302,8 +302,7 @@ def _clean(line: bytes) -> bool:
 
 
 def _ends_early(count: int, found: int) -> str:
-    cards = "1 card" if count == 1 else f"{count} cards"
-    return f"the deck ends here: {cards} expected, {found or 'none'} found"
+    return f"the deck ends here: {count_text(count, 'card')} expected, {found or 'none'} found"
 
 
 def _stripped(line: bytes) -> bytes:

@@ -14,7 +14,7 @@ from vopd.arrays import Floats, Ints, among
 from vopd.cards.deck import COLUMNS, CardBlock, CardDeck, refuse_other_file
 from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, FormatItem, format_items
 from vopd.cards.numbers import FEW, FieldValues, read_few, read_field
-from vopd.findings import Finding, InputError, Report, VopdError, strict
+from vopd.findings import Finding, InputError, Report, VopdError, count_text, strict
 from vopd.job import (
     Camera,
     Clock,
@@ -473,7 +473,7 @@ def _check_frames(
             before = int(frame[starts[k] - 1]) if k else None
             row, message = _wrong_count(own, int(counts[k]), before)
             if before == own[0]:
-                message += f", for which group 5 counts {counts[k - 1]} landmarks"
+                message += f", for which group 5 counts {count_text(counts[k - 1], 'landmark')}"
             finding = cards.finding(int(starts[k]) + row, message, *_FRAME_FIELD)
             report(finding)
             raise InputError(finding)
@@ -488,7 +488,7 @@ def _wrong_count(own: Ints, count: int, before: int | None) -> tuple[int, str]:
     if own[0] == before:
         return 0, f"a further card of frame {before}"
     row = int((own != own[0]).argmax())
-    landmarks = "1 landmark" if count == 1 else f"{count} landmarks"
+    landmarks = count_text(count, "landmark")
     return row, f"a card of frame {own[row]}, where group 5 counts {landmarks} for frame {own[0]}"
 
 
@@ -538,7 +538,8 @@ def _look_for_more(deck: CardDeck, frame: int, count: int, report: Report) -> No
     if any(field.unreadable[0] for field in fields) or any((text == 32).all() for text in punched):
         return
     if fields[3].value[0] == frame and fields[0].value[0] != 0:
-        message = f"group 5 counts {count} landmarks for frame {frame}, and here is one more"
+        counted = count_text(count, "landmark")
+        message = f"group 5 counts {counted} for frame {frame}, and here is one more"
         report(replace(card.finding(0, message, *_FRAME_FIELD), severity="error"))
 
 
@@ -645,13 +646,13 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
     """
     counts = control.frame_counts
     if len(counts) > len(stored.frame):
-        message = f"{len(counts)} frames, but only {len(stored.frame)} have been read"
+        message = f"{count_text(len(counts), 'frame')}, but only {len(stored.frame)} have been read"
         finding = control.count_finding(1, message)
         report(finding)
         raise InputError(finding)
     for k in (counts != stored.layout.count[: len(counts)]).nonzero()[0]:
         have = int(stored.layout.count[k])
-        message = f"{counts[k]} landmarks in frame {stored.frame[k]}, but {have} have been read"
+        message = f"{count_text(counts[k], 'landmark')} in frame {stored.frame[k]}, but {have} have been read"
         finding = control.count_finding(3 + int(k), message)
         report(finding)
         raise InputError(finding)

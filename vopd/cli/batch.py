@@ -13,6 +13,7 @@ import click
 from vopd.cli.console import Progress
 from vopd.cli.options import FILE_NAME, SharedOptions, history_options
 from vopd.export import FORMATS
+from vopd.findings import count_text
 
 if TYPE_CHECKING:  # its help does not wait for what solves
     from vopd.batch.folder import SourceRecord
@@ -188,8 +189,8 @@ def _status(records: Sequence[SourceRecord], options: SharedOptions) -> int:
     for one in failed[:FAILED_SHOWN]:
         click.echo(one.error, err=True)
     if len(failed) > FAILED_SHOWN:
-        more = len(failed) - FAILED_SHOWN
-        click.echo(f"{more} more sources failed; summary.jsonl says why", err=True)
+        more = count_text(len(failed) - FAILED_SHOWN, "more source")
+        click.echo(f"{more} failed; summary.jsonl says why", err=True)
     if records and len(failed) == len(records):
         return 1
     doubtful = any(one.status == UNCONVERGED or (options.strict and one.flagged) for one in records)

@@ -10,7 +10,7 @@ from vopd.cards.read import open_deck
 from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
-from vopd.findings import VopdError, group_text
+from vopd.findings import VopdError, count_text, group_text
 
 SHOWN = 21  # cards of basic data that are explained unasked: a frame of three landmarks
 
@@ -47,7 +47,7 @@ def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: 
     choice.check_all_found(deck)
     if choice.held_back:
         click.echo(
-            f"{choice.held_back} more cards of basic data: choose them by --card A-B, "
+            f"{count_text(choice.held_back, 'more card')} of basic data: choose them by --card A-B, "
             "or all by --group basic",
             err=True,
         )
@@ -94,7 +94,9 @@ class CardChoice:
         """Raise `VopdError` if a selected card is not in the deck."""
         last = max((last for _, last in self._ranges), default=0)
         if last > self._read:
-            raise VopdError(f"{deck}: there is no card {last}: the deck has {self._read} cards")
+            raise VopdError(
+                f"{deck}: there is no card {last}: the deck has {count_text(self._read, 'card')}"
+            )
         if not self._shown:
             groups = " or ".join(group_text(group) for group in sorted(self._groups))
             where = "none of these cards" if self._ranges else "no card"

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from vopd.files import Terminal
-from vopd.findings import Finding, VopdError, kind_of, strict
+from vopd.findings import Finding, VopdError, count_text, kind_of, strict
 
 # Messages on standard error: warnings, errors, and the progress of long work.
 
@@ -60,7 +60,7 @@ class Messages:
         for kind, count in self._seen.items():
             if count > ALIKE and not self._quiet:
                 like = self._example[kind]
-                more = f"{count - ALIKE} more warnings like these"
+                more = f"{count_text(count - ALIKE, 'more warning')} like these"
                 alike = Finding(more, like.source, job=like.job, group=like.group, field=like.field)
                 click.echo(f"warning: {alike}", err=True)
         self._seen.clear()

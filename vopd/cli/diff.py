@@ -13,7 +13,7 @@ import click
 from vopd.cli.options import FILE_NAME, output_option, text_or_json_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import Output, whole_file
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.listing.compare import (
     Comparison,
     Difference,
@@ -150,7 +150,7 @@ def _write_text(file: Output, found: Iterable[Difference], counts: Comparison) -
 
 def _counted(number: int, noun: str) -> str:
     """Write a number with its noun: `no differences`, `1 page`, `81 fields`."""
-    return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"
+    return count_text(number, noun) if number else f"no {noun}s"
 
 
 def _write_json(file: Output, found: Iterable[Difference], counts: Comparison) -> int:

@@ -9,7 +9,7 @@ import click
 
 from vopd.cli.options import FILE_NAME
 from vopd.files import OutputError, whole_file
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 
 if TYPE_CHECKING:
     from vopd.flight.new import NewProject
@@ -96,7 +96,7 @@ def _of_deck(name: str, number: int | None) -> NewProject:
     except VopdError as error:
         raise VopdError(f"{name}, job {chosen + 1}: {error}") from error
     frames = len(jobs[chosen].readings.frame)
-    new.said.insert(0, f"{name}, job {chosen + 1}: {frames} frame{'s'[: frames != 1]} on cards")
+    new.said.insert(0, f"{name}, job {chosen + 1}: {count_text(frames, 'frame')} on cards")
     return new
 
 

@@ -26,7 +26,7 @@ from vopd.figures import (
     save,
 )
 from vopd.files import whole_file
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 
 if TYPE_CHECKING:
     from vopd.stellar.files.table import ReadSolution
@@ -61,7 +61,7 @@ def _picture(name: str, one: ReadSolution) -> StarPicture:
     alpha, delta, swing = one.pointing
     image = f", {one.image}" if one.image else ""
     title = (
-        f"{name}{image}: {one.method}, {len(one.images)} stars\n"
+        f"{name}{image}: {one.method}, {count_text(len(one.images), 'star')}\n"
         f"alpha {alpha:.5f}, delta {delta:.5f}, swing {swing:.5f} degrees"
     )
     return StarPicture(title, one.images, one.residuals, one.labels, one.unit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.flight.new import NewProject
 from vopd.flight.project import KeyValues, project_text, toml_numbers, toml_text
 from vopd.geometry.earth import Geodetic, geodetic
@@ -106,7 +106,7 @@ def _picks(job: Job, notes: list[str]) -> tuple[str, tuple[int, int], float]:
     near = (np.abs(away) < WIDEST_IN * PX_PER_IN).all(axis=(1, 2))
     if not near.all():
         count = int((~near).sum())
-        which = "1 point is" if count == 1 else f"{count} points are"
+        which = count_text(count, "point is", "points are")
         notes.append(f"{which} read more than {WIDEST_IN:.0f} in from the centre and left out")
         frame, landmark, away = frame[near], landmark[near], away[near]
     if not near.any():

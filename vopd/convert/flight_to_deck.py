@@ -9,7 +9,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.cards.numbers import rounded_to_fit
 from vopd.estimate import Estimate
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.result import FlightResult
 from vopd.flight.solve import SolvedFlight, solve
@@ -94,9 +94,17 @@ def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str
     """List what the cards do not hold, a sentence each."""
     frames, left_out = len(result.solved), int((~result.solved).sum())
     sigma = flight.picks.sigma_px[held]
+    of = f"of {frames} frames"
+    unused = int((~held).sum())
     lines = {
-        f"{left_out} of {frames} frames have no attitude and are left out": left_out > 0,
-        f"{int((~held).sum())} picks take no part and are left out": not held.all(),
+        count_text(
+            left_out,
+            f"{of} has no attitude and is left out",
+            f"{of} have no attitude and are left out",
+        ): left_out > 0,
+        count_text(
+            unused, "pick takes no part and is left out", "picks take no part and are left out"
+        ): unused > 0,
         "refraction is taken off the picks by the flight's own attitude": flight.refraction.k != 0,
         "the lever arm is applied: the cards have the camera's positions": np.any(
             flight.path.lever_arm_m if flight.path.lever_arm_m is not None else 0.0

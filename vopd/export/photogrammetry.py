@@ -13,7 +13,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.export import FileRequest, printable
 from vopd.export.tables import not_a_formula
-from vopd.findings import Finding, Report, VopdError
+from vopd.findings import Finding, Report, VopdError, count_text
 from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
 from vopd.geometry.rotations import camera_axes, from_axes
 from vopd.version import __version__
@@ -53,7 +53,11 @@ def camera_poses(history: History, report: Report) -> CameraPoses:
     known: Bools = np.isfinite(np.hstack([where, e.camera_deg])).all(axis=1)
     frames = np.flatnonzero(known)
     if len(frames) < len(known):
-        message = f"{(~known).sum()} frames have no attitude or position and are left out"
+        message = count_text(
+            int((~known).sum()),
+            "frame has no attitude or position and is left out",
+            "frames have no attitude or position and are left out",
+        )
         report(Finding(message, history.about.source, job=history.about.job, severity="warning"))
     axes = camera_axes(np.radians(e.camera_deg[frames]))  # left, up in the picture, forward
     camera = (axes * np.array([-1.0, -1.0, 1.0])[:, None]).swapaxes(1, 2)
@@ -226,7 +230,8 @@ def render_odm_geo(histories: Sequence[History], request: FileRequest, report: R
             turns = "{:.6f} {:.6f} {:.6f}".format(*(np.round(angle, 6) + 0.0))
             lines.append(f"{name} {position} {turns}")
     if level:
-        message = f"{level} frames look nearly level or upward, where yaw and roll are ill defined"
+        looks = count_text(level, "frame looks", "frames look")
+        message = f"{looks} nearly level or upward, where yaw and roll are ill defined"
         report(Finding(message, histories[0].about.source, severity="warning"))
     head = HEAD_ODM_GEO.format(source=source_text(histories), down=histories[0].about.down)
     return (head + "\n".join(lines) + "\n").encode()

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
 from vopd.flight.flight import Flight
 from vopd.flight.mistakes import other_clock, usual_mistakes
@@ -69,7 +69,7 @@ def messages_of_files(flight: Flight) -> Iterator[str]:
         first = int(np.flatnonzero(outside)[0])
         hint = '; does v point up? then give [picks] v = "up"' if (v < 0).mean() > 0.5 else ""
         yield (
-            f"{count} pick{'s'[: count != 1]} outside the image of {width} x {height}, the first "
+            f"{count_text(count, 'pick')} outside the image of {width} x {height}, the first "
             f"{names[picks.landmark[first]]} in {frame_label(flight, int(picks.frame[first]))} "
             f"at {u[first]:g}, {v[first]:g}{hint}"
         )

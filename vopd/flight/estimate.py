@@ -24,6 +24,7 @@ from vopd.estimate import (
     Units,
     Words,
 )
+from vopd.findings import count_text
 from vopd.flight.errors import stated_changes, turns_by_errors
 from vopd.flight.flight import Flight, FrameSlots, Refraction
 from vopd.flight.joint import JointSolution
@@ -184,7 +185,7 @@ def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
         f"{axis} {middle[k]:+.2f} ({low[k]:+.2f} to {high[k]:+.2f})"
         for axis, k in (("right", 1), ("down", 2), ("forward", 0))
     )
-    count = f"{len(turn)} frame{'s'[: len(turn) != 1]}"
+    count = count_text(len(turn), "frame")
     return (
         "not used; rotation from the gimbal's attitude to the solved one about the camera's axes, "
         f"degrees, median of {count} and range: {parts}"

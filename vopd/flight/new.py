@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.flight.coordinates import crs_name, has_height_axis
 from vopd.flight.files import EXACT, InputFile, InputFormat, open_input, read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
@@ -115,13 +115,12 @@ def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | 
     if rows.size_px is not None and ("camera", "image_size_px") not in values:
         values["camera", "image_size_px"] = toml_numbers(*rows.size_px)
         new.needed.pop(("camera", "image_size_px"), None)
-    frames = len(set(rows.frame))
+    frames = count_text(len(set(rows.frame)), "frame")
     grid = f", {rows.grid} grid" if rows.grid else ""
     new.said.append(
-        f"{file.name}: {rows.said}, {len(rows.landmark)} picks in {frames} "
-        f"frame{'s'[: frames != 1]}{grid}"
+        f"{file.name}: {rows.said}, {count_text(len(rows.landmark), 'pick')} in {frames}{grid}"
     )
-    return frames == 0 or not isinstance(rows.frame, Names)
+    return len(rows.frame) == 0 or not isinstance(rows.frame, Names)
 
 
 def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
@@ -139,7 +138,7 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
         _sigma(new, "landmarks", "sigma_m")
         return
     file, rows = _read(values, folder, "landmarks", name, LANDMARK_FORMATS)
-    new.said.append(f"{file.name}: {rows.said}, {len(rows.name)} landmarks")
+    new.said.append(f"{file.name}: {rows.said}, {count_text(len(rows.name), 'landmark')}")
     if rows.crs is None and not rows.geodetic:
         new.needed["landmarks", "crs"] = "the file has x and y"
     ask_height(new, "landmarks", rows.crs)
@@ -233,7 +232,9 @@ def look_at_times(
         values["picks", "times"] = _named(images, folder)
         tags = [read_tags(path) for path in images_in(Path(images))]
         zone = all(np.isfinite(one.zone_s) for one in tags if np.isfinite(one.clock_s))
-        new.said.append(f"{images}: {len(tags)} images, whose tags give the frames' times")
+        new.said.append(
+            f"{images}: {count_text(len(tags), 'image')}, whose tags give the frames' times"
+        )
         if not zone:
             new.needed["picks", "utc_offset_h"] = "the images' times do not say their zone"
     elif by_number:

@@ -12,7 +12,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.estimate import MapGrid
 from vopd.files import reason
-from vopd.findings import Finding
+from vopd.findings import Finding, count_text
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.files import did_you_mean, read_by_content, shown
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
@@ -91,7 +91,9 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
     k = table.numbers("k") if values else ()
     counts = MODELS[LensKind(model)].counts
     if len(k) not in counts:
-        raise table.error("k", f"{len(k)} coefficients; {', '.join(map(str, counts))} are known")
+        raise table.error(
+            "k", f"{count_text(len(k), 'coefficient')}; {', '.join(map(str, counts))} are known"
+        )
     skew = table.number("skew_px")
     lens = make_lens(model, size, focal, centre, k, skew)
     return LensRead(lens, f"lens: {coefficients_said(k, model)}{assumed}")
@@ -180,7 +182,7 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
     stated = section.number("sigma_px")
     own = np.isfinite(rows.sigma_px)
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
-    said = f"{file.name}: {rows.said}, {len(sigma)} picks, {grid} grid, v {way}"
+    said = f"{file.name}: {rows.said}, {count_text(len(sigma), 'pick')}, {grid} grid, v {way}"
     known = section.has("sigma_px") or bool(own.any())
     return replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
 
@@ -210,7 +212,7 @@ def join_picks(
     picked_of = dict(zip(names.known, np.bincount(names.which).tolist(), strict=True))
     for name in sorted(name for name in names.known if name not in index):
         picked = picked_of[name]
-        many = f"{picked} pick{'s'[: picked != 1]}"
+        many = count_text(picked, "pick")
         message = f"no landmark {name} ({many}){did_you_mean(name, landmarks[:20])}"
         findings.append(Finding(message, project, severity="warning"))
     rows, first = _by_point(frame, own_of[names.which])
@@ -393,7 +395,7 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
     where = f"{section.project}: [landmarks]"
     position = earth_centred_positions(rows.coordinate, rows.geodetic, crs, datum, where)
     check = set(_known_names(project.section("solve"), "check_landmarks", rows.name))
-    said = f"{file.name}: {rows.said}, {len(rows.name)} landmarks, {crs or 'WGS 84'}"
+    said = f"{file.name}: {rows.said}, {count_text(len(rows.name), 'landmark')}, {crs or 'WGS 84'}"
     if datum is not None:
         said += f", {datum.said}"
     notes.said.append(said)

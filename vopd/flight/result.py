@@ -15,7 +15,7 @@ from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.errors import SOLVED_WITH, priors_of, with_sigmas
 from vopd.flight.estimate import (
     FlightEstimates,
@@ -167,7 +167,7 @@ class FlightResult:
         return dataframe([self.history(sigmas, max_rate_deg_s, vertical)])
 
     def __repr__(self) -> str:
-        return f"FlightResult({self.flight.source}, {len(self.frame)} frames)"
+        return f"FlightResult({self.flight.source}, {count_text(len(self.frame), 'frame')})"
 
 
 # From a project file to a solved flight, with its findings

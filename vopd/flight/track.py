@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positions
 from vopd.flight.files import InputFile, frames_of_column, read_csv
 from vopd.flight.flight import CameraPath, TrackFixes
@@ -77,7 +77,7 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
         (known, said, whole), utc = times_of_images(section, file), True
     else:
         known, utc = times_of_csv(section, file, bool(image))
-        said = f"{file.name}: times of {len(known)} frames"
+        said = f"{file.name}: times of {count_text(len(known), 'frame')}"
     wanted = list(image) or [str(n) for n in number.tolist()]
     time_s = np.array([known.get(one, np.nan) for one in wanted])
     if not np.isfinite(time_s).any():
@@ -140,7 +140,8 @@ def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float]
     dated = {name: one for name, one in tags.items() if np.isfinite(one.clock_s)}
     if not dated:
         raise section.error(
-            "times", f"{file.name}: none of its {len(paths)} images has a time in its tags"
+            "times",
+            f"{file.name}: none of its {count_text(len(paths), 'image')} has a time in its tags",
         )
     zones = {one.zone_s for one in dated.values() if np.isfinite(one.zone_s)}
     without = [name for name, one in dated.items() if not np.isfinite(one.zone_s)]
@@ -165,7 +166,7 @@ def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float]
         for name, one in dated.items()
     }
     whole = any(one.whole_second for one in dated.values())
-    said = f"{file.name}: times of {len(dated)} images by their EXIF tags, {own}"
+    said = f"{file.name}: times of {count_text(len(dated), 'image')} by their EXIF tags, {own}"
     return known, said + (", whole seconds" if whole else ""), whole
 
 

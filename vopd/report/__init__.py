@@ -23,7 +23,7 @@ from vopd.attitude.uncertainty import ANGLES
 from vopd.export.tables import table_text
 from vopd.figures import FIGURES, draw, left_out_text, ready, svg
 from vopd.files import optional_package
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -194,7 +194,7 @@ def summary(histories: Sequence[History]) -> dict[str, str]:
         rows[f"Median half-width of 95 %, {body} yaw, pitch, roll"] = _medians(half, names)
     rows["Median half-width of 95 %, alpha, beta, eta"] = _medians(half, ["alpha", "beta", "eta"])
     if len(histories) == 1:
-        frames = "1 frame" if len(status) == 1 else f"{len(status)} frames"
+        frames = count_text(len(status), "frame")
         rows[histories[0].about.label] = f"{histories[0].about.title or 'no title'}; {frames}"
     return rows
 

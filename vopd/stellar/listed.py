@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.geometry.linear import ARCSEC_PER_RADIAN, dot, transform
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
 from vopd.stellar.field import Failure, StarField, image_points_mm
@@ -67,7 +67,9 @@ def stars_printout(
             matrix, _, _ = correct(flat, matrix, rule, reading_sigma_mm, listed=True)
             turned = omega_phi_kappa_deg(matrix[0])
             if not (fit and np.isfinite(turned).all()):
-                raise VopdError(f"the attitude is undetermined after {done} corrections")
+                raise VopdError(
+                    f"the attitude is undetermined after {count_text(done, 'correction')}"
+                )
             angles = turned + 360.0 * np.round((angles - turned) / 360.0)  # STARS adds corrections
     return "\n".join(lines) + "\n"
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import reason
+from vopd.findings import count_text
 from vopd.flight.files import CsvTable, InputFile, InputFormat, has_columns, read_csv
 
 # Landmarks as read
@@ -74,7 +75,9 @@ def read_gcp_list(file: InputFile) -> GcpList:
     for number, line in lines[1:]:
         fields = line.split()
         if len(fields) < 6:
-            raise file.error(f"{len(fields)} fields, not x y z u v image [name]", number)
+            raise file.error(
+                f"{count_text(len(fields), 'field')}, not x y z u v image [name]", number
+            )
         try:
             values = [float(field) for field in fields[:5]]
         except ValueError as error:

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from vopd.files import optional_package, reason
+from vopd.findings import count_text
 from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, shown
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 
@@ -87,7 +88,7 @@ def image_centre(size_px: tuple[int, int]) -> tuple[float, float]:
 def coefficients_said(k: Sequence[float], model: str) -> str:
     """Count the coefficients, for a sentence."""
     count = len(k)
-    named = "no distortion" if not count else f"{count} coefficient{'s'[: count != 1]}"
+    named = "no distortion" if not count else count_text(count, "coefficient")
     return f"{model}, {named}"
 
 
@@ -323,7 +324,7 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
         raise file.error(f"a fisheye has 4 coefficients, not {len(k)}")
     if len(k) not in COUNTS_OPENCV:
         raise file.error(
-            f"{len(k)} coefficients; {', '.join(map(str, COUNTS_OPENCV))} are known"
+            f"{count_text(len(k), 'coefficient')}; {', '.join(map(str, COUNTS_OPENCV))} are known"
             + (" (a tilted sensor is not)" if len(k) == 14 else "")
         )
     size_px = question.size_px

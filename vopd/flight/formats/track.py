@@ -11,6 +11,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
+from vopd.findings import count_text
 from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv
 from vopd.flight.formats.landmarks import CRS, SIGMA, SIGMAS, sigma_columns
 from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, read_tags
@@ -88,7 +89,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
         None,
         None if timeless else ("utc-column" if utc else "seconds"),
         time_s,
-        f"CSV, {len(coordinate)} positions",
+        f"CSV, {count_text(len(coordinate), 'position')}",
         table.column("image") if table.has("image") else [],
         velocity,
         table.line,
@@ -213,7 +214,7 @@ def read_gpx(file: InputFile) -> TrackRows:
         "EPSG:4326",
         "utc",
         time_s,
-        f"GPX, {len(points)} positions, UTC",
+        f"GPX, {count_text(len(points), 'position')}, UTC",
         sigma_m=sigma if np.isfinite(sigma).any() else None,
         sigma_by=DILUTION_SAID,
     )
@@ -252,7 +253,8 @@ def read_odm_geo(file: InputFile) -> TrackRows:
     crs = file.text.splitlines()[0].strip()
     return TrackRows(
         np.array(values), False, crs, None, None,
-        f"ODM geo.txt, {len(images)} images, x east or longitude; its angles are not used",
+        f"ODM geo.txt, {count_text(len(images), 'image')}, x east or longitude; "
+        "its angles are not used",
         images, None, numbers,
         sigma_m=np.array(sigmas) if np.isfinite(sigmas).any() else None,
         sigma_by="its accuracies",
@@ -291,13 +293,15 @@ def read_image_folder(file: InputFile) -> TrackRows:
     every = [read_tags(path) for path in paths]
     named = [(p, t) for p, t in zip(paths, every, strict=True) if np.isfinite(t.position).all()]
     if not named:
-        raise file.error(f"none of the {len(paths)} images has a position in its tags")
+        raise file.error(
+            f"none of the {count_text(len(paths), 'image')} has a position in its tags"
+        )
     tags = [one for _, one in named]
     gimbal: Floats = np.array([one.gimbal_deg for one in tags])
     time_s: Floats = np.array([one.clock_s - one.zone_s for one in tags])
     without = len(paths) - len(tags)
     dated = bool(np.isfinite(time_s).all())
-    said = f"EXIF and XMP tags of {len(paths)} images"
+    said = f"EXIF and XMP tags of {count_text(len(paths), 'image')}"
     said += f", {without} without position" if without else ""
     said += ", times with their zone" if dated else ""
     sigma: Floats = np.array([one.sigma_m for one in tags])

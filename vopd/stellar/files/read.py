@@ -15,7 +15,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.files import kind_by_first_bytes, reason
-from vopd.findings import Finding, InputError, Report, strict
+from vopd.findings import Finding, InputError, Report, count_text, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
 from vopd.stellar.field import ground_directions, star_directions
@@ -390,7 +390,8 @@ def read_star_csv(
         raise _error(f"line {header}: {error}", source) from None
     for number, cells in rows:
         if len(cells) != len(names):
-            text = f"{len(cells)} values, where the header names {len(names)} columns"
+            given, columns = count_text(len(cells), "value"), count_text(len(names), "column")
+            text = f"{given}, where the header names {columns}"
             raise _error(f"line {number}: {text}", source)
     if images_only and len(rows) > MOST_STARS:
         text = f"more than {MOST_STARS} stars in one photograph"

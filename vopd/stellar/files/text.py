@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from vopd.findings import count_text
 from vopd.geometry.sexagesimal import format_dms
 from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
 from vopd.stellar.files.read import StarFile
@@ -85,7 +86,7 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
         lines = [f"matrix (as solved its orthogonality defect is {one.orthogonality_defect:.1e})"]
     lines += ["".join(f" {element:15.10f}" for element in row) for row in one.matrix]
     if one.iterations:
-        lines += ["", f"{one.iterations} corrections"]
+        lines += ["", count_text(one.iterations, "correction")]
     if one.rotation_sigma_arcsec is not None:
         lines += _uncertainty(one, file.unit)
     elif one.reading_sigma is None:
