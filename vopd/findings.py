@@ -8,8 +8,6 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from vopd.findings import count_text
-
 # Findings: errors and warnings about an input, with their location in it.
 #
 # An error that is raised carries a finding; a warning is one.

@@ -398,7 +398,7 @@ def test_notes_of_the_film_and_of_times_come_first() -> None:
     notes = flight_job(result(flight))[2]
     assert notes[0].startswith("the lens is not radial: its distortion is taken off the picks")
     assert notes[1].startswith("the frames have no times that increase")
-    assert notes[2].startswith("1 of 3 frames have no attitude") and notes[-1].startswith(
+    assert notes[2].startswith("1 of 3 frames has no attitude") and notes[-1].startswith(
         "altitudes"
     )
 

@@ -111,7 +111,7 @@ def test_geo_txt_warns_near_the_horizon_and_has_no_minus_zero(
         ["0.000000", f"{pitch:.6f}", "0.000000"],
         ["359.500000", "0.000000", "7.250000"],
     ]
-    level = [one for one in said if "look nearly level or upward" in one]
+    level = [one for one in said if "nearly level or upward" in one]
     assert [one.split()[0] for one in level] == ["1"] * near
 
 

@@ -110,6 +110,7 @@ def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
     ]
     if left:
         messages.append(
-            f"{count_text(left, 'more frame')} with misfit: the flags say what explains it"
+            f"{count_text(left, 'more frame misfits', 'more frames misfit')}; the flags say what "
+            f"explains {'it' if left == 1 else 'them'}"
         )
     return [Finding(one, about.source, job=about.job, severity="warning") for one in messages]

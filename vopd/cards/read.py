@@ -652,7 +652,8 @@ def _check_stored(stored: Readings, control: ControlCards, report: Report) -> No
         raise InputError(finding)
     for k in (counts != stored.layout.count[: len(counts)]).nonzero()[0]:
         have = int(stored.layout.count[k])
-        message = f"{count_text(counts[k], 'landmark')} in frame {stored.frame[k]}, but {have} have been read"
+        counted = f"{count_text(counts[k], 'landmark')} in frame {stored.frame[k]}"
+        message = f"{counted}, but {have} have been read"
         finding = control.count_finding(3 + int(k), message)
         report(finding)
         raise InputError(finding)

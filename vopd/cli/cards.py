@@ -47,8 +47,8 @@ def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: 
     choice.check_all_found(deck)
     if choice.held_back:
         click.echo(
-            f"{count_text(choice.held_back, 'more card')} of basic data: choose them by --card A-B, "
-            "or all by --group basic",
+            f"{count_text(choice.held_back, 'more card')} of basic data: choose them by "
+            "--card A-B, or all by --group basic",
             err=True,
         )
 

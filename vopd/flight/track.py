@@ -139,10 +139,8 @@ def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float]
     tags = {path.name: read_tags(path) for path in paths}
     dated = {name: one for name, one in tags.items() if np.isfinite(one.clock_s)}
     if not dated:
-        raise section.error(
-            "times",
-            f"{file.name}: none of its {count_text(len(paths), 'image')} has a time in its tags",
-        )
+        of_all = "the image has no" if len(paths) == 1 else f"none of its {len(paths)} images has a"
+        raise section.error("times", f"{file.name}: {of_all} time in its tags")
     zones = {one.zone_s for one in dated.values() if np.isfinite(one.zone_s)}
     without = [name for name, one in dated.items() if not np.isfinite(one.zone_s)]
     own = "by their own zone"

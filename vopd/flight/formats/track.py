@@ -293,9 +293,8 @@ def read_image_folder(file: InputFile) -> TrackRows:
     every = [read_tags(path) for path in paths]
     named = [(p, t) for p, t in zip(paths, every, strict=True) if np.isfinite(t.position).all()]
     if not named:
-        raise file.error(
-            f"none of the {count_text(len(paths), 'image')} has a position in its tags"
-        )
+        of_all = "the image has no" if len(paths) == 1 else f"none of the {len(paths)} images has a"
+        raise file.error(f"{of_all} position in its tags")
     tags = [one for _, one in named]
     gimbal: Floats = np.array([one.gimbal_deg for one in tags])
     time_s: Floats = np.array([one.clock_s - one.zone_s for one in tags])

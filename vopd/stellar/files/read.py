@@ -390,8 +390,8 @@ def read_star_csv(
         raise _error(f"line {header}: {error}", source) from None
     for number, cells in rows:
         if len(cells) != len(names):
-            given, columns = count_text(len(cells), "value"), count_text(len(names), "column")
-            text = f"{given}, where the header names {columns}"
+            given, named = count_text(len(cells), "value"), count_text(len(names), "column")
+            text = f"{given}, where the header names {named}"
             raise _error(f"line {number}: {text}", source)
     if images_only and len(rows) > MOST_STARS:
         text = f"more than {MOST_STARS} stars in one photograph"
