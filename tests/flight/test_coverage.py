@@ -23,10 +23,21 @@ CONFIDENCE = 0.999
 ROW = {row.name: row for row in FLIGHT_ROWS}
 
 CELLS = [
+    ("picks .8 px, poor geometry", 4, 8),
     ("all together", 4, 30),
     ("all together, sigma_px stated", 3, 30),
+    ("consumer GPS 2, 2, 4 m", 3, 20),  # positions that do not weigh, or a sigma of one axis
+    ("consumer GPS, sigma_px not stated", 6, 12),  # positions in the reading sigma
+    ("consumer GPS, fisheye", 4, 20),
+    ("consumer GPS, one frame", 4, 40),
+    ("1-Hz track of 2, 2, 4 m, 30 frames a second", 3, 25),  # each frame a position of its own
+    ("1-Hz track of .5, .5, 1 m with a bias of 2, 2, 4 m", 4, 25),  # a bias that averages out
+    ("RTK by column", 4, 25),  # one sigma for all rows
+    ("landmarks by column, each frame its own", 3, 25),
+    ("camera that stands .3 m, landmarks .1 m", 3, 25),  # a place for each frame
+    ("refraction of a telephoto lens, 20 to 40 km", 3, 40),
 ]
-HARDLY = Errors(1e-6, (1e-6,), ((1e-6, 1e-6, 1e-6),), clock_s=1e-9)
+EXACT = Errors(pick_px=1e-6)
 
 
 def allows(found: Share, low: float, high: float) -> None:
@@ -49,9 +60,10 @@ def test_the_truth_is_inside_as_often_as_stated(name: str, landmarks: int, fligh
 @pytest.mark.parametrize(
     "plan",
     [
-        Plan(HARDLY, distortion=(-0.1, 0.02), landmarks=6),
-        Plan(HARDLY, fisheye=True, focal_px=700.0, distortion=(0.05, -0.01)),
-        Plan(HARDLY, fix_hz=1.0, frame_hz=30.0, frames=90),
+        Plan(EXACT, distortion=(-0.1, 0.02), landmarks=6),
+        Plan(EXACT, fisheye=True, focal_px=700.0, distortion=(0.05, -0.01)),
+        Plan(EXACT, stands=True),
+        Plan(EXACT, fix_hz=1.0, frame_hz=30.0, frames=90),
     ],
 )  # fmt: skip
 def test_flights_without_errors_are_solved_to_the_truth(plan: Plan, tmp_path: Path) -> None:
@@ -59,3 +71,11 @@ def test_flights_without_errors_are_solved_to_the_truth(plan: Plan, tmp_path: Pa
     found = vopd.solve_flight(tmp_path / "flight.toml").vehicle_deg
     apart = np.abs((found - truth.angles_deg[:, VEHICLE] + 180.0) % 360.0 - 180.0)
     assert apart.max() < within("simulated flight")
+
+
+def test_refraction_is_that_of_an_integral_along_the_path(tmp_path: Path) -> None:
+    plan = ROW["refraction of a telephoto lens, 20 to 40 km"].plan._replace(errors=EXACT)
+    truth = write_flight(tmp_path, plan, np.random.default_rng(4))
+    found = vopd.solve_flight(tmp_path / "flight.toml").vehicle_deg
+    apart = np.abs((found - truth.angles_deg[:, VEHICLE] + 180.0) % 360.0 - 180.0)
+    assert apart[:, :2].max() < within("refraction of 40 km")  # roll by landmarks 5 degrees apart
