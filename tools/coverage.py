@@ -84,7 +84,8 @@ TABLES = (
           rows=lambda row: isinstance(row, Row) and row.plan.jitter_deg == REST["jitter_deg"]),
     Table("flights: yaw, pitch, roll", True, "vehicle", "vehicle, one sigma"),
     Table("flights: ellipsoid", True, "ellipsoid"),
-    Table("flights: place", True, "place"),
+    Table("flights: place", True, "place",  # its standard deviations have no Student's factor
+          rows=lambda row: isinstance(row, FlightRow) and row.plan.sigma_px),
     Table("flights: mean", True, "mean",
           rows=lambda row: isinstance(row, FlightRow) and row.mean),
     Table("flights: alpha, beta", True, "attack", "attack, one sigma",
@@ -236,7 +237,8 @@ def cell_text(shares: dict[str, Any], table: Table, row: Row | FlightRow) -> str
 def table_lines(table: Table, cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator[Line]:
     """Write the rows of a table; the column before the last is how far chance may have gone.
 
-    A row that is not counted whole is given by its name, without a text.
+    A row of which no cell is counted is given by its name, without a text; a cell that is not
+    counted is empty.
     """
     heads = head(table)
     yield Line("", f"| errors | {' | '.join(map(str, heads))} | ± |{' flights |' * table.flights}")
@@ -245,10 +247,10 @@ def table_lines(table: Table, cells: dict[str, Cell], asked: argparse.Namespace)
         keys = {n: _key(row, n, asked.seed, asked.part) for n in columns_of(row)}
         for k, part in enumerate(row.parts if isinstance(row, FlightRow) else ("",)):
             name = f"{row.name}: {part}" if part else row.name
-            if not all(key in cells for key in keys.values()):
+            shares = {n: cells[key]["shares"][k] for n, key in keys.items() if key in cells}
+            if not shares:
                 yield Line(name, "")
                 continue
-            shares = {n: cells[key]["shares"][k] for n, key in keys.items()}
             if all(one[table.wide][0] != one[table.wide][0] for one in shares.values()):
                 continue  # places before they were solved for
             texts = [cell_text(shares[n], table, row) if n in shares else "" for n in heads]
