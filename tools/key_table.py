@@ -22,7 +22,7 @@ VALUES = {
     "file": "file",
     "number": "number",
     "numbers": "list of numbers",
-    "sigma": "number from 0",
+    "sigma": 'number from 0, `"exact"`',
     "date": "date and time",
     "other": "list",
 }
@@ -39,7 +39,7 @@ def value(key: Key) -> str:
     if key.kind == "numbers" and key.size:
         text = f"list of {key.size} numbers"
     if key.kind == "sigma" and key.size > 1:
-        text = f"{text}, or list of {key.size}"
+        text = f"{text} or list of {key.size}"
     if key.above is not None:
         text = f"{text} above {key.above:g}"
     return text + _table(key) + (f"; default {default}" if default else "")

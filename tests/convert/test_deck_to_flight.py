@@ -204,18 +204,12 @@ def test_a_pixel_is_a_thousandth_of_an_inch_from_the_centre_of_the_frame() -> No
     assert [len(cell.partition(".")[2]) for cell in cells] == [0, 0, 4, 4]
 
 
-def test_sigma_is_that_of_the_three_readings() -> None:
-    """The root of the mean of the variances, over two degrees of freedom each."""
-    one = job()
-    found = keys(deck_project(one))["picks"]
-    sigma = np.sqrt(away_px(one).var(axis=2, ddof=1).mean())
-    assert found["sigma_px"] == float(f"{sigma:.6g}")
-    assert found["pixel_grid"] == "centre"
-
-    def alike(inches: Floats) -> None:
-        inches[:] = inches[:, :, :1]
-
-    assert keys(deck_project(reading(alike)))["picks"]["sigma_px"] == 1.0
+def test_what_the_cards_do_not_say_is_exact_and_readings_have_no_sigma() -> None:
+    found = keys(deck_project(job()))
+    assert "sigma_px" not in found["picks"] and found["picks"]["pixel_grid"] == "centre"
+    assert found["landmarks"]["sigma_m"] == "exact"
+    stated = {key: value for key, value in found["track"].items() if "sigma" in key}
+    assert stated == dict.fromkeys(("sigma_m", "sigma_t_s", "velocity_sigma_m_s"), "exact")
 
 
 def test_distortion_is_taken_off_by_the_table() -> None:
@@ -287,7 +281,10 @@ def test_one_position_is_no_track(rows: int, moving: bool) -> None:
     assert ("track.csv" in project.contents) == moving == ("track" in found)
     first = table(deck_project(one), "track.csv")[0]
     if moving:
-        assert found["track"] == {"file": "track.csv", "height": "ellipsoid"}
+        assert found["track"] == {
+            "file": "track.csv", "height": "ellipsoid",
+            **dict.fromkeys(("sigma_m", "sigma_t_s", "velocity_sigma_m_s"), "exact"),
+        }  # fmt: skip
         assert_close("ratio", table(project, "track.csv")[0], first)
     else:
         place = found["position"]

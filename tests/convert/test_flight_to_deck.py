@@ -151,7 +151,10 @@ def test_landmarks_keep_numbers_that_a_card_can_have(
 
 
 def test_images_are_numbered_and_get_times(tmp_path: Path) -> None:
-    fixed = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
+    fixed = (
+        "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\n"
+        "height = 'ellipsoid'\nsigma_m = 'exact'\n"
+    )
     toml = PLAIN[: PLAIN.index("[track]")] + fixed
     path = write_project(tmp_path, toml)
     picks = tmp_path / "picks.csv"

@@ -27,7 +27,10 @@ from vopd.findings import VopdError
 from vopd.geometry.earth import local_axes
 from vopd.geometry.rotations import from_axes
 
-FIXED = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
+FIXED = (
+    "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\n"
+    "height = 'ellipsoid'\nsigma_m = 'exact'\n"
+)
 
 # azimuth, elevation and roll (right side down) of the view; then what other programs call it
 VECTORS = {

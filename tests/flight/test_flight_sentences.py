@@ -167,7 +167,8 @@ def test_the_grid_of_a_flight_is_that_of_its_landmarks(crs: str, found: str | No
 def test_picks_of_one_point_in_all_frames_are_told_as_such(tmp_path: Path) -> None:
     """Where all frames are one, a contradiction is not of any one of them."""
     fixed = (
-        "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
+        "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\n"
+        "height = 'ellipsoid'\nsigma_m = 'exact'\n"
         '[solve]\nframes = "one"\n'
     )
     path = write_project(tmp_path, TOML.split("[track]")[0] + fixed)

@@ -454,7 +454,7 @@ def test_whole_seconds_are_a_finding_unless_the_project_allows_for_them(tmp_path
     project = project_of_images(tmp_path, part=False)
     (finding,) = vopd.solve_flight(project).findings[:1]
     assert "whole seconds, in which the camera moves 20.7 m" in str(finding)
-    text = project.read_text().replace('"track.csv"', '"track.csv"\nsigma_t_s = 0.3')
+    text = project.read_text().replace('sigma_t_s = "exact"', "sigma_t_s = 0.3")
     project.write_text(text)
     assert not any("whole seconds" in str(one) for one in vopd.solve_flight(project).findings)
 

@@ -210,7 +210,7 @@ def test_a_flight_with_v_turned_over_has_no_residuals_without_it(tmp_path: Path)
     assert advice.endswith('give [picks] v = "up"?')
 
 
-FIXED = "lat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 1000.0\n"
+FIXED = "lat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 1000.0\nsigma_m = 'exact'\n"
 
 
 @pytest.mark.parametrize("where", ["track", "position"])
@@ -253,7 +253,7 @@ def test_a_camera_s_height_in_feet_is_found_also_where_it_does_not_move(tmp_path
     feet = (540.0 - 45.5) / 0.3048
     fixed = (
         f"[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = {feet!r}\n"
-        "height = { undulation_m = 45.5 }\n"
+        "height = { undulation_m = 45.5 }\nsigma_m = 'exact'\n"
     )
     path = write_project(tmp_path, TOML.split("[track]")[0] + fixed)
     rows = (tmp_path / "picks.csv").read_text().splitlines()

@@ -66,7 +66,7 @@ def refusal(folder: Path, toml: str) -> str:
 
 def test_what_is_read_is_said_in_order(tmp_path: Path) -> None:
     (tmp_path / "wind.csv").write_text("h_m,from_deg,speed_m_s\n0,90,2\n900,90,2\n")
-    keys = TOML.replace('"landmarks.csv"', '"landmarks.csv"\nsigma_m = [1, 2, 3]')
+    keys = TOML.replace('sigma_m = "exact"\n[track]', "sigma_m = [1, 2, 3]\n[track]")
     found = flight(tmp_path, keys + '[wind]\nfile = "wind.csv"\n')
     assert_approved(found.about)
     assert (found.name, found.source) == ("F12", str(tmp_path / "flight.toml"))
@@ -126,7 +126,8 @@ def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
     assert (usual.options.loss, usual.options.drop_blunders) == ("least-squares", False)
     given = flight(
         tmp_path,
-        TOML.replace('"track.csv"', '"track.csv"\nsigma_m = [1, 2, 3]\nlever_arm_m = [4, 5, 6]')
+        TOML.replace('sigma_m = "exact"\nsigma_t_s', "sigma_m = [1, 2, 3]\nsigma_t_s")
+        + "lever_arm_m = [4, 5, 6]\n"
         + '[vehicle]\nmount = "down"\n[atmosphere]\nrefraction = { k = 0.25 }\n'
         '[solve]\nloss = "huber"\nblunders = "drop"\n'
         "[uncertainty]\nfocal_rel = 0.01\nprincipal_px = [1, 2]\n",
@@ -157,6 +158,7 @@ def test_v_is_counted_from_the_last_row_of_the_lens_s_images(tmp_path: Path) -> 
 
 FIXED = TOML.partition("[track]")[0] + (
     '[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540\nheight = "ellipsoid"\n'
+    'sigma_m = "exact"\n'
 )
 
 

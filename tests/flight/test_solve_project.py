@@ -25,7 +25,10 @@ from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.result import FlightResult, solve_flight
 
-FIXED = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = 'ellipsoid'\n"
+FIXED = (
+    "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\n"
+    "height = 'ellipsoid'\nsigma_m = 'exact'\n"
+)
 
 
 def test_a_project_gives_the_true_angles(tmp_path: Path) -> None:
@@ -100,7 +103,7 @@ WRONG_KEYS = {
     "lens key": ("fy_px", "f_y_px"),
     "datum": ('landmarks.csv"\nheight = "ellipsoid"', 'landmarks.csv"\nheight = "same"'),
     "sigma": ('picks.csv"', 'picks.csv"\nsigma_px = -1'),
-    "sigmas": ('track.csv"', 'track.csv"\nsigma_m = [1, -2, 3]'),
+    "sigmas": ('sigma_m = "exact"\nsigma_t_s', "sigma_m = [1, -2, 3]\nsigma_t_s"),
     "two times": ("frame_rate_hz", 'times = "t.csv"\nframe_rate_hz'),
     "no name": ('"track.csv"', '" "'),
     "null": ('"track.csv"', r'"a\u0000"'),
@@ -279,7 +282,7 @@ def test_projected_landmarks_and_a_fixed_position(tmp_path: Path) -> None:
     )
     text = TOML.partition("[landmarks]")[0] + (
         '[landmarks]\nfile = "landmarks.csv"\ncrs = "EPSG:32633"\n'
-        "height = { undulation_m = 45.7 }\n" + FIXED
+        "height = { undulation_m = 45.7 }\nsigma_m = 'exact'\n" + FIXED
     )
     path.write_text(text)
     result = solve_flight(str(path))
@@ -374,7 +377,8 @@ def test_the_survey_and_the_camera_on_the_post_are_near_their_truth(tmp_path: Pa
     files = ("--gcp", survey / "gcp_list.txt", "--lens", survey / "cameras.json")
     assert vopd("new", tmp_path / "s", *files, "--track", survey / "geo.txt").status == 0
     project = tmp_path / "s" / "flight.toml"
-    project.write_text(project.read_text().replace("# height =", "height ="))
+    text = project.read_text().replace("# height =", "height =")
+    project.write_text(text.replace("# sigma_m =", "sigma_m ="))
     truth = [[12, -84, 1.5], [10, -85, 0.8], [11, -83, -1.0], [9, -86, 2.2]]
     for path, expected in (
         (project, truth),

@@ -266,9 +266,12 @@ LANDMARKS = {
         },
     ),
     "GeoJSON": Part(
-        'file = "landmarks.json"\nheight = "ellipsoid"', {"landmarks.json": _geojson()}
+        'file = "landmarks.json"\nheight = "ellipsoid"\nsigma_m = "exact"',
+        {"landmarks.json": _geojson()},
     ),
-    "gcp_list.txt": _gcp_list()._replace(keys='file = "gcp_list.txt"\nheight = "ellipsoid"'),
+    "gcp_list.txt": _gcp_list()._replace(
+        keys='file = "gcp_list.txt"\nheight = "ellipsoid"\nsigma_m = "exact"'
+    ),
 }
 
 
@@ -298,30 +301,35 @@ def _geo_txt() -> str:
 
 
 _HEIGHT = '\nheight = "ellipsoid"'
+_EXACT = '\nsigma_m = "exact"'
+_EXACT_TIME = '\nsigma_t_s = "exact"'
 TRACKS = {
     "CSV by seconds": Part(
-        'file = "track.csv"\ninterpolate = "cubic"\nsigma_m = 0.5' + _HEIGHT,
+        'file = "track.csv"\ninterpolate = "cubic"\nsigma_m = 0.5\nvelocity_sigma_m_s = "exact"'
+        + _HEIGHT + _EXACT_TIME,
         {"track.csv": _csv("t_s,lat_deg,lon_deg,h_m,vn_m_s,ve_m_s,vd_m_s",
                            ((t, *p, 20.0, 5.0, -2.0)
                             for t, p in zip(TRACK_S, _camera(TRACK_S), strict=True)))}, "time",
     ),
     "CSV by dates": Part(
         'file = "track.csv"\nclock = "utc"\noffset_s = 0.0\nsigma_t_s = 0.01\n'
-        "lever_arm_m = [0.0, 0.0, 0.0]" + _HEIGHT,
+        "lever_arm_m = [0.0, 0.0, 0.0]" + _HEIGHT + _EXACT,
         {"track.csv": _csv("t_utc,lat_deg,lon_deg,h_m",
                            ((_utc(t), *p)
                             for t, p in zip(TRACK_S, _camera(TRACK_S), strict=True)))}, "time",
     ),
     "CSV by image": Part(
-        'file = "track.csv"' + _HEIGHT,
+        'file = "track.csv"' + _HEIGHT + _EXACT,
         {"track.csv": _csv("image,lat_deg,lon_deg,h_m",
                            ((i, *p) for i, p in zip(IMAGES, _camera(FRAME_S), strict=True)))},
         "image",
     ),
-    "GPX": Part('file = "track.gpx"' + _HEIGHT, {"track.gpx": _gpx()}, "time"),
-    "geo.txt": Part('file = "geo.txt"' + _HEIGHT, {"geo.txt": _geo_txt()}, "image"),
+    "GPX": Part(
+        'file = "track.gpx"' + _HEIGHT + _EXACT + _EXACT_TIME, {"track.gpx": _gpx()}, "time"
+    ),
+    "geo.txt": Part('file = "geo.txt"' + _HEIGHT + _EXACT, {"geo.txt": _geo_txt()}, "image"),
 }  # fmt: skip
-POSITION = Part("lat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0" + _HEIGHT)
+POSITION = Part("lat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0" + _HEIGHT + _EXACT)
 """In the place of a track: a camera that does not move, as this one does."""
 
 WINDS = {

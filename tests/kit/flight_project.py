@@ -63,9 +63,12 @@ first_frame_t_s = 2.0
 [landmarks]
 file = "landmarks.csv"
 height = "ellipsoid"
+sigma_m = "exact"
 [track]
 file = "track.csv"
 height = "ellipsoid"
+sigma_m = "exact"
+sigma_t_s = "exact"
 """
 
 

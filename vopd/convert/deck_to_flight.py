@@ -6,6 +6,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError, count_text
+from vopd.flight.files import EXACT
 from vopd.flight.new import NewProject
 from vopd.flight.project import KeyValues, project_text, toml_numbers, toml_text
 from vopd.geometry.earth import Geodetic, geodetic
@@ -25,12 +26,15 @@ MM_PER_PX = factor / PX_PER_IN
 M_PER_FT = 1000.0 / ftpkm
 MARGIN_PX = 50
 WIDEST_IN = 100.0  # no film reader is wider
+_EXACT = f'"{EXACT}"'
 HEAD = """\
 A flight project, made of a deck of program VOPD (NASA TM X-3050). A pixel is a thousandth of
 an inch on the film reader, counted from the frame's centre as the fiducials have it. Each of
 the three readings of a point is a pick, the lens's distortion (group 1) taken off. Heights
 are those of the cards, taken as above the ellipsoid as vopd run --fix all takes them; the
-cards know no refraction."""
+cards know no refraction. They do not say how exact landmarks, positions, velocities and
+times are: "exact" leaves these out of the uncertainty until you write what they are. The
+three readings tell how exact the picks are."""
 
 
 @np.errstate(all="ignore")
@@ -64,8 +68,8 @@ def _project(job: Job) -> NewProject:
     path = job.trajectory
     check_order(1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
     notes: list[str] = []
-    picks, size_px, sigma_px = _picks(job, notes)
-    values = _values(job, size_px, sigma_px, notes)
+    picks, size_px = _picks(job, notes)
+    values = _values(job, size_px, notes)
     if np.any(job.camera.lens_distortion_um):
         notes.append("the lens's distortion (group 1) is taken off the picks: the lens has none")
     contents = {
@@ -82,8 +86,8 @@ def _project(job: Job) -> NewProject:
     return NewProject({name: text.encode() for name, text in contents.items()}, notes)
 
 
-def _picks(job: Job, notes: list[str]) -> tuple[str, tuple[int, int], float]:
-    """Tabulate readings as picks without distortion; the size of their image, and their sigma."""
+def _picks(job: Job, notes: list[str]) -> tuple[str, tuple[int, int]]:
+    """Tabulate readings as picks without distortion; and the size of their image."""
     readings = job.readings
     _, first = np.unique(readings.frame, return_index=True)
     if len(first) < len(readings.frame):
@@ -113,14 +117,13 @@ def _picks(job: Job, notes: list[str]) -> tuple[str, tuple[int, int], float]:
         raise VopdError("no landmark is read in any frame")
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
     size = int(2 * half[0]), int(2 * half[1])
-    spread = float(np.sqrt(away.var(axis=1, ddof=1).mean()))
     pixel = (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2)
     numbers = np.repeat(readings.frame[frame], 3), np.repeat(landmark, 3)
     text = _table("frame,landmark,u_px,v_px", *numbers, *pixel.T, form="%d,%d,%.4f,%.4f")
-    return text, size, spread if np.ptp(away, axis=1).any() else 1.0
+    return text, size
 
 
-def _values(job: Job, size_px: tuple[int, int], sigma_px: float, notes: list[str]) -> KeyValues:
+def _values(job: Job, size_px: tuple[int, int], notes: list[str]) -> KeyValues:
     """Fill in the keys of flight.toml."""
     path, focal_px = job.trajectory, job.camera.focal_length_mm / MM_PER_PX
     values: KeyValues = {
@@ -129,20 +132,22 @@ def _values(job: Job, size_px: tuple[int, int], sigma_px: float, notes: list[str
         ("camera", "image_size_px"): toml_numbers(*size_px),
         ("picks", "file"): '"picks.csv"',
         ("picks", "pixel_grid"): '"centre"',
-        ("picks", "sigma_px"): f"{sigma_px:.6g}",
         ("picks", "times"): '"times.csv"',
         ("landmarks", "file"): '"landmarks.csv"',
         ("landmarks", "height"): '"ellipsoid"',
+        ("landmarks", "sigma_m"): _EXACT,
         ("atmosphere", "refraction"): '"off"',
     }
     if len(path.time_s) > 1:
         values["track", "file"], values["track", "height"] = '"track.csv"', '"ellipsoid"'
+        for key in ("sigma_m", "sigma_t_s", "velocity_sigma_m_s"):
+            values["track", key] = _EXACT
     else:
         latitude, longitude, height = _positions(job)
         keys = ("lat_deg", "lon_deg", "h_m")
         for key, number in zip(keys, (latitude, longitude, height), strict=True):
             values["position", key] = repr(float(number[0]))
-        values["position", "height"] = '"ellipsoid"'
+        values["position", "height"], values["position", "sigma_m"] = '"ellipsoid"', _EXACT
     check = np.unique(job.ignored.everywhere[job.ignored.everywhere > 0])
     check = check[np.isin(check, job.landmarks.number)]
     if len(check):

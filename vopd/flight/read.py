@@ -29,7 +29,7 @@ from vopd.flight.formats.lens import (
 from vopd.flight.formats.picks import PICK_FORMATS, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project import Project, Section, read_project
-from vopd.flight.stated import Notes, RowSigmas, flight_options, row_sigmas
+from vopd.flight.stated import Notes, RowSigmas, flight_options, refuse_missing, row_sigmas
 from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, LensKind
@@ -223,7 +223,12 @@ def join_picks(
     again = rows[np.repeat(count > 1, count)]
     inverse = np.repeat(np.arange(len(several)), count[several])
     away = read.centred_px(again) - mean[several][inverse]
-    contrary = _contrary(away, read.sigma_px[again], inverse, len(several))
+    expected = read.sigma_px[again]
+    by_spread = not read.stated and 2 * len(several) > len(count)  # most points tell it
+    if by_spread:
+        variance = np.bincount(inverse, (away**2).sum(axis=1)) / (2.0 * (count[several] - 1))
+        expected = np.maximum(expected, np.sqrt(np.median(variance)))
+    contrary = _contrary(away, expected, inverse, len(several))
     for k in np.flatnonzero(contrary):
         point = several[k]
         label, name = frame_label(int(frame[point])), landmarks[own[point]]
@@ -235,6 +240,11 @@ def join_picks(
         findings.append(Finding(message, project, severity="warning"))
     freedom = 2.0 * (count[several[~contrary]] - 1).sum()
     squares = (away[~contrary[inverse]] ** 2).sum()
+    repeatability = float(np.sqrt(squares / freedom)) if freedom else float("nan")
+    usual = _usual(read)
+    if by_spread and repeatability > 0.0:
+        sigma *= repeatability / usual["one_sigma_px"]
+        usual["one_sigma_px"] = repeatability
     kept: Bools | slice = slice(None)
     if contrary.any():
         kept = np.ones(len(count), bool)
@@ -244,8 +254,8 @@ def join_picks(
         landmark=own[kept],
         pixel=mean[kept],
         sigma_px=sigma[kept],
-        repeatability_px=float(np.sqrt(squares / freedom)) if freedom else float("nan"),
-        **_usual(read),
+        repeatability_px=repeatability,
+        **usual,
     )
     return picks, findings
 
@@ -336,6 +346,7 @@ def flight_of(project: Project) -> Flight:
     rows, landmarks = _landmarks(project, notes)
     path = read_path(project, times)
     times = path.times
+    refuse_missing(name, [*notes.missing, *path.missing])
     _one_datum(project)
 
     def label(k: int) -> str:

@@ -197,16 +197,17 @@ def refuse_missing(project: str, missing: Sequence[MissingSigma]) -> None:
     if not missing:
         return
     lines = [
-        f"{project}: standard deviations are missing. Nothing counts as exact unless you say so:",
-        "add these lines below the headings that are there, with your own numbers.",
+        f"{project}: standard deviations are missing, and nothing counts as exact unless you say "
+        "so. Add these lines, with numbers of your own:"
     ]
-    section = ""
-    for one in missing:
+    section, order = "", list(ROWS)
+    for one in sorted(missing, key=lambda one: order.index((one.section, one.key))):
         if one.section != section:
             section = one.section
-            lines += ["", f"[{section}]"]
+            lines += ["", f"under [{section}]"]
         row = ROWS[one.section, one.key]
         why = f" ({one.why})" if one.why else ""
         lines.append(f"{f'{row.name} = {row.example}':{WIDTH - 1}} # {row.comment}{why}")
-    lines += ["", '"exact" in the place of a number counts as no error at all.']
+    lines += ["", 'If you do not know one, state it rather too large than too small. "exact" in',
+              "the place of a number is for what has no error, as in a simulation."]  # fmt: skip
     raise VopdError("\n".join(lines))

@@ -498,7 +498,8 @@ NO_TIMES = (
 
 def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> list[str]:
     """Warn of times in whole seconds, if the project does not allow for it."""
-    if not times.whole_seconds or section.has("sigma_t_s") or path.velocity_m_s is None:
+    allowed = any(section.sigma("sigma_t_s") or ())
+    if not times.whole_seconds or allowed or path.velocity_m_s is None:
         return []
     speed = np.nanmax(np.linalg.norm(path.velocity_m_s, axis=1), initial=0.0)
     return [
