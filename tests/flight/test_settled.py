@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.joint_flights import Scene, drone, flight_of
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
@@ -15,6 +15,7 @@ from vopd.attitude.history import HistoryOptions
 from vopd.attitude.included import included_text, left_out_text
 from vopd.attitude.sigmas import Sigmas
 from vopd.export.tables import dataframe
+from vopd.flight import joint
 from vopd.flight.equations import Priors
 from vopd.flight.errors import priors_of, with_sigmas
 from vopd.flight.flight import Flight, FlightOptions, TrackFixes
@@ -187,3 +188,12 @@ def test_parts_of_a_long_flight_say_the_same() -> None:
     result = solve_flight_read(flight)
     parts = result.history_parts(HistoryOptions())
     assert included_text(parts.head) == included_text(parts.whole)
+
+
+def test_more_landmarks_than_can_be_solved_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    flight, _ = drawn(Priors(None, np.full((6, 3), 0.5)))
+    monkeypatch.setattr(joint, "MOST_COMMON", 17)
+    with refused():
+        solve_flight_read(flight)
+    held = replace(flight, options=FlightOptions(solve_position=False))
+    assert solve_flight_read(held).solved.all()

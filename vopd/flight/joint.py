@@ -101,7 +101,7 @@ def solve_jointly(
         first: the flight solved with the same picks; None: it is solved at the stated places
 
     Raises:
-        VopdError: if the picks do not determine a parameter
+        VopdError: if the picks do not determine a parameter, or unknowns are too many
     """
     left_out = None if used is None else ~used
     loss = LOSSES[flight.options.loss]
@@ -110,6 +110,7 @@ def solve_jointly(
     solved, taken = np.isfinite(rotation[:, 0, 0]), first.used & (weight > 0.0)
     model = Model(flight, priors, taken, solved, flight.picks.sigma_px, readout, loss)
     known = np.where(solved[:, None, None], rotation, np.eye(3))
+    _check_size(model)
     if priors.fixes is None and not len(model.common_sigma) and readout is None:
         return JointSolution(model, model.start(known), first, 0)
     state = model.start(known)
@@ -133,6 +134,22 @@ def solve_jointly(
         first, flight=flight, camera_m=camera_m, attitudes=attitudes, landmark_m=landmark_m
     )
     return JointSolution(model, normal.state, found, passes)
+
+
+MOST_COMMON = 3_000  # unknowns that all frames have in common: a dense matrix
+MOST_NUMBERS = 100_000_000  # of the covariances of all turns with what is common
+
+
+def _check_size(model: Model) -> None:
+    """Refuse more unknowns in common than are solved for."""
+    count, landmarks = len(model.common_sigma), len(model.free)
+    most = min(MOST_COMMON, MOST_NUMBERS // max(3 * model.frames, 1))
+    if count > most:
+        raise VopdError(
+            f"{model.flight.source}: {landmarks} landmarks with a standard deviation are seen, and "
+            f"{most // 3} can be solved for with {model.frames} frames; call the best known ones "
+            'exact (sigma_m = 0 in their rows), or hold all by [solve] position = "fixed"'
+        )
 
 
 def _no_solution(flight: Flight) -> VopdError:
