@@ -17,7 +17,7 @@ from scipy.stats import f as f_distribution
 from tests.kit.command import DECKS, vopd
 from tests.kit.stars import seen_straight, solve_text
 from tests.tolerances import assert_close, within
-from vopd.geometry.linear import confidence_ellipse
+from vopd.geometry.linear import confidence_ellipse, covariance_factor_95
 from vopd.geometry.rotations import nearest_rotation
 from vopd.stellar import (
     Failure,
@@ -389,6 +389,11 @@ def test_the_region_covers_95_of_100(count: int, known: bool) -> None:
     inside = (along / major) ** 2 + (across / minor) ** 2 <= 1.0
     assert abs(inside.mean() - 0.95) < within("rae coverage of 4,000")
     assert (major > 1.3 * minor).all()  # so that a wrong direction would show
+    turns = Rotation.from_matrix(solution.matrix @ LOOK.T).as_rotvec()
+    whole = np.linalg.inv(covariance * scale[:, None, None] ** 2)
+    squares = np.einsum("ki,kij,kj->k", turns, whole, turns)
+    factor = covariance_factor_95(np.asarray(np.inf if known else float(freedom)))
+    assert abs((squares <= factor).mean() - 0.95) < within("rae coverage of 4,000")
 
 
 def test_the_scale_of_the_ellipse_is_that_of_the_tables() -> None:
