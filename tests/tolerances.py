@@ -442,6 +442,11 @@ TOLERANCES = {
     "mean by a turn": Tolerance("1", 1e-6, "differences over .002 rad of turns of 1E-13"),
     "covariance of a mean": Tolerance("deg2", 1e-13, "variances of 1E-4 or less, a few roundings"),
     "half-width of a mean": Tolerance("1", 1e-9, "quantiles of another library"),
+    "mean of one frame": Tolerance("1", 1e-6, "of its covariance; the reading sigma to .1 %"),
+    "mean of propagated turns": Tolerance("1", 3e-3, "axes of frames .1 degree from the mean's"),
+    "mean of one frame, deg": Tolerance("deg", 1e-9, "rotations of 1E-16, by their angles"),
+    "ratio of positions": Tolerance("1", 1e-6, "an eigenvalue of scipy's; near 1 to 1E-7"),
+    "degrees of freedom": Tolerance("1", 1e-8, "sums of 60 shares of condition 1E6"),
     "approved deg": Tolerance(
         "deg", 1e-7, "solves end at 1E-8 deg or below; matrices of condition up to 1E4"
     ),

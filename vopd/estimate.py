@@ -268,6 +268,11 @@ class Estimate(FrameEstimate):
 
     None where `image` is a plane's, at the focal length from the camera.
     """
+    position_ratio: Floats | None = None
+    """(F,) standard deviation of the position after the solve over that before, the largest in any
+    direction; None where it was not solved for."""
+    other_solution_deg: Floats | None = None
+    """(F,) how far the attitude is turned at another position that fits as well; NaN: none."""
     outlier: Bools | None = None
     """(F, L) the landmark that does not fit the others, where the source has tested it already."""
 

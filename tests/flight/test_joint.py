@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
 
 from tests.kit.joint_flights import (
     LENS,
@@ -33,6 +34,12 @@ from vopd.flight.joint import (
     covariance_of_sums,
     propagated,
     solve_jointly,
+)
+from vopd.flight.sizes import (
+    explained,
+    residual_freedom,
+    sigma_freedom,
+    size_of_residuals,
 )
 from vopd.flight.solve import CAUCHY, HUBER, LOSSES, solve
 
@@ -131,6 +138,14 @@ class Dense:
         prior = np.concatenate([np.zeros(3 * self.frames), self.prior[3 * self.frames :] * own])
         return self.inverse @ (prior[:, None] * self.inverse)
 
+    def marginal_weight(self) -> Floats:
+        """The weights of the residuals at the stated places, less what the turns fit."""
+        turns, errors = np.split(self.rows, [3 * self.frames], axis=1)
+        marginal = np.eye(len(errors)) + errors / self.prior[3 * self.frames :] @ errors.T
+        weight = np.asarray(np.linalg.inv(marginal))
+        fitted = weight @ turns
+        return weight - fitted @ np.linalg.solve(turns.T @ fitted, fitted.T)
+
     def turns(self, matrix: Floats) -> Floats:
         """The blocks of the frames' turns (F, 3, 3)."""
         starts = range(0, 3 * self.frames, 3)
@@ -207,16 +222,37 @@ def test_residuals_at_the_stated_places_have_the_joint_cost(width: int) -> None:
     """With the marginal covariance of readings, places, landmarks and what is common."""
     solution, dense = solved("least-squares", width)
     residual = solution.stated_residual.ravel()
-    turns, errors = np.split(dense.rows, [3 * dense.frames], axis=1)
-    marginal = np.eye(len(errors)) + errors / dense.prior[3 * dense.frames :] @ errors.T
-    weight = np.linalg.inv(marginal)
-    fitted = weight @ turns
-    weight -= fitted @ np.linalg.solve(turns.T @ fitted, fitted.T)
+    weight = dense.marginal_weight()
     assert_close("joint cost", residual @ weight @ residual, solution.normal.cost)
     assert_close("joint residual", weight @ residual, dense.residual)
     sign, logarithm = np.linalg.slogdet(dense.normal)
     assert sign == 1.0
     assert_close("joint log determinant", solution.factored.log_determinant, logarithm)
+
+
+@pytest.mark.parametrize("width", [0, 1, 2, 3, 4])
+def test_degrees_of_freedom_are_traces_of_the_marginal_weights(width: int) -> None:
+    """Of the residuals W, of the picks' unit covariance; and of their squares (W R)^2."""
+    solution, dense = solved("least-squares", width)
+    weight, prior = dense.marginal_weight(), dense.prior[3 * dense.frames :]
+    left, exact = residual_freedom(solution)
+    assert exact == len(dense.residual) - 3 * dense.frames
+    assert_close("degrees of freedom", left, np.trace(weight))
+    assert_close("degrees of freedom", sigma_freedom(solution), np.trace(weight @ weight))
+    parts = 1.0 - np.diag(dense.inverse)[3 * dense.frames :] * prior
+    names = [name.removesuffix(COMMON_PART) for name in dense.component]
+    for name, own in explained(solution).items():
+        same = [other in (name, "interpolation" * (name == "position")) for other in names]
+        assert_close("degrees of freedom", own, parts[same].sum())
+
+
+def test_the_size_of_all_residuals_is_the_joint_cost_over_its_freedom() -> None:
+    solution, dense = solved("least-squares", 2)
+    freedom = len(dense.residual) - 3 * dense.frames
+    size, chance = size_of_residuals(solution, np.ones(dense.frames, bool))
+    assert_close("degrees of freedom", size**2 * freedom, solution.normal.frame_cost.sum())
+    assert_close("degrees of freedom", chance, chi2.sf(solution.normal.frame_cost.sum(), freedom))
+    assert size_of_residuals(solution, np.zeros(dense.frames, bool)) == (1.0, 1.0)
 
 
 # The minimum, against scipy's dense least squares with a geometry of its own

@@ -10,7 +10,7 @@ from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.attitude.geometry import LandmarkGeometry, free_turn_text, weak_axis_text
 from vopd.attitude.residuals import outliers
 from vopd.attitude.uncertainty import ANGLES, Uncertainty
-from vopd.estimate import Estimate, Words
+from vopd.estimate import COMMON_PART, Estimate, Words
 from vopd.geometry.rotations import LARGEST_DEG, angle_between_deg
 from vopd.records import Rows
 
@@ -83,6 +83,13 @@ MEANING = {
         "an attitude with the landmarks on the camera's other side fits as well, its residuals "
         "at most 3 times these or 3 times the reading sigma (root mean square)",
         "make sure that the first estimate looks at the ground",
+    ),
+    "position_not_held": (
+        "the attitude depends on the position as it was stated, and the picks hardly improve it: "
+        "its errors turn the attitude by more than .1 degree, which is more than half of the "
+        "variance, and along some direction its standard deviation after the solve is above .9 of "
+        "that before",
+        "measure more landmarks, far apart and at different distances, or the position itself",
     ),
     "pitch_near_90": (
         "camera or vehicle pitch within 5 degrees of 90: yaw and roll are not separate",
@@ -170,6 +177,8 @@ def flags(
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
     beyond_sigma, worst_angle = model_error(e, doubt.total)
+    other_deg = e.other_solution_deg
+    elsewhere = np.zeros(len(has), bool) if other_deg is None else np.isfinite(other_deg)
     undetermined = (e.solved & ~determined) | (has & (count < 2))
     weak = np.asarray(has & determined & ~(shape.condition <= MAX_CONDITION))
     raised = {
@@ -179,7 +188,8 @@ def flags(
         "behind_camera": has & shape.behind,
         "two_landmarks": has & (count == 2),
         "weak_geometry": weak,
-        "second_solution": has & (second_rms <= fits_as_well(rms, reading_sigma)),
+        "second_solution": has & (second_rms <= fits_as_well(rms, reading_sigma)) | elsewhere,
+        "position_not_held": position_not_held(e, doubt.covariance_deg2),
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
         "misfit": doubt.reading.misfit,
@@ -188,12 +198,44 @@ def flags(
     detail = {
         "undetermined": free_turn_text(e, doubt.free_turn),
         "weak_geometry": weak_axis_text(shape, doubt.covariance_deg2, weak),
+        "second_solution": _turned(other_deg, elsewhere),
         "pitch_near_90": _names_of(near),
         "outlier": _names(e, outlier),
         "misfit": misfit_text,
         "model_error": worst_angle,
     }
     return Flags(raised, detail)
+
+
+HELD = 0.9  # of its standard deviation, to which picks that say something reduce a position's
+LEAST_HELD_DEG = 0.1  # of the attitude by the position; those of a survey's receiver make less
+
+
+@np.errstate(all="ignore")
+def position_not_held(estimate: Estimate, covariance_deg2: Floats) -> Bools:
+    """Find the frames whose picks hardly improve a position on which the attitude depends, (F,).
+
+    Args:
+        estimate: the job
+        covariance_deg2: of turns by all components, (F, 3, 3)
+    """
+    if estimate.position_ratio is None or estimate.errors is None:
+        return np.zeros(len(estimate.frame), bool)
+    names = ("position", "position" + COMMON_PART)
+    parts = [estimate.errors[name] for name in names if name in estimate.errors]
+    variance = np.sum([(np.degrees(one.body) ** 2).sum(axis=(1, 2)) for one in parts], axis=0)
+    most = variance > 0.5 * np.trace(covariance_deg2, axis1=1, axis2=2)
+    return np.asarray(most & (variance > LEAST_HELD_DEG**2) & (estimate.position_ratio > HELD))
+
+
+def _turned(other_deg: Floats | None, marked: Bools) -> list[str]:
+    """Write by how much the attitude of another position is turned; empty for other frames."""
+    if other_deg is None:
+        return [""] * len(marked)
+    return [
+        f"{angle:.2f} degrees away at another position" if one else ""
+        for angle, one in zip(other_deg.tolist(), marked.tolist(), strict=True)
+    ]
 
 
 def fits_as_well(rms: Floats, reading_sigma: Floats) -> Floats:

@@ -14,6 +14,7 @@ from vopd.attitude.flags import jumps
 from vopd.attitude.history import (
     History,
     HistoryOptions,
+    SumErrors,
     check_rate,
     histories,
     histories_without_jumps,
@@ -239,6 +240,7 @@ def history_of_long_job(
     solved_estimate_of: EstimateOf,
     options: HistoryOptions,
     scale: JobReadingSigma | None = None,
+    sum_errors: SumErrors | None = None,
 ) -> HistoryParts:
     """Make the attitude history of one job from the estimates of its blocks.
 
@@ -250,6 +252,7 @@ def history_of_long_job(
         solved_estimate_of: makes the estimate of some frames
         options: sigmas, maximum rate and vertical
         scale: the reading sigma, where the solve has found it; None: from the estimates
+        sum_errors: the covariances of sums over all frames, where they were solved together
 
     Raises:
         VopdError: where the rate is not above 0, or there is no such vertical
@@ -265,7 +268,7 @@ def history_of_long_job(
         own = None if scale is None else scale.take(frames)
         (made,) = histories_without_jumps([estimate_of(frames)], options.sigmas, own)
         mark_jumps(made, options)
-        return one_part(made)
+        return one_part(replace(made, sum_errors=sum_errors))
     if scale is None:
         scale = sampled_reading_sigma(layout, estimate_of, options.sigmas)
     jump = _jumps(layout, estimate_of, options.max_rate_deg_s)
@@ -295,15 +298,17 @@ def history_of_long_job(
             yield (made := part(blocks, left))
             left = max(left - int(made.uncertainty.reading.misfit.sum()), 0)
 
+    every = [frames for blocks in runs for frames in blocks]
+
+    def whole() -> History:
+        return replace(part(every, MOST_FRAMES), sum_errors=sum_errors)
+
     if len(runs) == 1:
-        return one_part(part(runs[0], MOST_FRAMES))
+        return one_part(whole())
     first = np.array([(layout.count >= 2).argmax()])
     head = block(first, 0)
     head.flags.raised["jump"] = jump[first]
-    every = [frames for blocks in runs for frames in blocks]
-    return HistoryParts(
-        head, len(layout.count), lambda: parts(runs), lambda: part(every, MOST_FRAMES)
-    )
+    return HistoryParts(head, len(layout.count), lambda: parts(runs), whole)
 
 
 def sampled_reading_sigma(

@@ -185,6 +185,8 @@ def _by_sums(
         found["mount"] = whole @ whole.T
     squares = {n: np.einsum("ai,ij,aj->a", by_turns, one, by_turns) for n, one in found.items()}
     components = {name: np.sqrt(np.maximum(one, 0.0)) for name, one in squares.items()}
+    if "mount" in components:
+        components["mount"][:3] = 0.0  # it turns the vehicle against the camera
     return sum(found.values(), np.zeros((3, 3))), components
 
 

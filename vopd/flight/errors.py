@@ -16,7 +16,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import COMMON_PART
 from vopd.flight.equations import COMPONENT, LEAST_SIGMA_M, SHIFT, Priors
 from vopd.flight.flight import CameraPath, Flight, TrackFixes
-from vopd.flight.joint import JointSolution, propagated
+from vopd.flight.joint import JointSolution, covariance_of_sums, propagated
 
 
 def priors_of(flight: Flight) -> Priors:
@@ -119,6 +119,23 @@ def turns_by_errors(solution: JointSolution) -> dict[str, Floats]:
     found = {name: _roots(one) for name, one in solution.covariance.component.items()}
     for name, change in stated_changes(solution).items():
         found[name + COMMON_PART] = propagated(solution, change)
+    return found
+
+
+def errors_of_sums(solution: JointSolution, weight: Floats) -> dict[str, Floats]:
+    """Estimate the covariances of k sums over frames, by component, radians squared, (k, k).
+
+    Args:
+        solution: of the flight
+        weight: what a turn of each frame about the camera's axes adds to the sums, (F, 3, k)
+    """
+    found: dict[str, Floats] = {}
+    for part, own in covariance_of_sums(solution, weight)[1].items():
+        name = part.removesuffix(COMMON_PART)
+        found[name] = found.get(name, 0.0) + own
+    for name, change in stated_changes(solution).items():
+        moved = np.einsum("fik,fic->kc", weight, propagated(solution, change))
+        found[name] = found.get(name, 0.0) + moved @ moved.T
     return found
 
 

@@ -25,8 +25,9 @@ from vopd.estimate import (
     Words,
 )
 from vopd.findings import count_text
-from vopd.flight.errors import stated_changes, turns_by_errors
+from vopd.flight.errors import errors_of_sums, stated_changes, turns_by_errors
 from vopd.flight.flight import Flight, FrameSlots, Refraction
+from vopd.flight.held import other_solutions_deg, position_ratio
 from vopd.flight.joint import JointSolution
 from vopd.flight.lines_of_sight import EARTH_RADIUS_M
 from vopd.flight.solve import (
@@ -233,6 +234,12 @@ def flight_words(solved: SolvedFlight) -> Words:
     }
     if flight.path.gimbal_deg is not None:
         conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
+    fixes = flight.path.fixes
+    if solved.landmark_m is not None and fixes is not None and fixes.weight.shape[1] > 1:
+        conventions["mean"] = (
+            "frames between the same fixes of the track share their errors: a mean over frames has "
+            "the covariance that vopd attitude --mean states, not common + (all - common) / F"
+        )
     if np.isfinite(flight.grid_convergence_deg):
         conventions["grid azimuth"] = (
             f"true azimuth less {flight.grid_convergence_deg:.4f} degree, the meridian "
@@ -260,9 +267,11 @@ def flight_words(solved: SolvedFlight) -> Words:
                 "look at its pick in that image and at its coordinates",
             ),
             "second_solution": (
-                "an attitude with the landmarks on the camera's other side fits as well; the solve "
-                "has taken the one with the landmarks in front",
-                "none is needed where the view is beyond doubt",
+                "an attitude with the landmarks on the camera's other side fits as well, and the "
+                "solve has taken the one with the landmarks in front; or another position within "
+                "its standard deviations fits as well, and how far its attitude is turned is named",
+                "none is needed where the view is beyond doubt; of positions, pick a fourth "
+                "landmark",
             ),
         },
         conventions=conventions,
@@ -399,6 +408,8 @@ class FlightEstimates:
             errors=input_errors(self.solved.part(part), one, self._turns, part.frames),
             moved=np.where(known, joint.moved_m[part.frames], np.nan),
             position_sigma=np.sqrt(np.einsum("fii->fi", place_m2)),
+            position_ratio=self._position_ratio[part.frames],
+            other_solution_deg=self._other_solutions_deg[part.frames],
         )
 
     @cached_property
@@ -407,6 +418,16 @@ class FlightEstimates:
         assert self.joint is not None
         changes = stated_changes(self.joint)
         return {name: self._pixels(one) for name, one in changes.items() if name in FURTHER}
+
+    @cached_property
+    def _position_ratio(self) -> Floats:
+        assert self.joint is not None
+        return position_ratio(self.joint.covariance)
+
+    @cached_property
+    def _other_solutions_deg(self) -> Floats:
+        assert self.joint is not None
+        return other_solutions_deg(self.joint)
 
     @cached_property
     def _stated_residual(self) -> Floats:
@@ -425,6 +446,20 @@ class FlightEstimates:
     def _turns(self) -> dict[str, Floats]:
         assert self.joint is not None
         return turns_by_errors(self.joint)
+
+    def sum_errors(self, weight: Floats) -> dict[str, Floats]:
+        """Estimate the covariances of k sums over frames, by component, radians squared, (k, k).
+
+        Args:
+            weight: what a turn of each frame about the vehicle's forward, right and down axes
+                adds to the sums, (F, 3, k)
+        """
+        assert self.joint is not None and self.reading is not None
+        found = errors_of_sums(self.joint, self.flight.mount.T @ weight)
+        if not self.joint.passes:  # it was not solved again with the reading sigma in force
+            scale = self.reading.sigma / self.joint.model.flight.picks.one_sigma_px
+            found["reading"] = found["reading"] * scale**2
+        return found
 
     def outliers(self) -> Bools:
         """Find the picks that do not fit the others of their frames, at most one in each, (P,).

@@ -308,7 +308,7 @@ def _by_component(model: Model, by_common: Floats) -> dict[str, Floats]:
 
 
 def _marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
-    """Covariances of turns, of places, of both (F, 3, 3), of turns and what is common (F, 3, K).
+    """Estimate covariances of turns, places, both (F, 3, 3), of turns and what is common (F, 3, K).
 
     A turn is u - Gx x - Gc c, with u by the readings of its own frame; the place is x = x0 - Z c
     with x0 by the fixes. So the turn is u - Gx x0 - E c with E = Gc - Gx Z.
@@ -341,7 +341,7 @@ def _marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
 
 
 def _places_by_fixes(factored: Factored) -> Array:
-    """Covariances of the frames' places by the fixes, what is common known, (F, 3, 3)."""
+    """Estimate covariances of the places by the fixes, what is common being known (F, 3, 3)."""
     fixes = factored.fixes
     if fixes is None or factored.chain is None:
         return np.zeros((factored.model.frames, 3, 3))
@@ -361,7 +361,7 @@ def _places_by_fixes(factored: Factored) -> Array:
 
 
 def _prior_places(model: Model) -> Floats:
-    """Prior covariances of the frames' places, east, north, up (F, 3, 3)."""
+    """Add up prior covariances of the frames' places, east, north, up (F, 3, 3)."""
     sigma = np.where(np.isfinite(model.common_sigma), model.common_sigma, UNKNOWN_M)
     by = model.place_by_common(np.arange(model.frames)) * sigma
     out = by @ by.swapaxes(1, 2)

@@ -141,7 +141,7 @@ class FlightResult:
             own = replace(options, sigmas=rest)
             return solve_flight_read(flight).history_parts(own)
         made = self.estimates
-        return history_of_long_job(made.layout, made.of, options, made.reading)
+        return history_of_long_job(made.layout, made.of, options, made.reading, made.sum_errors)
 
     def to_dataframe(
         self,

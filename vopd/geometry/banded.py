@@ -87,7 +87,7 @@ class BlockTridiagonal:
         return found
 
     def selected_inverse(self) -> tuple[Array, Array]:
-        """Invert: the blocks of the inverse on the diagonal (J, b, b) and beside it (J - 1, b, b).
+        """Invert: blocks of the inverse on the diagonal (J, b, b) and beside it (J - 1, b, b).
 
         Source: K. Takahashi, J. Fagan, M.-S. Chen, Formation of a sparse bus impedance
         matrix, Proc. 8th PICA Conference (1973), here by cyclic reduction.
@@ -111,6 +111,7 @@ class BlockTridiagonal:
 
 
 def _interleaved(even: Array, odd: Array) -> Array:
+    """Put blocks eliminated in a round between those that were left."""
     both = np.empty((len(even) + len(odd), *even.shape[1:]), np.result_type(even, odd))
     both[0::2], both[1::2] = even, odd
     return both

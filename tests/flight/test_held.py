@@ -1,0 +1,89 @@
+"""Positions that the picks do not hold, and other positions that fit as well."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from tests.kit.joint_flights import drone, flight_of
+from tests.tolerances import assert_close
+from vopd.attitude.history import History
+from vopd.flight.equations import Priors
+from vopd.flight.flight import Flight, TrackFixes
+from vopd.flight.held import other_solutions_deg, position_ratio
+from vopd.flight.joint import covariance, solve_jointly
+from vopd.flight.result import solve_flight_read
+
+
+def own_fixes(frames: int, sigma_m: tuple[float, float, float]) -> Priors:
+    return Priors(
+        TrackFixes(np.arange(frames), np.ones((frames, 1)), np.tile(sigma_m, (frames, 1)))
+    )
+
+
+def nadir(seed: int, landmarks: int, sigma_m: tuple[float, float, float]) -> tuple[Flight, Priors]:
+    """Five frames from 100 m, straight down."""
+    rng, priors = np.random.default_rng(seed), own_fixes(5, sigma_m)
+    scene = drone(rng, 5, landmarks, tilt_deg=3.0)
+    flight = flight_of(rng, scene, 1.0, priors)
+    return replace(flight, picks=replace(flight.picks, stated=True)), priors
+
+
+@pytest.mark.parametrize("sigma_m", [(2.0, 2.0, 4.0), (2.0, 3.0, 0.0)])
+def test_the_ratio_is_the_largest_in_any_direction(sigma_m: tuple[float, float, float]) -> None:
+    """By the generalised eigenvalues of both covariances; an exact height is none."""
+    flight, priors = nadir(1, 4, sigma_m)
+    found = covariance(solve_jointly(flight, priors))
+    free = np.flatnonzero(sigma_m)
+    for ratio, after, before in zip(
+        position_ratio(found), found.place_m2, found.place_prior_m2, strict=True
+    ):
+        values = eigh(after[np.ix_(free, free)], before[np.ix_(free, free)], eigvals_only=True)
+        assert_close("ratio of positions", ratio, np.sqrt(values[-1]))
+
+
+def history_of(flight: Flight) -> History:
+    return solve_flight_read(flight).history()
+
+
+def test_two_landmarks_hold_no_position_and_six_do() -> None:
+    flight, priors = nadir(2, 2, (2.0, 2.0, 4.0))
+    assert_close(
+        "ratio of positions", position_ratio(covariance(solve_jointly(flight, priors))), 1.0
+    )
+    assert history_of(flight).flags.raised["position_not_held"].all()
+    assert not history_of(nadir(2, 6, (2.0, 2.0, 4.0))[0]).flags.raised["position_not_held"].any()
+
+
+def test_a_position_that_hardly_matters_is_not_flagged() -> None:
+    """Centimetres of 100 m: the picks cannot improve them, and need not."""
+    flight, priors = nadir(3, 4, (0.02, 0.02, 0.04))
+    assert (position_ratio(covariance(solve_jointly(flight, priors))) > 0.9).all()
+    assert not history_of(flight).flags.raised["position_not_held"].any()
+
+
+@pytest.mark.parametrize(("seed", "expected"), [(10, [True, True]), (7, [False, True])])
+def test_three_landmarks_below_may_have_a_second_position(seed: int, expected: list[bool]) -> None:
+    """Positions to 10 m from 100 m; a fourth landmark would tell."""
+    rng, priors = np.random.default_rng(seed), own_fixes(2, (10.0, 10.0, 20.0))
+    flight = flight_of(rng, drone(rng, 2, 3, tilt_deg=3.0), 1.0, priors)
+    history = history_of(replace(flight, picks=replace(flight.picks, stated=True)))
+    assert history.flags.raised["second_solution"].tolist() == expected
+    turned = other_solutions_deg(solve_jointly(flight, priors))
+    assert np.isfinite(turned).tolist() == expected
+    named = [
+        f"{one:.2f} degrees" in text for one, text in zip(turned, history.flag_text, strict=True)
+    ]
+    assert named == expected
+
+
+def test_positions_that_frames_share_or_that_are_known_well_are_not_searched() -> None:
+    rng = np.random.default_rng(10)
+    scene = drone(rng, 2, 3, tilt_deg=3.0)
+    shared = TrackFixes(np.zeros(2, np.int64), np.full((2, 2), 0.5), np.full((2, 3), 10.0))
+    for priors in (Priors(shared), own_fixes(2, (2.0, 2.0, 4.0)), Priors(None, None, {"up": 10.0})):
+        solution = solve_jointly(flight_of(rng, scene, 1.0, priors), priors)
+        assert np.isnan(other_solutions_deg(solution)).all()
