@@ -234,11 +234,11 @@ def track_bias(section: Section) -> Floats:
 
 
 def velocity_sigma(section: Section, rows: TrackRows, notes: Notes) -> Floats | None:
-    """Choose the standard deviations of velocities that a track has (T, 3); None without them."""
-    if rows.velocity_m_s is None:
-        if section.has("velocity_sigma_m_s"):
-            message = "is for a track with velocities, columns vn_m_s, ve_m_s and vd_m_s"
-            raise section.error("velocity_sigma_m_s", message)
+    """Choose the standard deviations of a track's velocities (T, 3); None if not stated.
+
+    They are needed of velocities that the track has itself.
+    """
+    if rows.velocity_m_s is None and not section.has("velocity_sigma_m_s"):
         return None
     own = _row_sigmas(section, rows, rows.velocity_sigma_m_s)
     own = own._replace(by=f"columns {', '.join(VELOCITY_SIGMAS)}", usual=None)

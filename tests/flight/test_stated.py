@@ -1,0 +1,215 @@
+"""Standard deviations of rows, of what is common to a flight, and missing ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.approved.texts import assert_approved, refused
+from tests.kit.flight_project import TOML, lens_of, read_text, write_project
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.flight import Flight
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS
+from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.image_tags import sigma_of_tags
+from vopd.flight.project import Section
+from vopd.flight.read import read_flight
+from vopd.flight.stated import Notes, RowSigmas, row_sigmas
+
+NAN = float("nan")
+OWN = np.array([[0.1, 0.2, 0.3], [NAN, NAN, NAN], [0.0, 0.0, 0.0]])
+
+
+def chosen(own: Any, *, usual: Any = None, **keys: Any) -> tuple[Any, Notes]:
+    """The standard deviations of three rows in lines 2 to 4 of t.csv, and what is said."""
+    notes = Notes([], [])
+    rows = RowSigmas("t.csv", own, 3, [2, 3, 4], "column sigma_m", usual)
+    return row_sigmas(Section("p.toml", "track", keys), "sigma_m", rows, notes), notes
+
+
+# Rows
+
+
+def test_a_row_s_own_come_before_the_key_s_and_the_usual_ones() -> None:
+    found, notes = chosen(OWN, sigma_m=[1, 2, 4])
+    assert found.tolist() == [[0.1, 0.2, 0.3], [1.0, 2.0, 4.0], [0.0, 0.0, 0.0]]
+    assert notes.missing == []
+    assert_approved(notes.said)
+    found, notes = chosen(OWN, usual=(3.0, 3.0, 5.0))
+    assert found[1].tolist() == [3.0, 3.0, 5.0] and notes.missing == []
+    assert_approved(notes.said)
+    found, notes = chosen(None, usual=(3.0, 3.0, 5.0))
+    assert found.tolist() == [[3.0, 3.0, 5.0]] * 3
+    assert_approved(notes.said)
+
+
+def test_a_key_beside_a_column_without_empty_cells_is_said_to_be_unused() -> None:
+    found, notes = chosen(np.full((3, 3), 0.5), sigma_m="exact")
+    assert found.tolist() == [[0.5] * 3] * 3
+    assert_approved(notes.said)
+
+
+def test_a_component_of_a_row_may_be_the_key_s() -> None:
+    found, _ = chosen(np.array([[0.1, NAN, 0.3]] * 3), sigma_m=[7, 8, 9])
+    assert found.tolist() == [[0.1, 8.0, 0.3]] * 3
+
+
+@pytest.mark.parametrize("own", [None, OWN, np.where(OWN > 0.0, OWN, NAN)], ids=["no", "1", "2"])
+def test_rows_that_nothing_states_are_missing_by_their_lines(own: Any) -> None:
+    found, notes = chosen(own)
+    assert found[1].tolist() == [0.0] * 3
+    ((section, key, why),) = notes.missing
+    assert (section, key) == ("track", "sigma_m")
+    assert_approved(why)
+
+
+# Files
+
+
+def test_columns_of_three_axes_and_the_word_exact() -> None:
+    head = "landmark,lat_deg,lon_deg,h_m"
+    text = f"{head},sigma_e_m,sigma_n_m,sigma_u_m\na,1,2,3,.1,.2,.3\nb,1,2,3,exact,exact,\n"
+    rows = read_text(LANDMARK_FORMATS, "m.csv", text)
+    expected = [[0.1, 0.2, 0.3], [0.0, 0.0, NAN]]
+    assert np.array_equal(rows.sigma_m, expected, equal_nan=True)
+    for wrong in (
+        f"{head},sigma_e_m,sigma_n_m\na,1,2,3,.1,.2\n",
+        f"{head},sigma_m,sigma_e_m,sigma_n_m,sigma_u_m\na,1,2,3,1,.1,.2,.3\n",
+        f"{head},sigma_m\na,1,2,3,0\n",
+        f"{head},sigma_m\na,1,2,3,exakt\n",
+    ):
+        with refused(VopdError):
+            read_text(LANDMARK_FORMATS, "m.csv", wrong)
+
+
+def test_velocities_have_columns_of_their_own() -> None:
+    head = "t_s,x_m,y_m,z_m,vn_m_s,ve_m_s,vd_m_s,sigma_vn_m_s,sigma_ve_m_s,sigma_vd_m_s"
+    rows = read_text(TRACK_FORMATS, "t.csv", f"{head}\n0,1,2,3,4,5,6,.1,.2,.3\n")
+    assert rows.velocity_sigma_m_s.tolist() == [[0.1, 0.2, 0.3]] and rows.sigma_m is None
+
+
+def test_dilutions_of_gpx_are_times_3_m_and_5_m_upward() -> None:
+    """hdop .8 and vdop 1.2; pdop 2 for both; none."""
+    points = ("<hdop>0.8</hdop><vdop>1.2</vdop>", "<pdop>2</pdop>", "")
+    body = "".join(
+        f'<trkpt lat="1" lon="2"><ele>3</ele><time>2026-05-01T00:00:0{k}Z</time>{one}</trkpt>'
+        for k, one in enumerate(points)
+    )
+    head = '<gpx version="1.1" creator="x" xmlns="http://www.topografix.com/GPX/1/1">'
+    rows = read_text(TRACK_FORMATS, "t.gpx", f"{head}<trk><trkseg>{body}</trkseg></trk></gpx>")
+    assert_close("table value", rows.sigma_m[:2], [[2.4, 2.4, 6.0], [6.0, 6.0, 10.0]])
+    assert np.isnan(rows.sigma_m[2]).all()
+
+
+def test_accuracies_of_geo_txt_are_above_0() -> None:
+    line = "A.JPG 1 2 3 0 0 0 {} {}"
+    for accuracies, expected in ((("0.5", "0.9"), [0.5, 0.5, 0.9]), (("0", "nan"), None)):
+        text = f"EPSG:4326\n{line.format(*accuracies)}\n"
+        rows = read_text(TRACK_FORMATS, "geo.txt", text)
+        assert (None if rows.sigma_m is None else rows.sigma_m[0].tolist()) == expected
+    with refused(VopdError):
+        read_text(TRACK_FORMATS, "geo.txt", f"EPSG:4326\n{line.format('-1', '2')}\n")
+
+
+@pytest.mark.parametrize(
+    ("gps", "xmp", "expected"),
+    [
+        ({}, 'd:RtkStdLon="0.01" d:RtkStdLat="0.02" d:RtkStdHgt="0.03"', [0.01, 0.02, 0.03]),
+        ({0x1F: 6.0}, 'c:GPSXYAccuracy="1.5" c:GPSZAccuracy="2"', [1.5, 1.5, 2.0]),
+        ({0x1F: 6.0, 0x0B: 9.0}, 'd:RtkStdLon="0" d:RtkStdLat="0"', [6.0, 6.0, 10.0]),
+        ({0x0B: 2.0}, "", [6.0, 6.0, 10.0]),
+        ({0x0B: 0.0, 0x1F: "?"}, "", [NAN] * 3),
+    ],
+)
+def test_accuracies_of_an_image_s_tags(
+    gps: dict[int, Any], xmp: str, expected: list[float]
+) -> None:
+    found, by = sigma_of_tags(gps, xmp)
+    assert_close("table value", found, expected)
+    assert_approved(by) if by else None
+
+
+METASHAPE = """<calibration><projection>frame</projection><width>64</width><height>48</height>
+<f>70</f><k1>-0.1</k1><covariance><params>f cx K1 p1</params>
+<coeffs>4 0 0 0  0 9 0 0  0 0 .0001 0  0 0 0 {}</coeffs></covariance></calibration>"""
+
+
+def test_a_calibration_s_covariance_has_the_sigmas_of_the_lens() -> None:
+    """Its p1 is p2 here; the roots of its diagonal."""
+    found = lens_of(METASHAPE.format("1e-6"))
+    expected = {"focal": 2.0, "centre_u": 3.0, "k1": 0.01, "p2": 0.001}
+    assert {name: round(one, 12) for name, one in found.sigma.items()} == expected
+    assert_approved(found.said)
+    for wrong in ("-1", "", "x", "nan"):
+        with refused(VopdError):
+            lens_of(METASHAPE.format(wrong))
+
+
+# A flight
+
+
+def flight(folder: Path, *changes: tuple[str, str], more: str = "") -> Flight:
+    toml = TOML
+    for old, new in changes:
+        assert old in toml
+        toml = toml.replace(old, new)
+    return read_flight(str(write_project(folder, toml + more)))
+
+
+def test_frames_have_their_parts_in_the_fixes_about_them(tmp_path: Path) -> None:
+    """Positions are at 1, 2, 3 and 4 s, and frames at 2, 2.1 ... 2.4 s."""
+    exact = 'sigma_m = "exact"\nsigma_t_s = "exact"'
+    path = flight(tmp_path, (exact, "sigma_m = [1, 2, 3]\nsigma_bias_m = 4\nsigma_t_s = 5")).path
+    assert path.fixes is not None and path.fixes.first.tolist() == [1] * 5
+    part = np.arange(5) / 10.0
+    assert_close("ratio", path.fixes.weight, np.stack([1.0 - part, part], axis=1))
+    assert path.fixes.sigma_m.tolist() == [[1.0, 2.0, 3.0]] * 4
+    assert path.bias_sigma_m.tolist() == [4.0] * 3
+
+
+def test_what_is_exact_and_what_is_not_stated(tmp_path: Path) -> None:
+    options = flight(tmp_path, more='[uncertainty]\nfocal_rel = "exact"\nk1 = 0.01\n').options
+    assert options.exact == ("position", "landmark", "focal", "time")
+    assert {"principal_point", "wind", "mount", "bias"} <= {*options.not_stated}
+    assert options.parameter_sigma == {"k1": 0.01, "refraction": 0.065}
+    more = "[uncertainty]\np1p2 = 0.1\nclock_rate_ppm = 20\nreadout_ms = 2\n[atmosphere]\n"
+    options = flight(tmp_path, more=f'{more}refraction = "off"\nsigma_k = 0.5\n').options
+    expected = {"p1": 0.1, "p2": 0.1, "clock_rate": 2e-5, "readout": 2e-3, "refraction": 0.5}
+    assert {name: round(one, 12) for name, one in options.parameter_sigma.items()} == expected
+
+
+def test_a_lens_has_only_its_own_coefficients(tmp_path: Path) -> None:
+    fisheye = ('"brown"', '"fisheye"'), (", -2e-3, 3e-3]", "]")
+    with refused(VopdError):
+        flight(tmp_path, *fisheye, more="[uncertainty]\np1p2 = 0.1\n")
+    assert flight(tmp_path, *fisheye, more='[uncertainty]\np1p2 = "exact"\n').path.fixes is None
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("sigma_m", '"exakt"'), ("sigma_m", "-1"), ("sigma_m", "[1, 2]"), ("sigma_m", "true"),
+     ("velocity_sigma_m_s", "[1, 2]")],
+)  # fmt: skip
+def test_wrong_values_are_named(key: str, value: str, tmp_path: Path) -> None:
+    exact = 'sigma_m = "exact"\nsigma_t_s'
+    new = f"{key} = {value}\nsigma_t_s" if key == "sigma_m" else f"{key} = {value}\n{exact}"
+    with refused(VopdError, parts=[key]):
+        flight(tmp_path, (exact, new))
+
+
+def test_all_missing_ones_are_named_at_once_with_the_lines_to_paste(tmp_path: Path) -> None:
+    with refused(VopdError):
+        flight(tmp_path, ('sigma_m = "exact"\n', ""), ('sigma_t_s = "exact"\n', ""))
+
+
+def test_an_empty_cell_without_a_key_is_named_by_its_line(tmp_path: Path) -> None:
+    project = write_project(tmp_path, TOML.replace('sigma_m = "exact"\n[track]', "[track]"))
+    head, *rows = (tmp_path / "landmarks.csv").read_text().split()
+    cells = [f"{row},{0.1 if k else ''}" for k, row in enumerate(rows)]
+    (tmp_path / "landmarks.csv").write_text("\n".join([f"{head},sigma_m", *cells]))
+    with refused(VopdError, parts=["line 2"]):
+        read_flight(str(project))
