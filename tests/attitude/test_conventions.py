@@ -420,7 +420,7 @@ def misfits(*told: str) -> list[Finding]:
     "told",
     [
         ["a (chance 0.50)"],
-        [""],
+        ["not searched"],
         ["a (chance 0.50)", "b (chance 0.40)", "a (chance 0.07)"],
         ["c", "b", "a"],
         ["a", "b", "c", "d"],
