@@ -123,7 +123,7 @@ def _locked(file: Any) -> bool:
 
 # Records: how each source ended, and what was written of it
 
-SOLVED, UNCONVERGED, FAILED = "solved", "not converged", "failed"
+SOLVED, MISFITS, UNCONVERGED, FAILED = "solved", "misfits", "not converged", "failed"
 """How a source ended."""
 
 
@@ -134,7 +134,7 @@ class SourceRecord:
     Attributes:
         source: the name of its outputs
         path: the file
-        status: solved, not converged (some frame), or failed
+        status: solved, misfits (a flight), not converged (some frame), or failed
         error: why it failed; empty where it did not
         input_sha256: hash of the deck, or of the project and all files that it names
         version: of this package
@@ -467,12 +467,12 @@ def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
 
 # The summary: a row for each source, as files and as a table for a terminal
 
-WORST_FIRST = (FAILED, UNCONVERGED, SOLVED)
+WORST_FIRST = (FAILED, UNCONVERGED, MISFITS, SOLVED)
 SHOWN = 20  # rows of the table for a terminal
 COLUMNS = {
     "source": "name of the outputs, without their suffix",
     "path": "file of the source",
-    "status": "solved, not converged (some frame) or failed",
+    "status": "solved, misfits (a flight), not converged (some frame) or failed",
     "error": "why it failed",
     "input_sha256": "hash of the deck, or of the project and all files that it names",
     "version": "version of vopd",

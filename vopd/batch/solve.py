@@ -15,6 +15,7 @@ from vopd.attitude.findings import misfit_findings
 from vopd.attitude.history import History
 from vopd.batch.folder import (
     FAILED,
+    MISFITS,
     SOLVED,
     UNCONVERGED,
     SourceRecord,
@@ -191,10 +192,11 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
     for h in histories:
         raised.update({flag: int(np.sum(frames)) for flag, frames in h.flags.raised.items()})
     lost = raised["not_converged"]
+    misfits = now.flight is not None and now.flight.misfits
     return SourceRecord(
         source=name,
         path=now.source.path,
-        status=FAILED if errors else UNCONVERGED if lost else SOLVED,
+        status=FAILED if errors else UNCONVERGED if lost else MISFITS if misfits else SOLVED,
         error="\n".join(errors),
         input_sha256=now.input_sha256,
         version=__version__,

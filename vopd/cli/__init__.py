@@ -110,5 +110,6 @@ def cli() -> None:
     \b
     Attitude of a vehicle or a camera from landmarks in its images.
     Exit status: 0 all well; 1 an input could not be read, a run failed, listings
-    differ; 2 wrong usage; 3 a frame did not converge, or --strict found a flag.
+    differ; 2 wrong usage; 3 a frame did not converge, a flight misfits,
+    or --strict found a flag.
     """

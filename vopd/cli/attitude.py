@@ -81,7 +81,7 @@ docs/attitude-files.md explains the columns.
 Exit status: 0 the file is written; 1 a source could not be read or solved
 (what comes before that is written), no frame has an attitude, or FILE cannot
 be written; 2 wrong usage; 3 the file is written, but some frame did not
-converge, or with --strict has a flag.
+converge, a flight misfits, or with --strict some frame has a flag.
 """
 
 

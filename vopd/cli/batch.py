@@ -127,8 +127,8 @@ def command(
     outputs are unchanged are not solved again, those that failed are.
 
     Exit status: 0 all well; 1 no source could be solved, or an output could not be
-    written; 2 wrong usage; 3 some source failed, some frame did not converge, or
-    with --strict has a flag.
+    written; 2 wrong usage; 3 some source failed, some frame did not converge, a
+    flight misfits, or with --strict some frame has a flag.
     """
     chosen = tuple(dict.fromkeys(formats)) or ("csv",)
     if not sources and manifest is None:
@@ -183,7 +183,7 @@ def command(
 
 def _status(records: Sequence[SourceRecord], options: SharedOptions) -> int:
     """List failed sources on standard error, and find the exit status."""
-    from vopd.batch.folder import FAILED, UNCONVERGED
+    from vopd.batch.folder import FAILED, MISFITS, UNCONVERGED
 
     failed = [one for one in records if one.status == FAILED]
     for one in failed[:FAILED_SHOWN]:
@@ -193,5 +193,7 @@ def _status(records: Sequence[SourceRecord], options: SharedOptions) -> int:
         click.echo(f"{more} failed; summary.jsonl says why", err=True)
     if records and len(failed) == len(records):
         return 1
-    doubtful = any(one.status == UNCONVERGED or (options.strict and one.flagged) for one in records)
+    doubtful = any(
+        one.status in (UNCONVERGED, MISFITS) or (options.strict and one.flagged) for one in records
+    )
     return 3 if failed or doubtful else 0

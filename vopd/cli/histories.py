@@ -24,11 +24,13 @@ class Collected(NamedTuple):
     jobs: list[HistoryParts]
     untold: list[HistoryParts]  # whose frames have not been counted
     failed: bool  # some source could not be read or solved
+    misfits: bool  # some flight does
 
     def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
 
-        It is 3 where a frame did not converge, or has any flag and `--strict` was options for.
+        It is 3 where a frame did not converge, a flight misfits, or with `--strict` a frame has
+        any flag.
         """
         for job in self.untold:
             for finding in findings_of(job.about, job.summary):
@@ -41,7 +43,7 @@ class Collected(NamedTuple):
             are = "frame is" if flagged == 1 else "frames are"
             click.echo(f"--strict: {flagged} {are} flagged", err=True)
         unconverged = any(job.summary.unconverged for job in self.jobs)
-        return 3 if unconverged or (options.strict and flagged) else 0
+        return 3 if unconverged or self.misfits or (options.strict and flagged) else 0
 
 
 def collect_jobs(
@@ -65,7 +67,7 @@ def collect_jobs(
     """
     if options.solve.fixes and not options.quiet:
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
-    found = Collected([], [], False)
+    found = Collected([], [], False, False)
     messages, progress = Messages(options.quiet, on_message), Progress("frames")
     for some in in_groups(solve_sources(decks, options.solve)):
         solved = [one for one in some if isinstance(one, SolvedJob)]
@@ -83,6 +85,7 @@ def collect_jobs(
             if isinstance(one, SolvedJob):
                 made = one_part(next(of_jobs))
             else:
+                found = found._replace(misfits=found.misfits or one.misfits)
                 made = one.history_parts(options.history)
                 made = made if by_parts else one_part(made.whole)
             if made.counted:

@@ -148,7 +148,7 @@ def command(
 
     Exit status: 0 the figure is drawn; 1 a source could not be read or
     solved, or nothing can be drawn; 2 wrong usage; 3 the figure is drawn, but some
-    frame did not converge, or with --strict has a flag.
+    frame did not converge, a flight misfits, or with --strict some frame has a flag.
     """
     suffix = _suffix(output, form)
     if dpi is not None and suffix != ".png":

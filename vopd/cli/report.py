@@ -42,7 +42,8 @@ def command(
 
     Exit status: 0 the page is written; 1 a source could not be read or solved
     (the page says so), or no frame has an attitude; 2 wrong usage; 3 the page is
-    written, but some frame did not converge, or with --strict has a flag.
+    written, but some frame did not converge, a flight misfits, or with --strict
+    some frame has a flag.
     """
     if output != "-" and PurePath(output).suffix.lower() not in SUFFIXES:
         raise click.UsageError(f"{output}: name the file .html.")

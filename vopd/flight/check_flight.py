@@ -10,7 +10,8 @@ from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
 from vopd.flight.flight import Flight
-from vopd.flight.mistakes import other_clock, usual_mistakes
+from vopd.flight.misfit import SPEAK_FOR
+from vopd.flight.mistakes import UNEXPLAINED, other_clock, usual_mistakes
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import frame_label, solve_flight_read
@@ -46,7 +47,14 @@ def check_flight(name: str) -> list[Finding]:
     if far:
         return found  # the solve can tell no more
     found += [f for f in result.findings if f not in flight.findings]
-    return [*found, *_warned(name, usual_mistakes(project, result))]
+    named = {one.message for one in found}
+    explained = any(SPEAK_FOR in message for message in named)
+    more = [
+        message
+        for message in usual_mistakes(project, result)
+        if message not in named and not (explained and UNEXPLAINED in message)
+    ]
+    return [*found, *_warned(name, more)]
 
 
 def _warned(name: str, messages: Iterable[str]) -> list[Finding]:

@@ -20,7 +20,7 @@ from vopd.flight.result import FlightResult, frame_label
 from vopd.flight.solve import FlightBlocks, solve
 from vopd.flight.track import height_datum
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
-from vopd.mistakes import Mistake, explanations, likeliest
+from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 
 DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
 LEAST_FREEDOM = 4  # more residuals than angles: with fewer, one number explains nearly all
@@ -63,23 +63,45 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
         axes = explanations(AXES_MISTAKES, trial_px, project, flight, estimate)
         found = explanations(USUAL_MISTAKES, trial_px, project, flight, estimate)
         # a number that is fitted never fits worse than the mistake that has its value
-        best = likeliest([*axes, *found], ALIKE, below=before / BETTER)
-        if best is not None:
-            advice = best.advice
-            if (
-                best in axes
-            ):  # both mirror the image: they differ by a quarter turn about its centre
-                alike = [one for one in axes if one.residual <= ALIKE * best.residual]
-                advice = " or ".join(one.advice for one in alike)
-            yield (
-                f"residuals are {before:.1f} px in a typical frame, and {best.residual:.1f} px "
-                f"{advice}"
-            )
+        text = _best_text(before, axes, found)
+        if text:
+            yield text
             return
     exchanged = list(_exchanged(result, MISFIT * sigma))
     yield from exchanged
     if not exchanged and before > MISFIT * sigma:
         yield f"residuals are {before:.1f} px in a typical frame: {UNEXPLAINED}"
+
+
+def exchanges(flight: Flight, expected_px: float) -> str:
+    """Name the exchange of image axes or of labels that explains large residuals; or nothing.
+
+    Args:
+        flight: as it was read
+        expected_px: the residuals that it should have
+    """
+    flight = some_frames(flight)
+    estimate = solved_trial(flight)
+    before = typical_px(flight, estimate)
+    if freedom(estimate) < LEAST_FREEDOM or before < BETTER * expected_px:
+        return ""
+    axes, labels = (
+        explanations(table, trial_px, None, flight, estimate)
+        for table in (AXES_MISTAKES, LABEL_MISTAKES)
+    )
+    return _best_text(before, axes, labels)
+
+
+def _best_text(before: float, axes: list[Explanation], others: list[Explanation]) -> str:
+    """Describe the likeliest mistake that makes residuals `BETTER`; empty if there is none."""
+    best = likeliest([*axes, *others], ALIKE, below=before / BETTER)
+    if best is None:
+        return ""
+    advice = best.advice
+    if best in axes:  # both mirror the image: they differ by a quarter turn about its centre
+        alike = [one for one in axes if one.residual <= ALIKE * best.residual]
+        advice = " or ".join(one.advice for one in alike)
+    return f"residuals are {before:.1f} px in a typical frame, and {best.residual:.1f} px {advice}"
 
 
 # Residuals without a mistake
@@ -140,15 +162,17 @@ Corrected = Iterator[tuple[Flight, tuple[object, ...]]]
 """Flights without a mistake, each with the values that the advice names."""
 
 
-def _turned_over(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+def _turned_over(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
     """Count v of all pixels the other way than the project says."""
     upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
-    up = project.section("picks").text("v") == "up"
-    way, key = ("downward", "down") if up else ("upward", "up")
+    way, key = "the other way", 'up", or "down" where it is "up'
+    if project is not None:
+        up = project.section("picks").text("v") == "up"
+        way, key = ("downward", "down") if up else ("upward", "up")
     yield replace(flight, picks=replace(flight.picks, pixel=upward)), (way, key)
 
 
-def _exchanged_axes(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+def _exchanged_axes(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
     """Exchange u and v of all picks."""
     exchanged = flight.picks.pixel[:, ::-1]
     yield replace(flight, picks=replace(flight.picks, pixel=exchanged)), ()
@@ -250,7 +274,7 @@ def _with_another_focal_length(project: Project, flight: Flight, estimate: Estim
         yield found, (before + px, before)
 
 
-def _exchanged_labels(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+def _exchanged_labels(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
     """Exchange the labels of each two of the worst landmarks in all frames."""
     squares = np.zeros(len(flight.landmarks.name) + 1)
     index = np.searchsorted(np.sort(flight.landmarks.number), estimate.landmark)
@@ -296,6 +320,14 @@ AXES_MISTAKES: tuple[Mistake[Flight], ...] = (
 )
 """Mistakes by which the image is mirrored."""
 
+LABEL_MISTAKES: tuple[Mistake[Flight], ...] = (
+    Mistake(
+        "labels exchanged",
+        _exchanged_labels,
+        "with {} and {} exchanged in all frames: are their names right?",
+    ),
+)
+
 USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "heights in feet",
@@ -312,11 +344,7 @@ USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
         _at_another_rate,
         "with [picks] frame_rate_hz = {:g} in the place of {:g}: is that of the video right?",
     ),
-    Mistake(
-        "labels exchanged",
-        _exchanged_labels,
-        "with {} and {} exchanged in all frames: are their names right?",
-    ),
+    *LABEL_MISTAKES,
     Mistake(
         "another height datum",
         _from_another_level,

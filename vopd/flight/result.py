@@ -25,6 +25,7 @@ from vopd.flight.estimate import (
 )
 from vopd.flight.flight import Flight
 from vopd.flight.joint import JointSolution, solve_jointly
+from vopd.flight.misfit import flight_findings
 from vopd.flight.read import read_flight
 from vopd.flight.sizes import sigma_freedom, size_of_residuals
 from vopd.flight.solve import SolvedFlight, solve
@@ -47,10 +48,12 @@ class FlightResult:
     Args:
         estimates: the result of the solve, from which `estimate` is made
         findings: the warnings about files and solution
+        misfits: whether the residuals are larger than all that is stated explains
     """
 
     estimates: FlightEstimates
     findings: tuple[Finding, ...]
+    misfits: bool = False
 
     @property
     def flight(self) -> Flight:
@@ -222,7 +225,8 @@ def solve_flight_read(flight: Flight) -> FlightResult:
             break
         dropped[wrong] = True
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
-    return FlightResult(estimates, (*flight.findings, *findings))
+    doubts, misfits = flight_findings(flight, estimates)
+    return FlightResult(estimates, (*flight.findings, *findings, *doubts), misfits)
 
 
 ROUNDS = 12  # of a solve with another reading sigma

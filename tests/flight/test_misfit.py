@@ -1,0 +1,142 @@
+"""Flights that misfit, and errors of their inputs that the residuals speak for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vopd
+from tests.approved.texts import assert_approved
+from tests.kit.command import vopd as command
+from tests.kit.flight_mistakes import MistakeRow
+from tests.kit.simulated_flights import write_flight
+from tests.tolerances import assert_close
+from vopd.flight import misfit
+from vopd.flight.joint import JointSolution
+from vopd.flight.misfit import input_errors, sampled, significant_errors, weighed
+
+SEED = 5
+
+
+def solved(
+    folder: Path, mistake: str = "", noticed: float = 3.0, fix_m: float = 0.02
+) -> vopd.FlightResult:
+    """A simulated flight with a mistake that its project does not know of."""
+    row = MistakeRow(mistake, fix_m)
+    write_flight(folder, row.plan, np.random.default_rng(SEED), mistake, noticed)
+    return vopd.solve_flight(folder / "flight.toml")
+
+
+def joint(result: vopd.FlightResult) -> JointSolution:
+    assert result.estimates.joint is not None
+    return result.estimates.joint
+
+
+def said(result: vopd.FlightResult) -> list[str]:
+    words = "misfits", "speak for", "typical frame", "stated larger"
+    return [f.message for f in result.findings if any(word in f.message for word in words)]
+
+
+@pytest.mark.parametrize("mistake", ["", "clock", "focal length", "landmark", "readout"])
+def test_nothing_is_said_of_a_mistake_of_a_third_of_the_noticeable_size(
+    mistake: str, tmp_path: Path
+) -> None:
+    assert said(solved(tmp_path, mistake, 1 / 3)) == []
+
+
+@pytest.mark.parametrize(
+    ("mistake", "words"),
+    [
+        ("clock", "offset_s"), ("frame rate", "frame_rate_hz"), ("focal length", "focal length"),
+        ("k1", "k1 ="), ("heights", "same level"), ("position", "camera's position"),
+        ("landmark", "m0 "), ("readout", "readout_ms"),
+    ],
+)  # fmt: skip
+def test_a_mistake_of_three_times_the_noticeable_size_is_named(
+    mistake: str, words: str, tmp_path: Path
+) -> None:
+    (text,) = said(solved(tmp_path, mistake))
+    assert words in text and text.startswith("the residuals speak for ")
+
+
+@pytest.mark.parametrize(
+    ("mistake", "words"),
+    [("u and v exchanged", "u and v"), ("v upward", 'v = "up"'), ("labels exchanged", "m0 and m1")],
+)
+def test_an_exchange_is_named_and_the_status_is_3(mistake: str, words: str, tmp_path: Path) -> None:
+    result = solved(tmp_path, mistake)
+    first, text = said(result)
+    assert result.misfits and first.startswith("the flight misfits: ") and words in text
+    if mistake == "v upward":
+        done = command("attitude", tmp_path / "flight.toml", "-o", tmp_path / "a.csv")
+        assert done.status == 3 and "warning: " in done.stderr and words in done.stderr
+
+
+def test_values_are_those_of_freeing_the_error(tmp_path: Path) -> None:
+    """A dense weighted least squares of all columns, turns and places among them, by numpy."""
+    one = joint(solved(tmp_path, "focal length"))
+    errors, change = input_errors(one)
+    square, right = weighed(one, change)
+    rows = []
+    for part in one.model.rows(one.state):
+        for k, frame in enumerate(part.frames):
+            turn, place = (np.zeros((one.model.frames, 3)) for _ in range(2))
+            for by_turn, by_place, pick in zip(
+                part.by_turn[k], part.by_place[k], part.picks[k], strict=True
+            ):
+                for axis in range(2):
+                    turn[frame], place[frame] = by_turn[axis], by_place[axis] * 0.02
+                    rows.append((pick, axis, np.concatenate([turn.ravel(), place.ravel()])))
+    order = sorted(rows, key=lambda row: row[:2])
+    known = np.stack([row[2] for row in order])
+    prior = np.diag(np.repeat([0.0, 1.0], 3 * one.model.frames))
+    flat = change.reshape(-1, change.shape[2])
+    inverse = np.linalg.inv(known.T @ known + prior)
+    dense = flat.T @ flat - flat.T @ known @ inverse @ known.T @ flat
+    scale = np.sqrt(np.diag(dense))
+    both = scale[:, None] * scale
+    assert_close("ratio of three digits", square / both, dense / both)
+    (index,) = next(e.columns for e in errors if "focal" in e.text(np.zeros(1)))
+    found = significant_errors(one, True)
+    assert found[0].error.columns == (index,)
+    assert_close("ratio of three digits", found[0].value[0], right[index] / square[index, index])
+
+
+def test_positions_that_are_worse_than_stated_are_spoken_for(tmp_path: Path) -> None:
+    row = MistakeRow("", 3.0)
+    plan = row.plan._replace(stated=1 / 3)
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    project = tmp_path / "flight.toml"
+    project.write_text(project.read_text().replace("sigma_px = 0.333333333", "sigma_px = 1.0"))
+    result = vopd.solve_flight(project)
+    first, text = said(result)
+    assert result.misfits and "misfits" in first
+    assert "positions" in text and "where 1 m is stated" in text
+
+
+def test_a_reading_sigma_that_is_stated_much_too_large(tmp_path: Path) -> None:
+    row = MistakeRow("", 0.02)
+    write_flight(tmp_path, row.plan, np.random.default_rng(SEED))
+    project = tmp_path / "flight.toml"
+    project.write_text(project.read_text().replace("sigma_px = 1", "sigma_px = 3"))
+    result = vopd.solve_flight(project)
+    (text,) = said(result)
+    assert not result.misfits and text.startswith("sigma_px = 3 is stated larger than the picks")
+
+
+def test_frames_are_drawn_over_the_whole_flight(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flight = solved(tmp_path).flight
+    assert sampled(flight) is flight
+    monkeypatch.setattr(misfit, "MOST_PICKS", 60)
+    some = sampled(flight)
+    assert len(some.picks.frame) == 60 and np.ptp(some.frame) >= 9
+
+
+def test_sentences(tmp_path: Path) -> None:
+    one = joint(solved(tmp_path))
+    errors, _ = input_errors(one)
+    assert_approved([each.text(0.1 * np.ones(len(each.columns))) for each in errors])
