@@ -36,7 +36,7 @@ ALIKE = 6.0  # in chi-square: errors that explain the residuals as well
 MOST_PICKS = 20_000  # of a longer flight frames are drawn
 MOST_LANDMARKS = 40  # that are tried one by one
 LEAST_FREEDOM = 4.0  # beside what is tried
-PLAIN = 5.0  # times the least gain: an error is named whatever it does to angles
+PLAIN = 4.0  # times the least gain: an error is named whatever it does to angles
 MOST_LEFT = 0.1  # of the residuals' squares, where an error is named that leaves a misfit
 WIDE_95 = 1.96  # half of a 95 % interval, standard deviations
 NOTHING_SHOWS = 1e-9  # of an error's squares in the image: less is rounding
@@ -242,6 +242,7 @@ def input_errors(joint: JointSolution) -> tuple[list[InputError], Floats]:
     timed = flight.path.velocity_m_s is not None and flight.path.acceleration_m_s2 is not None
     names = [*SHIFT, "focal"]
     names += ["k1"] if "k1" in LENS_COEFFICIENTS[flight.lens.kind] else []
+    names += ["refraction"] if flight.refraction.k else []
     names += ["clock", "clock_rate"] if timed else []
     readout = _readout(joint) if timed else None
     names += ["readout"] if readout is not None else []
@@ -328,6 +329,12 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[InputError]:
     if "k1" in names:
         k1 = float(lens.k[0])
         yield InputError(at("k1"), lambda v: f"k1 = {k1 + v[0]:.4g} in the place of {k1:.4g}")
+    if "refraction" in names:
+        k = flight.refraction.k
+        yield InputError(
+            at("refraction"),
+            lambda v: f"a coefficient of refraction of {k + v[0]:.3g} in the place of {k:.3g}",
+        )
     yield InputError(
         at("up"),
         lambda v: (
