@@ -16,6 +16,7 @@ from vopd.attitude.history import HistoryOptions
 from vopd.batch import folder as summary
 from vopd.batch.folder import (
     FAILED,
+    MISFITS,
     SOLVED,
     UNCONVERGED,
     SourceRecord,
@@ -61,8 +62,8 @@ def settings(folder: Path, report: bool = False) -> BatchSettings:
 
 
 def test_words_and_order_of_how_sources_end() -> None:
-    assert (SOLVED, UNCONVERGED, FAILED) == ("solved", "not converged", "failed")
-    assert summary.WORST_FIRST == ("failed", "not converged", "solved")
+    assert (SOLVED, MISFITS, UNCONVERGED) == ("solved", "misfits", "not converged")
+    assert summary.WORST_FIRST == (FAILED, "not converged", "misfits", "solved")
     one = replace(FULL, source="one", not_converged=1, flagged=9)
     two = replace(FULL, source="two", not_converged=2, flagged=1)
     three = replace(FULL, source="three", not_converged=2, flagged=2)

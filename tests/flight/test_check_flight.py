@@ -192,7 +192,7 @@ def test_easting_and_northing_exchanged_are_noticed(tmp_path: Path) -> None:
 def test_clocks_that_differ_are_noticed_with_the_offset(tmp_path: Path, ahead_s: float) -> None:
     """The track's clock is ahead: its offset is as much to the other side."""
     path = write_project(tmp_path, noise_px=0.3)
-    (found,) = long_track(path, ahead_s)
+    *_, found = long_track(path, ahead_s)
     assert_approved(found)
     offset = float(found.rpartition("offset_s = ")[2])
     assert abs(offset + ahead_s) < within("clock offset")
@@ -201,7 +201,7 @@ def test_clocks_that_differ_are_noticed_with_the_offset(tmp_path: Path, ahead_s:
 def test_another_focal_length_is_noticed(tmp_path: Path) -> None:
     """The picks are those of a lens of 1500 and 1490 px; the project says a third less."""
     text = TOML.replace("fx_px = 1500.0, fy_px = 1490.0", "fx_px = 1000.0, fy_px = 993.3333")
-    (found,) = messages(write_project(tmp_path, text, noise_px=0.3))
+    *_, found = messages(write_project(tmp_path, text, noise_px=0.3))
     assert "px in the place of 997: is the lens that of this camera" in found
     focal = float(found.partition("a focal length of ")[2].partition(" px")[0])
     assert abs(focal - 1495.0) < within("focal length of a mistake")

@@ -111,7 +111,7 @@ def too_wide_text(joint: JointSolution, reading: JobReadingSigma) -> str:
 # Errors of the inputs
 
 
-class InputError(NamedTuple):
+class TriedError(NamedTuple):
     """An error of the inputs that a flight may have: where its columns are, and its words."""
 
     columns: tuple[int, ...]
@@ -121,7 +121,7 @@ class InputError(NamedTuple):
 class Significant(NamedTuple):
     """An error of the inputs that the residuals speak for."""
 
-    error: InputError
+    error: TriedError
     value: Floats  # of its columns
     gain: float  # in chi-square, over the variance of the residuals
     chance: float
@@ -228,7 +228,7 @@ def _moves_an_angle(joint: JointSolution, trial: Floats, stated: Floats, one: Si
     return bool((np.abs(mean[:, 0]) > WIDE_95 * np.sqrt(variance)).any())
 
 
-def input_errors(joint: JointSolution) -> tuple[list[InputError], Floats]:
+def input_errors(joint: JointSolution) -> tuple[list[TriedError], Floats]:
     """List the errors that are tried, and differentiate the images by them.
 
     Args:
@@ -275,7 +275,7 @@ def input_errors(joint: JointSolution) -> tuple[list[InputError], Floats]:
     errors = [*_common_errors(flight, names)]
     for k, mark in enumerate(marks):
         first = len(names) + 3 * k
-        errors.append(InputError((first, first + 1, first + 2), _landmark_text(flight, int(mark))))
+        errors.append(TriedError((first, first + 1, first + 2), _landmark_text(flight, int(mark))))
     return errors, out
 
 
@@ -305,7 +305,7 @@ def _even_velocity(joint: JointSolution) -> Floats:
     return velocity
 
 
-def _common_errors(flight: Flight, names: list[str]) -> Iterator[InputError]:
+def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
     """List the errors of inputs that are one for the flight, the simplest first."""
     lens = flight.lens
 
@@ -313,41 +313,41 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[InputError]:
         return tuple(names.index(name) for name in some)
 
     if "clock" in names:
-        yield InputError(
+        yield TriedError(
             at("clock"),
             lambda v: f"the track {-v[0]:+.3g} s: do the clocks differ ([track] offset_s)?",
         )
-        yield InputError(
+        yield TriedError(
             at("clock_rate"),
             lambda v: f"[picks] frame_rate_hz {1.0 / (1.0 + v[0]):.5g} times as large",
         )
     focal = float(lens.focal_px.mean())
-    yield InputError(
+    yield TriedError(
         at("focal"),
         lambda v: f"a focal length of {focal + v[0]:.5g} px in the place of {focal:.5g}",
     )
     if "k1" in names:
         k1 = float(lens.k[0])
-        yield InputError(at("k1"), lambda v: f"k1 = {k1 + v[0]:.4g} in the place of {k1:.4g}")
+        yield TriedError(at("k1"), lambda v: f"k1 = {k1 + v[0]:.4g} in the place of {k1:.4g}")
     if "refraction" in names:
         k = flight.refraction.k
-        yield InputError(
+        yield TriedError(
             at("refraction"),
             lambda v: f"a coefficient of refraction of {k + v[0]:.3g} in the place of {k:.3g}",
         )
-    yield InputError(
+    yield TriedError(
         at("up"),
         lambda v: (
             f"all landmarks {-v[0]:+.3g} m: are the heights of camera and landmarks counted "
             "from the same level?"
         ),
     )
-    yield InputError(
+    yield TriedError(
         at(*SHIFT),
         lambda v: "the camera's position {:+.3g} m east, {:+.3g} m north, {:+.3g} m up".format(*v),
     )
     if "readout" in names:
-        yield InputError(at("readout"), lambda v: _readout_text(flight, 1000.0 * float(v[0])))
+        yield TriedError(at("readout"), lambda v: _readout_text(flight, 1000.0 * float(v[0])))
 
 
 def _readout_text(flight: Flight, more_ms: float) -> str:

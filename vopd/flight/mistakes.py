@@ -42,6 +42,7 @@ MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
 CLOSER = 4  # times a level, a clock or a focal length is solved for anew
 M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0
+TYPICAL = "px in a typical frame"
 UNEXPLAINED = (
     "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
     "lens (of this camera, at this image size?), and at what the frames' numbers and times mean"
@@ -70,7 +71,7 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
     exchanged = list(_exchanged(result, MISFIT * sigma))
     yield from exchanged
     if not exchanged and before > MISFIT * sigma:
-        yield f"residuals are {before:.1f} px in a typical frame: {UNEXPLAINED}"
+        yield f"residuals are {before:.1f} {TYPICAL}: {UNEXPLAINED}"
 
 
 def exchanges(flight: Flight, expected_px: float) -> str:
@@ -101,7 +102,7 @@ def _best_text(before: float, axes: list[Explanation], others: list[Explanation]
     if best in axes:  # both mirror the image: they differ by a quarter turn about its centre
         alike = [one for one in axes if one.residual <= ALIKE * best.residual]
         advice = " or ".join(one.advice for one in alike)
-    return f"residuals are {before:.1f} px in a typical frame, and {best.residual:.1f} px {advice}"
+    return f"residuals are {before:.1f} {TYPICAL}, and {best.residual:.1f} px {advice}"
 
 
 # Residuals without a mistake
