@@ -336,9 +336,9 @@ def main() -> None:
     made["flags"] = flag_lines(cells, asked)
     page = PAGE.read_text(encoding="utf-8")
     for mark, lines in made.items():
-        if asked.write:
+        if asked.write and f"<!-- table of {mark} -->" in page:
             page = page_with(page, mark, lines)
-        elif len(texts := [text for _, text in lines if text]) > 2:
+        elif not asked.write and len(texts := [text for _, text in lines if text]) > 2:
             print(f"\n{mark}\n", *texts, sep="\n")
     if asked.write:
         PAGE.write_text(page, encoding="utf-8", newline="\n")

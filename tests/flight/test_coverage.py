@@ -30,6 +30,8 @@ CELLS = [
     ("consumer GPS, sigma_px not stated", 6, 12),  # positions in the reading sigma
     ("consumer GPS, fisheye", 4, 20),
     ("consumer GPS, one frame", 4, 40),
+    ("1-Hz track of 2, 2, 4 m, 30 frames a second", 3, 20),  # each frame a position of its own
+    ("1-Hz track of .5, .5, 1 m with a bias of 2, 2, 4 m", 4, 15),  # a bias that averages out
     ("RTK by column", 4, 25),  # one sigma for all rows
     ("landmarks by column, each frame its own", 3, 25),
     ("camera that stands .3 m, landmarks .1 m", 3, 25),  # a place for each frame

@@ -20,7 +20,7 @@ NAMES = {
     "focal length": "focal length",
     "k1": "k1",
     "heights": "height|level",
-    "position": r"\bposition",
+    "position": "camera's position",
     "landmark": r"\bm0\b",
     "readout": "readout",
     "u and v exchanged": "u and v",
