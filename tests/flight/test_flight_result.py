@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -24,11 +23,10 @@ from tests.kit.flight_project import (
     write_project,
 )
 from tests.tolerances import assert_close, within
-from vopd.arrays import Floats, Ints
-from vopd.findings import Finding, VopdError
+from vopd.findings import VopdError
 from vopd.flight import result as result_module
-from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
-from vopd.flight.result import blunders, require_two_landmarks, solve_flight, solve_flight_read
+from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.result import require_two_landmarks, solve_flight, solve_flight_read
 from vopd.flight.solve import FlightBlocks
 
 
@@ -82,102 +80,6 @@ def test_a_frame_with_one_landmark_is_not_solved(tmp_path: Path) -> None:
     assert "frame 4: fewer than two landmarks" in str(flight.findings[0])
 
 
-# Picks that do not fit: which are blunders, what is said, and how often they are dropped
-
-
-PICKS = 3 * MARK
-SIGMA_PX = [0.5, 1.0, 2.0, 4.0]  # of the four picks of each frame
-
-
-def found_blunders(
-    flight: Flight, off_px: dict[int, float], monkeypatch: pytest.MonkeyPatch
-) -> tuple[list[int], list[float], list[Any]]:
-    """Those of picks that fail the test for outliers and are off so far; what is solved for it."""
-    misfit = np.isin(np.arange(PICKS), list(off_px))
-    used = np.arange(PICKS) % MARK < 3
-    estimates: Any = SimpleNamespace(
-        outliers=lambda: misfit, blocks=FlightBlocks(flight), solved=SimpleNamespace(used=used)
-    )
-    given: list[Any] = []
-
-    def solve(part: Flight, left_out: Any) -> Any:
-        given.append((part.frame.tolist(), left_out.tolist()))
-        frames = np.searchsorted(flight.frame, part.frame)
-        picks = (frames[:, None] * MARK + np.arange(MARK)).ravel()
-        return [off_px.get(k, 1e9) for k in picks.tolist()]
-
-    monkeypatch.setattr(result_module, "solve", solve)
-    monkeypatch.setattr(result_module, "pick_distances_px", np.array)
-    pick, off = blunders(flight, estimates)
-    return pick.tolist(), off.tolist(), given
-
-
-def test_a_blunder_is_off_by_more_than_four_of_its_own_sigmas(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Pick 5 has 1 px, pick 10 has 2 px; one without an attitude by the others is a blunder."""
-    flight = three_frames()
-    at, beyond = {5: 4.0, 10: 8.0}, {5: 4.001, 10: 8.001}
-    assert found_blunders(flight, at, monkeypatch)[0] == []
-    assert found_blunders(flight, beyond, monkeypatch)[:2] == ([5, 10], [4.001, 8.001])
-    assert found_blunders(flight, {5: 3.9, 10: 9.0}, monkeypatch)[:2] == ([10], [9.0])
-    pick, off, _ = found_blunders(flight, {10: float("nan")}, monkeypatch)
-    assert pick == [10] and np.isnan(off).all()
-
-
-def test_frames_are_solved_without_their_misfits_and_check_landmarks(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    flight = three_frames()
-    _, _, given = found_blunders(flight, {5: 9.0}, monkeypatch)
-    assert given == [([9], [False, True, False, True])]
-    assert found_blunders(flight, {}, monkeypatch) == ([], [], [])
-
-
-def rounds(
-    drop: bool, blunders_of: list[list[int]], monkeypatch: pytest.MonkeyPatch
-) -> tuple[list[str], list[Any]]:
-    """What is said, and which picks are left out of each solve, where so many are found."""
-    base = three_frames()
-    flight = replace(
-        base,
-        options=replace(base.options, drop_blunders=drop),
-        findings=(Finding("of a file", "flight.toml", severity="warning"),),
-    )
-    left = iter(blunders_of)
-    solves: list[Any] = []
-    real = result_module.settled
-
-    def settled(one: Flight, out: Any, before: Any) -> Any:
-        solves.append((np.flatnonzero(out).tolist() or None, before is None))
-        return real(one, out, before)
-
-    def found(*_: Any) -> tuple[Ints, Floats]:
-        pick = np.array(next(left), dtype=np.int64)
-        return pick, np.full(len(pick), 9.0)
-
-    monkeypatch.setattr(result_module, "settled", settled)
-    monkeypatch.setattr(result_module, "blunders", found)
-    told = solve_flight_read(flight).findings
-    return [one.message for one in told], solves
-
-
-def test_blunders_are_dropped_three_times_and_then_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    said, solves = rounds(True, [[4], [5], [8, 9], [6]], monkeypatch)
-    assert solves == [(None, True), ([4], False), ([4, 5], False), ([4, 5, 8, 9], False)]
-    assert said[0] == "of a file"
-    assert_approved(said[1:5])
-    assert_approved(said[5])
-    assert_approved([one.partition(":")[2] for one in said[6:]])
-
-
-def test_no_more_is_solved_where_nothing_is_left_to_drop(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert rounds(True, [[4], []], monkeypatch)[1] == [(None, True), ([4], False)]
-    said, solves = rounds(False, [[4]], monkeypatch)
-    assert solves == [(None, True)]
-    assert_approved(said[1])
-
-
 def test_a_project_is_read_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     given: list[Any] = []
     monkeypatch.setattr(result_module, "read_flight", lambda *a: given.append(a))
@@ -190,19 +92,13 @@ def test_a_project_is_read_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_findings_are_of_files_and_then_of_picks_and_then_of_frames(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """How far a blunder is off has one decimal."""
+    monkeypatch.setattr(result_module, "blunder_findings", lambda *_: ["blunder"])
     monkeypatch.setattr(result_module, "picks_set_aside", lambda *_: ["set aside"])
     monkeypatch.setattr(result_module, "frames_unsolved", lambda *_: ["unsolved"])
-    two = np.array([5, 10]), np.array([4.26, 123.44])
-    monkeypatch.setattr(result_module, "blunders", lambda *_: two)
     of_file: Any = "of a file"
     flight = replace(three_frames(), findings=(of_file,))
-    first, mast, bridge, *rest = solve_flight_read(flight).findings
-    assert (first, *rest) == ("of a file", "set aside", "unsolved")
-    assert (mast.deck if hasattr(mast, "deck") else mast.source) == "flight.toml"
-    assert_approved(mast.message)
-    assert_approved(bridge.message)
-    assert {mast.severity, bridge.severity} == {"warning"}
+    found = solve_flight_read(flight).findings
+    assert list(found) == ["of a file", "blunder", "set aside", "unsolved"]
 
 
 @pytest.mark.parametrize(("frames", "enough"), [([0, 0, 1], True), ([0, 1, 2], False)])

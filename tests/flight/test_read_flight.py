@@ -18,9 +18,10 @@ from tests.kit.flight_project import LENS, MARKS, TOML, marks_m, write_project
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight import read as read_module
+from vopd.flight.blunders import pick_distances_px
 from vopd.flight.check_flight import check_flight, messages_of_files
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, frame_label
 from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.formats.lens import LensRead
 from vopd.flight.formats.picks import Names
@@ -36,8 +37,6 @@ from vopd.flight.read import (
     refraction_of,
 )
 from vopd.flight.result import (
-    frame_label,
-    pick_distances_px,
     picks_set_aside,
     require_two_landmarks,
     solve_flight_read,

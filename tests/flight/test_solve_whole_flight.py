@@ -23,7 +23,8 @@ from tests.tolerances import assert_close
 from vopd.findings import Finding
 from vopd.flight import solve as solve_module
 from vopd.flight.estimate import flight_estimate
-from vopd.flight.result import frame_label, frames_unsolved
+from vopd.flight.flight import frame_label
+from vopd.flight.result import frames_unsolved
 from vopd.flight.solve import FlightBlocks, no_attitudes, solve, solve_rotations
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 

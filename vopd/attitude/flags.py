@@ -258,11 +258,12 @@ def _names_of(marks: dict[str, Bools]) -> list[str]:
 
 
 def _names(estimate: Estimate, outlier: Bools) -> list[str]:
-    """Name the outlier of each frame; empty where all landmarks fit."""
+    """Name the outliers of each frame, joined with `+`; empty where all landmarks fit."""
     names = [""] * len(outlier)
     for k, i in np.argwhere(outlier):
         label = estimate.landmark_label(estimate.landmark[k, i])
-        names[k] = label.replace(";", ",")  # semicolons separate flags
+        label = label.replace(";", ",")  # semicolons separate flags
+        names[k] += f"+{label}" if names[k] else label
     return names
 
 

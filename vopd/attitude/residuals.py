@@ -49,7 +49,7 @@ class ResidualWeights:
 
     def __init__(self, equations: ResidualEquations, sigma: Floats | float) -> None:
         self._equations = equations
-        self._blocks = _inverse_blocks(equations, sigma)
+        self.own_blocks = _inverse_blocks(equations, sigma)
         shared, partials = equations.shared, equations.partials
         self._has_shared = shared.shape[2] > 0
         if self._has_shared:
@@ -68,16 +68,28 @@ class ResidualWeights:
     def trace(self) -> Floats:
         """The trace of W S, with S the variance of the readings in reading sigmas, (F,)."""
         variance = self._equations.variance
-        xx, _, yy = self._blocks
+        xx, _, yy = self.own_blocks
         count = xx.shape[1]
         own = (variance[:, :count] * xx + variance[:, count:] * yy).sum(axis=1)
         if self._has_shared:
             own = own - _trace_within(self._by_shared, self._shared_inverse, variance)
         return np.asarray(own - _trace_within(self._by_partials, self._fit, variance))
 
+    @property
+    def unfitted_blocks(self) -> tuple[Floats, Floats, Floats]:
+        """The block of V^-1 of each landmark: elements xx, xy, yy, (F, L) each."""
+        if not self._has_shared:
+            return self.own_blocks
+        return _less(self.own_blocks, self._by_shared, self._shared_inverse)
+
+    @property
+    def blocks(self) -> tuple[Floats, Floats, Floats]:
+        """The block of W of each landmark: elements xx, xy, yy, (F, L) each."""
+        return _less(self.unfitted_blocks, self._by_partials, self._fit)
+
     def _unshared(self, columns: Floats) -> Floats:
         """Multiply D^-1 by columns."""
-        xx, xy, yy = (block[..., None] for block in self._blocks)
+        xx, xy, yy = (block[..., None] for block in self.own_blocks)
         count = xx.shape[1]
         x, y = columns[:, :count], columns[:, count:]
         return np.concatenate([xx * x + xy * y, xy * x + yy * y], axis=1)
@@ -103,6 +115,22 @@ def _inverse_blocks(
     used = equations.variance[:, :count] > 0.0
     determinant = np.where(used, xx * yy - xy**2, np.inf)
     return yy / determinant, -xy / determinant, xx / determinant
+
+
+def _less(
+    blocks: tuple[Floats, Floats, Floats], columns: Floats, middle: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Subtract the blocks of columns * middle * columns' from the blocks of each landmark."""
+    count = columns.shape[1] // 2
+    (x, y), (left, right) = (
+        (one[:, :count], one[:, count:]) for one in (columns @ middle, columns)
+    )
+    xx, xy, yy = blocks
+    return (
+        xx - (x * left).sum(axis=2),
+        xy - (x * right).sum(axis=2),
+        yy - (y * right).sum(axis=2),
+    )
 
 
 def _trace_within(columns: Floats, middle: Floats, variance: Floats) -> Floats:

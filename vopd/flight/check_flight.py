@@ -9,12 +9,12 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
-from vopd.flight.flight import Flight
+from vopd.flight.flight import Flight, frame_label
 from vopd.flight.misfit import SPEAK_FOR
 from vopd.flight.mistakes import TYPICAL, UNEXPLAINED, other_clock, usual_mistakes
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
-from vopd.flight.result import frame_label, solve_flight_read
+from vopd.flight.result import solve_flight_read
 from vopd.geometry.earth import earth_centred_m, geodetic
 
 FAR_M = 300e3

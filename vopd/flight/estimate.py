@@ -11,7 +11,6 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.reading_sigma import JobReadingSigma
-from vopd.attitude.residuals import outliers
 from vopd.estimate import (
     COMMON_PART,
     About,
@@ -262,8 +261,8 @@ def flight_words(solved: SolvedFlight) -> Words:
                 "pick more landmarks; look at the track's times",
             ),
             "outlier": (
-                "a landmark does not fit the others (F test, .001 a frame, four landmarks or "
-                "more); it is named",
+                "landmarks do not fit the others (chi-square test, F test where the reading sigma "
+                "is estimated, .001 a frame, four landmarks or more); they are named",
                 "look at its pick in that image and at its coordinates",
             ),
             "second_solution": (
@@ -397,8 +396,11 @@ class FlightEstimates:
         )
         if not joint.passes:
             return one
-        residual = slots.coordinates(self._stated_residual[part.picks])
-        one = replace(one, test_residual=np.where(here, -residual, 0.0))
+        residual = -slots.coordinates(self._stated_residual[part.picks])
+        left_out = ~slots.spread(np.isin(part.picks, joint.model.pick)) & one.used
+        if left_out.any():
+            residual = np.where(np.tile(left_out, 2), self._residual_beside(one, part), residual)
+        one = replace(one, test_residual=np.where(here, residual, 0.0))
         if self.reading is None:
             return one
         known = np.isfinite(self.solved.camera_m[part.frames])
@@ -411,6 +413,15 @@ class FlightEstimates:
             position_ratio=self._position_ratio[part.frames],
             other_solution_deg=self._other_solutions_deg[part.frames],
         )
+
+    def _residual_beside(self, one: Estimate, part: FlightPart) -> Floats:
+        """Calculate residuals at the stated positions of picks that took no part, (F, 2L)."""
+        assert self.joint is not None
+        landmark = _slots(part).spread(part.flight.picks.landmark)
+        place_m = np.nan_to_num(self.joint.moved_m[part.frames])[:, :, None]
+        moved = (one.responses.position @ place_m)[..., 0]
+        own_m = np.tile(self.joint.state.landmark_m[landmark], (1, 2, 1))
+        return np.asarray(one.residual - moved - (one.responses.landmark * own_m).sum(axis=2))
 
     @cached_property
     def _further(self) -> dict[str, Floats]:
@@ -461,20 +472,16 @@ class FlightEstimates:
             found["reading"] = found["reading"] * scale**2
         return found
 
-    def outliers(self) -> Bools:
-        """Find the picks that do not fit the others of their frames, at most one in each, (P,).
+    def mark_outliers(self, outlier: Bools) -> None:
+        """Mark picks that do not fit the others of their frames in all estimates.
 
-        Estimates that are made later have them too.
+        Args:
+            outlier: the picks, (P,)
         """
-        found = np.zeros(len(self.flight.picks.frame), bool)
-        for part in self.blocks:
-            estimate, slots = self.of(part.frames), _slots(part)
-            marked = outliers(estimate)
-            found[part.picks] = marked[slots.frame, slots.slot]
-            if part.frames.tobytes() in self._made:
-                self._made[part.frames.tobytes()] = replace(estimate, outlier=marked)
-        self._outlier = found
-        return found
+        self._outlier = outlier
+        for key, made in self._made.items():
+            part = self.blocks.part(np.frombuffer(key, np.int64))
+            self._made[key] = replace(made, outlier=_slots(part).spread(outlier[part.picks]))
 
     def __iter__(self) -> Iterator[Estimate]:
         return (self.of(part.frames) for part in self.blocks)

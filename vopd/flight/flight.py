@@ -235,6 +235,20 @@ class Flight:
         return float(known[0]) if len(known) else float("nan")
 
 
+# Names of frames and picks in messages
+
+
+def frame_label(flight: Flight, k: int) -> str:
+    """Name a frame: by its image, or by its number."""
+    return flight.image_name[k] if flight.image_name else f"frame {flight.frame[k]}"
+
+
+def pick_label(flight: Flight, pick: int) -> str:
+    """Name a pick: by its frame and its landmark."""
+    name = flight.landmarks.name[flight.picks.landmark[pick]]
+    return f"{frame_label(flight, int(flight.picks.frame[pick]))}: {name}"
+
+
 # Picks in one row, and in one row a frame
 
 

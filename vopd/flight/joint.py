@@ -105,7 +105,7 @@ def solve_jointly(
     """
     left_out = None if used is None else ~used
     loss = LOSSES[flight.options.loss]
-    first = first or solve(_for_start(flight, priors), left_out)
+    first = first or solve(widened(flight, priors), left_out)
     rotation, weight = first.attitudes.rotation, first.attitudes.weight
     solved, taken = np.isfinite(rotation[:, 0, 0]), first.used & (weight > 0.0)
     model = Model(flight, priors, taken, solved, flight.picks.sigma_px, readout, loss)
@@ -159,7 +159,7 @@ def _no_solution(flight: Flight) -> VopdError:
     )
 
 
-def _for_start(flight: Flight, priors: Priors) -> Flight:
+def widened(flight: Flight, priors: Priors) -> Flight:
     """Widen the picks' standard deviations by those of places, for a robust loss's first solve.
 
     Otherwise an error of the place makes blunders of good picks.

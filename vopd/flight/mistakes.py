@@ -13,10 +13,10 @@ from vopd.attitude.mistakes import MOST_LANDMARKS, best_exchange
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.estimate import flight_estimate
-from vopd.flight.flight import Flight
+from vopd.flight.flight import Flight, frame_label
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of
-from vopd.flight.result import FlightResult, frame_label
+from vopd.flight.result import FlightResult
 from vopd.flight.solve import FlightBlocks, solve
 from vopd.flight.track import height_datum
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes

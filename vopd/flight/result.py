@@ -16,6 +16,7 @@ from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError, count_text
+from vopd.flight.blunders import blunder_findings, find_blunders, gross_picks
 from vopd.flight.errors import SOLVED_WITH, priors_of, with_sigmas
 from vopd.flight.estimate import (
     FlightEstimates,
@@ -23,13 +24,13 @@ from vopd.flight.estimate import (
     camera_angles,
     vehicle_angles,
 )
-from vopd.flight.flight import Flight
+from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.joint import JointSolution, solve_jointly
 from vopd.flight.misfit import flight_findings
 from vopd.flight.read import read_flight
 from vopd.flight.sizes import sigma_freedom, size_of_residuals
 from vopd.flight.solve import SolvedFlight, solve
-from vopd.geometry.lenses import UNSEEN_MEANING, Unseen, project
+from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -175,10 +176,6 @@ class FlightResult:
 
 # From a project file to a solved flight, with its findings
 
-BLUNDER = 4.0  # standard deviations of a pick, by the others: fewer are no blunder
-DROP_PASSES = 3  # of a frame's landmarks, one after the other, with blunders = "drop"
-KEPT = 'it is used; [solve] blunders = "drop" leaves it out'
-
 
 def solve_flight(name: str | PathLike[str], location: str | None = None) -> FlightResult:
     """Find the attitude of every frame of a flight project.
@@ -210,20 +207,18 @@ def solve_flight_read(flight: Flight) -> FlightResult:
         VopdError: where no frame has two landmarks
     """
     require_two_landmarks(flight)
-    dropped = np.zeros(len(flight.picks.frame), bool)
-    findings: list[Finding] = []
-    before = None
-    for left in range(DROP_PASSES * flight.options.drop_blunders, -1, -1):
-        estimates = settled(flight, dropped, before)
-        solved, before = estimates.solved, estimates.joint
-        wrong, off_px = blunders(flight, estimates)
-        for k, off in zip(wrong, off_px, strict=True):
-            label, done = pick_label(flight, int(k)), "it is left out" if left else KEPT
-            message = f"{label} does not fit the others, it is {off:.1f} px off; {done}"
-            findings.append(Finding(message, flight.source, severity="warning"))
-        if not left or not len(wrong):
-            break
-        dropped[wrong] = True
+    gross = gross_picks(flight)
+    estimates = settled(flight, gross)
+    found, without = find_blunders(
+        estimates, gross, lambda out, before: settled(flight, out, before.joint)
+    )
+    if flight.options.drop_blunders:
+        estimates = without or settled(flight, found.left_out, estimates.joint)
+    elif gross.any():
+        estimates = settled(flight, np.zeros_like(gross), estimates.joint)
+    solved = estimates.solved
+    estimates.mark_outliers(found.pick & solved.used)
+    findings = blunder_findings(found, flight)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
     doubts, misfits = flight_findings(flight, estimates)
     return FlightResult(estimates, (*flight.findings, *findings, *doubts), misfits)
@@ -307,17 +302,6 @@ def residual_reading(joint: JointSolution) -> JobReadingSigma:
     return replace(found, freedom=min(found.freedom, freedom))
 
 
-def frame_label(flight: Flight, k: int) -> str:
-    """Name a frame: by its image, or by its number."""
-    return flight.image_name[k] if flight.image_name else f"frame {flight.frame[k]}"
-
-
-def pick_label(flight: Flight, pick: int) -> str:
-    """Name a pick: by its frame and its landmark."""
-    name = flight.landmarks.name[flight.picks.landmark[pick]]
-    return f"{frame_label(flight, int(flight.picks.frame[pick]))}: {name}"
-
-
 def require_two_landmarks(flight: Flight) -> None:
     """Refuse a flight in which no frame has two landmarks."""
     used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
@@ -330,37 +314,6 @@ def require_two_landmarks(flight: Flight) -> None:
             "it stays free, so that of three angles two are tied together and none is known by "
             "itself. Pick a second landmark in each image, the farther from the first the better."
         )
-
-
-def blunders(flight: Flight, estimates: FlightEstimates) -> tuple[Ints, Floats]:
-    """Find picks that fail the test for outliers and are off by more than picks can be.
-
-    Args:
-        flight: the flight
-        estimates: its solution
-
-    Returns:
-        The indices of the picks (B,), one a frame at most, and how far each is from where the
-        others of its frame have its landmark, pixels.
-    """
-    misfit = estimates.outliers()
-    if not misfit.any():
-        return np.flatnonzero(misfit), np.zeros(0)
-    some = estimates.blocks.part(np.unique(flight.picks.frame[misfit]))
-    these = misfit[some.picks]
-    off = pick_distances_px(solve(some.flight, these | ~estimates.solved.used[some.picks]))[these]
-    pick = some.picks[these]
-    far = ~(off <= BLUNDER * flight.picks.sigma_px[pick])
-    return pick[far], off[far]
-
-
-def pick_distances_px(solved: SolvedFlight) -> Floats:
-    """Measure how far each pick is from its landmark's image, (P,)."""
-    flight = solved.flight
-    rotation = solved.attitudes.rotation[flight.picks.frame]
-    ray = np.einsum("pij,pj->pi", rotation, solved.lines.direction)
-    away = flight.picks.pixel - project(flight.lens, ray).pixel
-    return np.asarray(np.hypot(*away.T))
 
 
 def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:

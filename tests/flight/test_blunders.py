@@ -1,0 +1,207 @@
+"""Blunders of a flight: picks that do not fit, landmarks with wrong coordinates, what is said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.approved.texts import assert_approved
+from tests.kit.flight_project import EAST_NORTH_UP, FRAMES, MARKS, truth_deg, write_project
+from tests.tolerances import assert_close, within
+from vopd.arrays import Bools
+from vopd.attitude.residuals import equations_of
+from vopd.flight.blunders import find_blunders, gross_picks
+from vopd.flight.estimate import FlightEstimates
+from vopd.flight.flight import Flight, TrackFixes
+from vopd.flight.read import read_flight
+from vopd.flight.result import FlightResult, settled, solve_flight_read
+
+COUNT = len(MARKS)  # picks of a frame; pick COUNT * f + n is of frame f and landmark n
+TOWER = MARKS.index("tower")
+
+
+@pytest.fixture
+def flight(tmp_path: Path) -> Flight:
+    """Five frames of six landmarks, picked within .3 px, which are stated as 1 px or less."""
+    return read_flight(str(write_project(tmp_path, noise_px=0.3)))
+
+
+def picked(flight: Flight, away_px: dict[int, tuple[float, float]]) -> Flight:
+    """The flight with some picks away from where they were."""
+    pixel = flight.picks.pixel.copy()
+    for pick, away in away_px.items():
+        pixel[pick] += away
+    return replace(flight, picks=replace(flight.picks, pixel=pixel))
+
+
+def dropping(flight: Flight) -> Flight:
+    return replace(flight, options=replace(flight.options, drop_blunders=True))
+
+
+def moved(flight: Flight, mark: int, east_north_up_m: tuple[float, float, float]) -> Flight:
+    """The flight with other coordinates of a landmark."""
+    marks = flight.landmarks
+    position = marks.position_m.copy()
+    position[mark] += np.array(east_north_up_m) @ marks.axes[mark]
+    return replace(flight, landmarks=replace(marks, position_m=position))
+
+
+def messages(result: FlightResult) -> list[str]:
+    return [one.message for one in result.findings]
+
+
+def outliers(result: FlightResult) -> list[str]:
+    return result.history().flags.detail["outlier"]
+
+
+GROSS = {6: (40.0, 30.0), 8: (-25.0, 60.0), 22: (0.0, -1000.0)}
+"""Two picks of frame 1, one of frame 3."""
+
+
+def test_several_blunders_of_a_frame_are_named_and_flagged(flight: Flight) -> None:
+    result = solve_flight_read(picked(flight, GROSS))
+    assert_approved(messages(result))
+    assert outliers(result) == ["", "church+bridge", "", "tower", ""]
+    assert result.estimate.used.all()
+
+
+def test_blunders_that_are_dropped_leave_the_other_picks(flight: Flight) -> None:
+    """None is said to be used, and none is left to be found."""
+    result = solve_flight_read(dropping(picked(flight, GROSS)))
+    assert_approved(messages(result))
+    assert outliers(result) == [""] * FRAMES
+    assert np.flatnonzero(~result.estimate.used.ravel()).tolist() == sorted(GROSS)
+    clean = solve_flight_read(flight)
+    truth = truth_deg() % 360.0 - [0, 360, 0]
+    for one in (clean, result):
+        assert np.abs(one.camera_deg - truth).max() < within("angle of an example")
+    assert messages(clean) == []
+
+
+def test_three_picks_of_a_frame_stay(flight: Flight) -> None:
+    """Four gross picks of six: three at most are dropped."""
+    away = {k: (100.0 * (-1) ** k, 70.0 * k) for k in (12, 13, 15, 16)}
+    result = solve_flight_read(dropping(picked(flight, away)))
+    assert result.estimate.used.sum(axis=1).min() >= 3
+    assert result.estimate.used[[0, 1, 3, 4]].all()
+
+
+def test_a_column_of_sigmas_is_taken(flight: Flight) -> None:
+    """12 px off are a blunder of a pick of .3 px, and none of one of 5 px."""
+    sigma = np.where(np.arange(FRAMES * COUNT) % COUNT == 2, 5.0, 0.3)
+    stated = replace(flight, picks=replace(flight.picks, sigma_px=sigma, one_sigma_px=0.3))
+    assert outliers(solve_flight_read(picked(stated, {8: (12.0, 0.0)}))) == [""] * FRAMES
+    found = outliers(solve_flight_read(picked(stated, {9: (12.0, 0.0)})))
+    assert found == ["", "corner", "", "", ""]
+
+
+def test_wrong_coordinates_are_named_once(flight: Flight) -> None:
+    """The tower's 15 m east of where it is: no blunder in each frame."""
+    wrong = moved(flight, TOWER, (15.0, 0.0, 0.0))
+    result = solve_flight_read(wrong)
+    assert_approved(messages(result))
+    assert outliers(result) == [""] * FRAMES
+    dropped = solve_flight_read(dropping(wrong))
+    assert_approved(messages(dropped))
+    assert (~dropped.estimate.used).sum(axis=0).tolist() == [
+        FRAMES * (n == TOWER) for n in range(COUNT)
+    ]
+
+
+def test_a_small_shift_of_all_frames_is_seen_over_all_of_them(flight: Flight) -> None:
+    """2.5 m at 610 m are 6 px, in no frame a blunder of picks of 3 px."""
+    picks = replace(flight.picks, sigma_px=np.full(FRAMES * COUNT, 3.0), one_sigma_px=3.0)
+    rough = replace(flight, picks=replace(picks, least_sigma_px=3.0))
+    assert messages(solve_flight_read(rough)) == []
+    result = solve_flight_read(moved(rough, TOWER, (9.0, 0.0, 0.0)))
+    assert outliers(result) == [""] * FRAMES
+    assert [one.partition(" ")[0] for one in messages(result)] == ["tower"]
+
+
+def test_a_gross_pick_of_one_frame_is_no_wrong_coordinate(flight: Flight) -> None:
+    result = solve_flight_read(picked(flight, {TOWER: (300.0, 0.0)}))
+    (only,) = messages(result)
+    assert only.startswith("frame 0: tower")
+
+
+def test_a_landmark_of_two_frames_has_blunders_alone(flight: Flight) -> None:
+    keep = (np.arange(FRAMES * COUNT) % COUNT != TOWER) | (np.arange(FRAMES * COUNT) < 2 * COUNT)
+    picks = replace(
+        flight.picks,
+        frame=flight.picks.frame[keep], landmark=flight.picks.landmark[keep],
+        pixel=flight.picks.pixel[keep], sigma_px=flight.picks.sigma_px[keep],
+    )  # fmt: skip
+    wrong = moved(replace(flight, picks=picks), TOWER, (15.0, 0.0, 0.0))
+    assert outliers(solve_flight_read(wrong)) == ["tower", "tower", "", "", ""]
+
+
+def test_picks_of_which_one_is_wrong_are_named_together(flight: Flight) -> None:
+    """Four picks of a frame and 30 m of position: several explain one gross pick as well."""
+    keep = ~np.isin(np.arange(FRAMES * COUNT), [6, 7])
+    picks = replace(
+        flight.picks,
+        frame=flight.picks.frame[keep], landmark=flight.picks.landmark[keep],
+        pixel=flight.picks.pixel[keep], sigma_px=flight.picks.sigma_px[keep],
+    )  # fmt: skip
+    fixes = TrackFixes(np.arange(FRAMES), np.ones((FRAMES, 1)), np.full((FRAMES, 3), 30.0))
+    path = replace(flight.path, fixes=fixes)
+    result = solve_flight_read(picked(replace(flight, picks=picks, path=path), {7: (9.0, 0.0)}))
+    assert outliers(result) == [""] * FRAMES
+    assert_approved(messages(result))
+
+
+def test_the_flight_is_solved_until_nothing_changes(flight: Flight) -> None:
+    """Each time without all that is left out; one of two gross picks is known before."""
+    solves: list[list[int]] = []
+
+    def without(out: Bools, before: FlightEstimates) -> FlightEstimates:
+        solves.append(np.flatnonzero(out).tolist())
+        return settled(wrong, out, before.joint)
+
+    wrong = picked(flight, GROSS)
+    one = np.arange(FRAMES * COUNT) == 22
+    found, estimates = find_blunders(settled(wrong, one), one, without)
+    assert solves == [sorted(GROSS)]
+    assert np.flatnonzero(found.left_out).tolist() == sorted(GROSS)
+    assert estimates is not None
+    assert np.flatnonzero(~estimates.solved.used).tolist() == sorted(GROSS)
+    none = np.zeros_like(one)
+    clean, as_it_was = find_blunders(settled(flight, none), none, without)
+    assert len(solves) == 1 and not clean.left_out.any()
+    assert as_it_was is not None and as_it_was.solved.used.all()
+
+
+def test_gross_picks_are_found_before_any_other_test(flight: Flight) -> None:
+    """By their frames alone; a hundred millions of pixels hide nothing either."""
+    assert not gross_picks(flight).any()
+    assert np.flatnonzero(gross_picks(picked(flight, GROSS))).tolist() == sorted(GROSS)
+    absurd = picked(flight, {13: (2e8, -1e8)})
+    assert np.flatnonzero(gross_picks(absurd)).tolist() == [13]
+
+
+@pytest.mark.parametrize("sigma_m", [0.0, 2.0])
+def test_residuals_of_picks_left_out_are_those_they_would_have(
+    flight: Flight, sigma_m: float
+) -> None:
+    """Linearised where positions are solved for; picks that take part have them by the solve."""
+    fixes = TrackFixes(np.arange(FRAMES), np.ones((FRAMES, 1)), np.full((FRAMES, 3), sigma_m))
+    path = replace(flight.path, fixes=fixes if sigma_m else None)
+    marks = replace(flight.landmarks, sigma_m=np.full((COUNT, 3), sigma_m))
+    one = replace(flight, path=path, landmarks=marks)
+    none = np.zeros(FRAMES * COUNT, bool)
+    estimates = settled(one, none)
+    part = next(iter(estimates.blocks))
+    expected = equations_of(estimates.of(part.frames), [], part.frames).residual
+    made = estimates.of(part.frames)
+    if estimates.joint is not None and estimates.joint.passes:
+        beside = estimates._residual_beside(made, part)
+        assert_close("residual beside a solve", beside, expected)
+    else:
+        assert sigma_m == 0.0 and made.test_residual is None
+
+
+def test_the_landmarks_are_where_the_tests_say() -> None:
+    assert EAST_NORTH_UP[TOWER].tolist() == [20.0, 610.0, 60.0]
