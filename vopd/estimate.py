@@ -165,6 +165,7 @@ class StatedSigmas(NamedTuple):
     time_s: float = 0.0
     principal_point: tuple[float, float] = (0.0, 0.0)  # x, y; the same error in all frames
     place: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of the position, the same in all frames
+    wind: float = 0.0  # along north and east, the same in all frames
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -203,6 +204,8 @@ class FrameEstimate(Rows):
     """
     grid: MapGrid | None = None  # of the landmarks' coordinate system, if that is projected
     gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
+    rate_unknown: Bools | None = None
+    """(F,) with a rolling shutter: no other frame says how fast the camera turns in this one."""
     moved: Floats | None = None  # (F, 3) east, north, up from the stated to the solved position
     position_sigma: Floats | None = None  # (F, 3) of the position as solved, east, north, up
 
@@ -251,6 +254,8 @@ class Estimate(FrameEstimate):
     """(F, 3) of each frame's position by itself, as stated, in place of `stated.position`."""
     landmark_sigma: Floats | None = None
     """(F, L, 3) of each landmark's position, as stated, in place of `stated.landmark`."""
+    velocity_sigma: Floats | None = None
+    """(F, 3) of each frame's velocity, north, east, down; NaN where it is not known."""
     further: Mapping[str, Floats] = field(default_factory=dict)
     """(F, 2L, C) changes of the residuals by further errors that are common to the frames.
 

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import refused
+from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
+from vopd.findings import VopdError
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction, Shutter
 from vopd.flight.readout import picks_at_frame_times, row_parts, turning_rates
+from vopd.flight.result import FlightResult, solve_flight
 from vopd.flight.solve import solve
 from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
 from vopd.geometry.lenses import Lens, LensKind
@@ -102,8 +107,8 @@ def test_eight_milliseconds_at_twenty_degrees_a_second() -> None:
     """A frame's time 8 ms off, of the first row and not of the middle one, is .16 degree."""
     flight, true = seen_by_rows(RATE, np.zeros(3), Shutter(0.016, "down", False))
     wrong = replace(flight, shutter=Shutter(0.016, "down", True))
-    shifted, _ = picks_at_frame_times(wrong, solve(wrong))
-    shifted, _ = picks_at_frame_times(wrong, solve(shifted))
+    shifted = picks_at_frame_times(wrong, solve(wrong))
+    shifted = picks_at_frame_times(wrong, solve(shifted))
     off = off_deg(flight, solve(shifted).attitudes.rotation, true)
     assert_close("turn of a readout", off, np.full(7, 0.16))
 
@@ -120,10 +125,11 @@ def test_two_rounds_are_enough(way: str, middle: bool) -> None:
     solved = solve(flight)
     off = [off_deg(flight, solved.attitudes.rotation, true).max()]
     for _ in range(3):
-        shifted, unknown = picks_at_frame_times(flight, solved)
+        shifted = picks_at_frame_times(flight, solved)
         solved = solve(shifted)
         off.append(off_deg(flight, solved.attitudes.rotation, true).max())
-        assert not unknown.any()
+        assert shifted.path.turning_rad_s is not None
+        assert np.isfinite(shifted.path.turning_rad_s).all()
     assert off[0] > 0.05 and off[1] < 0.1 * off[0]
     assert off[2] < within("turn of a readout") and off[3] < off[2]
 
@@ -147,6 +153,50 @@ def test_frames_half_a_second_apart_say_nothing_of_their_turning() -> None:
     named = replace(flight, image_name=("a", "b", "c"), time_s=np.array([0.0, 2.0, 4.0]))
     assert np.isnan(turning_rates(named, rotation)).all()
     assert np.isnan(turning_rates(replace(flight, time_s=np.full(3, np.nan)), rotation)).all()
-    shifted, unknown = picks_at_frame_times(named, solve(named))
-    assert unknown.all()
+    shifted = picks_at_frame_times(named, solve(named))
+    assert shifted.path.turning_rad_s is not None
+    assert np.isnan(shifted.path.turning_rad_s).all()
     assert_close("flight pixel", shifted.picks.pixel, named.picks.pixel)  # it does not move
+
+
+def rolling(folder: Path, readout_ms: float, more: str = "") -> FlightResult:
+    """A flight that turns by 10 degrees a second, its picks all of one time."""
+    keys = f'readout_ms = {readout_ms}\nreadout = "down"\nframe_time = "first-row"\n[picks]\nfile'
+    folder.mkdir(exist_ok=True)
+    return solve_flight(
+        str(write_project(folder, TOML.replace("[picks]\nfile", keys, 1) + more, noise_px=0.3))
+    )
+
+
+def test_the_readouts_sigma_is_what_another_readout_does(tmp_path: Path) -> None:
+    """Angles with 18 ms less those with 16 ms, and the component of 2 ms; two solves of rows."""
+    result = rolling(tmp_path / "a", 16.0, "[uncertainty]\nreadout_ms = 2.0\n")
+    plain = solve_flight(str(write_project(tmp_path, noise_px=0.3)))
+    moved = rolling(tmp_path / "b", 18.0).camera_deg - result.camera_deg
+    found = result.history().uncertainty.components["readout"][:, :3]
+    assert_close("turn of a readout", found, np.abs(moved))
+    # 10 degrees a second about the vertical, 540 of 1080 rows: about half of .16 degree
+    turned = np.abs(result.camera_deg - plain.camera_deg)[:, 0]
+    assert (turned > 3.0 * found[:, 0]).all() and (turned < 0.16).all()
+    assert not result.history().flags.raised["rate_unknown"].any()
+
+
+def test_a_frame_by_itself_has_no_turning_rate(tmp_path: Path) -> None:
+    keys = 'readout_ms = 16\nreadout = "down"\nframe_time = "middle"\n[picks]\nfile'
+    path = write_project(tmp_path, TOML.replace("[picks]\nfile", keys, 1))
+    picks = (tmp_path / "picks.csv").read_text().splitlines()
+    kept = [row for row in picks if not row.startswith(("1,", "2,", "3,", "4,"))]
+    (tmp_path / "picks.csv").write_text("\n".join(kept) + "\n")
+    flags = solve_flight(str(path)).history().flags
+    assert flags.raised["rate_unknown"].tolist() == [True]
+
+
+@pytest.mark.parametrize(
+    "keys",
+    ['readout = "down"', "readout_ms = 16", 'readout_ms = 16\nreadout = "down"', "readout_ms = 0",
+     'readout_ms = 16\nreadout = "down"\nframe_time = "last-row"'],
+)  # fmt: skip
+def test_a_shutter_has_three_keys(keys: str, tmp_path: Path) -> None:
+    path = write_project(tmp_path, TOML.replace("[picks]\nfile", f"{keys}\n[picks]\nfile", 1))
+    with refused(VopdError):
+        solve_flight(str(path))

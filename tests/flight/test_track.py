@@ -74,11 +74,11 @@ def test_cubic_motion_is_exact_by_cubic_pieces(
 ) -> None:
     monkeypatch.setattr(track_module, "FRAMES_AT_ONCE", at_once)
     frame_s, said = np.array([0.0, 0.4, 2.0, 5.1, 6.9]), list[str]()
-    found = columns(path(frame_s, said, JERK, interpolate="cubic"))
-    expected = moved(frame_s, JERK)
-    assert_close("flight position", found[0], expected[0])
-    assert_close("flight speed", found[1], expected[1])
-    assert_close("flight speed", found[2], expected[2])
+    found = path(frame_s, said, JERK, interpolate="cubic")
+    position, velocity, _ = moved(frame_s, JERK)
+    assert_close("flight position", found.position_m, position)
+    assert found.velocity_m_s is not None and found.velocity_sigma_m_s is not None
+    assert (np.abs(found.velocity_m_s - velocity) < 2.0 * found.velocity_sigma_m_s).all()
     assert_approved(said)
 
 
@@ -109,12 +109,12 @@ def test_the_offset_is_added_to_the_track_s_times() -> None:
     assert_close("flight position", found.position_m, moved([3.0], JERK)[0])
 
 
-def test_a_velocity_of_the_track_is_interpolated_and_the_acceleration_is_not() -> None:
+def test_a_velocity_of_the_track_is_interpolated_and_the_acceleration_is_its_change() -> None:
     own = np.stack([TRACK_S, -2.0 * TRACK_S, 3.0 * TRACK_S], axis=1)
     said = list[str]()
     found = path(np.array([2.0, 5.0]), said, JERK, {"velocity_m_s": own}, interpolate="cubic")
     assert_close("table value", found.velocity_m_s, [[2.0, -4.0, 6.0], [5.0, -10.0, 15.0]])
-    assert_close("flight speed", found.acceleration_m_s2, moved([2.0, 5.0], JERK)[2])
+    assert_close("table value", found.acceleration_m_s2, [[1.0, -2.0, 3.0]] * 2)
     assert_approved(said[1:])
 
 
@@ -595,7 +595,8 @@ def test_the_path_at_images() -> None:
     assert path.fixes.first.tolist() == [1, 0, 0]
     assert path.fixes.weight.tolist() == [[1.0], [0.0], [1.0]]
     assert path.velocity_sigma_m_s is not None
-    assert path.velocity_sigma_m_s.tolist() == [[0.5] * 3] * 3
+    assert path.velocity_sigma_m_s[[0, 2]].tolist() == [[0.5] * 3] * 2
+    assert np.isnan(path.velocity_sigma_m_s[1]).all()
     assert path.lever_arm_m is not None and path.lever_arm_m.tolist() == [1.0, 2.0, 3.0]
     plain = path_by_image(keys(sigma_m=2), track(None, 0, 0, 0, image=("c", "a", "b")), position,
                           times, None, Notes(said, []))  # fmt: skip

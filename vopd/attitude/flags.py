@@ -107,6 +107,11 @@ MEANING = {
         "look at the landmarks that are named",
     ),
     "model_error": MODEL_ERROR,
+    "rate_unknown": (
+        "no other frame within three frame intervals and half a second says how fast the camera "
+        "turns while the rows of this one are read; its picks count as of one time",
+        "pick landmarks in a frame next to it",
+    ),
     "jump": (
         "turns faster than --max-rate against a neighbour",
         "look at the frame's landmarks and time",
@@ -194,6 +199,7 @@ def flags(
         "outlier": outlier.any(axis=1),
         "misfit": doubt.reading.misfit,
         "model_error": beyond_sigma,
+        "rate_unknown": np.zeros_like(has) if e.rate_unknown is None else has & e.rate_unknown,
     }
     detail = {
         "undetermined": free_turn_text(e, doubt.free_turn),

@@ -74,7 +74,7 @@ class SigmasInForce(NamedTuple):
     place: Floats  # (3,) east, north, up, the same error in all frames
     focal_length: float
     time_s: float
-    velocity: float
+    velocity: float  # the user's; 0: those of the estimate
     wind: float
     mount_deg: float
 
@@ -103,7 +103,7 @@ def in_force(estimate: Estimate, given: Sigmas) -> SigmasInForce:
         focal_length=given.focal_length or stated.focal_length,
         time_s=given.time_s or stated.time_s,
         velocity=given.velocity,
-        wind=given.wind,
+        wind=given.wind or stated.wind,
         mount_deg=given.mount_deg,
     )
 
@@ -118,8 +118,10 @@ COMPONENTS = (
     "refraction",  # of the coefficient of refraction
     "landmark",  # of the positions of the landmarks
     "position",  # of the camera's position
+    "interpolation",  # of the camera's position between two that are given
     "focal",  # of the focal length
     "time",  # of the times of the frames
+    "readout",  # of the readout of a rolling shutter
     "mount",  # of the camera's mounting in the vehicle
     "velocity",  # of the velocity, in the angles of attack
     "wind",  # of the wind, in the angles of attack
@@ -127,12 +129,14 @@ COMPONENTS = (
 """The components of the uncertainty of an angle, one for each cause."""
 
 INPUTS = (
-    "position", "landmark", "focal", "principal_point", "distortion", "refraction", "time", "mount",
-    "velocity", "wind",
+    "position", "landmark", "focal", "principal_point", "distortion", "refraction", "time",
+    "readout", "mount", "velocity", "wind",
 )  # fmt: skip
 """Components that only the user or the source can state; the others are estimated."""
 
-COMMON = ("principal_point", "distortion", "landmark", "focal", "time", "mount", "refraction")
+COMMON = (
+    "principal_point", "distortion", "landmark", "focal", "time", "readout", "mount", "refraction",
+)  # fmt: skip
 """Components whose error is the same in all frames; a mean over frames does not reduce it."""
 
 
@@ -185,11 +189,16 @@ def given_components(
     found += [_by_residuals(name, change) for name, change in estimate.further.items()]
     if sigmas.mount_deg > 0.0:
         found.append(_mount(estimate, sigmas.mount_deg))
-    if sigmas.velocity > 0.0:
-        found.append(_velocity("velocity", r.attack_by_velocity * sigmas.velocity, estimate))
+    velocity = estimate.velocity_sigma
+    if sigmas.velocity > 0.0 or velocity is None:
+        velocity = np.array([sigmas.velocity] * 3)
+    if np.any(velocity):
+        by_frame = np.reshape(velocity, (-1, 1, 3))
+        found.append(_velocity("velocity", r.attack_by_velocity * by_frame, estimate))
     if sigmas.wind > 0.0:
-        horizontal = -r.attack_by_velocity[..., :2]
-        found.append(_velocity("wind", horizontal * sigmas.wind, estimate))
+        horizontal = -r.attack_by_velocity[..., :2] * sigmas.wind
+        in_common = sigmas.wind == estimate.stated.wind
+        found.append(_velocity("wind", horizontal, estimate)._replace(common=in_common))
     return found
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.flight import Flight, Refraction, TrackFixes
 from vopd.flight.lines_of_sight import apparent, vertical_by_position
+from vopd.flight.readout import row_parts
 from vopd.flight.solve import LOSSES, Loss
 from vopd.geometry.earth import NED_FROM_ENU, Geodetic, axes_at, geodetic
 from vopd.geometry.lenses import Lens, LensKind, Projection, project
@@ -212,6 +213,10 @@ class Model:
         self, flight: Flight, priors: Priors, used: Bools, solved: Bools, sigma_px: Floats,
         readout: Readout | None = None, loss: Loss = LOSSES["least-squares"],
     ) -> None:  # fmt: skip
+        turning = flight.path.turning_rad_s
+        if readout is None and turning is not None:
+            # picks are those of the frame's time already: the readout's error alone is left
+            readout = Readout(0.0, row_parts(flight), np.nan_to_num(turning))
         self.flight, self.priors, self.readout, self.loss = flight, priors, readout, loss
         picks, self.frames = flight.picks, len(flight.frame)
         known = used & solved[picks.frame]

@@ -74,7 +74,10 @@ def _with_position_sigma(path: CameraPath, sigma_m: float) -> CameraPath:
         return replace(path, bias_sigma_m=np.full(3, sigma_m))
     if fixes is None:
         fixes = TrackFixes(np.arange(frames), np.ones((frames, 1)), np.zeros((frames, 3)))
-    return replace(path, fixes=replace(fixes, sigma_m=np.full_like(fixes.sigma_m, sigma_m)))
+    own_m = np.full_like(fixes.sigma_m, sigma_m)
+    if fixes.between is not None:
+        own_m[fixes.between] = fixes.sigma_m[fixes.between]
+    return replace(path, fixes=replace(fixes, sigma_m=own_m))
 
 
 def stated_changes(solution: JointSolution) -> dict[str, Floats]:

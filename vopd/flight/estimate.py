@@ -208,6 +208,7 @@ SIGMA_KEYS = {
     "distortion": "[uncertainty] k1, k2, p1p2",
     "refraction": "[atmosphere] sigma_k",
     "time": "[track] sigma_t_s",
+    "readout": "[uncertainty] readout_ms",
     "mount": "--mount-sigma",
     "velocity": "[track] velocity_sigma_m_s",
     "wind": "[wind] sigma_m_s",
@@ -252,7 +253,10 @@ def flight_words(solved: SolvedFlight) -> Words:
         if np.isfinite(flight.picks.repeatability_px)
         else "as stated in the project",
         sigma_keys={
-            name: key for name, key in SIGMA_KEYS.items() if name not in flight.options.exact
+            name: key
+            for name, key in SIGMA_KEYS.items()
+            if name not in flight.options.exact
+            and (name != "readout" or flight.shutter is not None)
         },
         flags={
             "undetermined": (
@@ -317,7 +321,7 @@ def _time(flight: Flight) -> str:
 FLIGHT_UNITS = Units("m", "px", 1.0, "px", 1.0)
 
 
-FURTHER = ("distortion", "refraction")
+FURTHER = ("distortion", "refraction", "readout")
 """Components of errors that `Responses` has no derivatives for."""
 
 MOST_KEPT = 100_000  # picks of a flight whose estimates are kept, about 500 bytes each
@@ -571,7 +575,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     """
     whole = whole or FlightEstimates(solved)
     flight, attitudes, picks = solved.flight, solved.attitudes, solved.flight.picks
-    rotation = attitudes.rotation
+    rotation, turning = attitudes.rotation, flight.path.turning_rad_s
     known: Bools = np.isfinite(rotation[:, 0, 0])
     slots = FrameSlots.of(picks.frame, len(flight.frame))
     used: Bools = solved.used & (attitudes.weight > 0.0) & known[picks.frame]
@@ -631,8 +635,10 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         landmark_sigma=slots.spread(flight.landmarks.sigma_m[picks.landmark])
         if flight.landmarks.sigma_m.any()
         else None,
+        velocity_sigma=flight.path.velocity_sigma_m_s,
         grid=flight.grid,
         gimbal_deg=flight.path.gimbal_deg,
+        rate_unknown=None if turning is None else np.isnan(turning[:, 0]),
     )
 
 
@@ -695,4 +701,5 @@ def _stated(flight: Flight) -> StatedSigmas:
         time_s=common.get("clock", 0.0),
         principal_point=(common.get("centre_u", 0.0), common.get("centre_v", 0.0)),
         place=(float(place[0]), float(place[1]), float(place[2])),
+        wind=flight.path.wind_sigma_m_s,
     )

@@ -147,6 +147,11 @@ class CameraPath:
     wind_sigma_m_s: float = 0.0  # of both, common to all frames
     lever_arm_m: Floats | None = None  # (3,) antenna to camera in body axes forward, right, down
     gimbal_deg: Floats | None = None  # (F, 3) yaw, pitch, roll of the view, for comparison only
+    turning_rad_s: Floats | None = None
+    """(F, 3) how fast a camera with a rolling shutter turns about its own right, down, forward.
+
+    NaN where no other frame is near enough; None before a first solve.
+    """
 
     @property
     def stands(self) -> bool:

@@ -168,7 +168,7 @@ def widened(flight: Flight, priors: Priors) -> Flight:
         return flight
     further = sum(priors.parameter.get(name, 0.0) ** 2 for name in ("east", "north", "up")) / 3.0
     if priors.fixes is not None:
-        further += float((priors.fixes.sigma_m**2).mean())
+        further += float((priors.fixes.frame_sigma_m**2).mean())
     own = np.full(len(flight.landmarks.name), further)
     if priors.landmark_m is not None:
         own = own + (priors.landmark_m**2).mean(axis=1)

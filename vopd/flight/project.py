@@ -105,6 +105,15 @@ KEYS: tuple[Key, ...] = (
         "where it has one", size=2),
     Key("camera", "pixel_grid", "text", '"centre"', f"of cx_px, cy_px; {_GRID}",
         "for `cx_px` and `cy_px` of a table", choices=_GRIDS),
+    Key("camera", "readout_ms", "number", "", "of a rolling shutter: from first row to last",
+        "of a rolling shutter: milliseconds from the first row to the last. Without it all rows "
+        "are of one time", above=0.0),
+    Key("camera", "readout", "text", "", "the way in which rows are read: down, up, right, left",
+        "the way in which the rows of the image as it is picked are read, or its columns; needed "
+        "with `readout_ms`", choices=("down", "up", "right", "left")),
+    Key("camera", "frame_time", "text", "", "first-row or middle",
+        "what a frame's time is: that of its first row, or of the middle of the readout; needed "
+        "with `readout_ms`", choices=("first-row", "middle")),
     Key("picks", "file", "file", '"picks.csv"',
         "columns frame,landmark,u_px,v_px, or another format", "the picks"),
     Key("picks", "pixel_grid", "text", '"centre"', _GRID,

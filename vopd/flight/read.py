@@ -15,7 +15,7 @@ from vopd.files import reason
 from vopd.findings import Finding, count_text
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.files import did_you_mean, read_by_content, shown
-from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
+from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction, Shutter
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import (
     GRID_TO_CENTRE,
@@ -370,6 +370,7 @@ def flight_of(project: Project) -> Flight:
         path=camera,
         mount=mount_of(project.section("vehicle")),
         refraction=refraction,
+        shutter=shutter_of(project.section("camera")),
         options=flight_options(project, lens, refraction, camera, landmarks),
         grid=landmark_grid(project, rows, camera),
         about=(
@@ -491,6 +492,17 @@ def mount_of(section: Section) -> Floats:
         raise inside.error("matrix", "is not a rotation: three rows of three, right-handed")
     u, _, vt = np.linalg.svd(matrix)
     return np.asarray(u @ vt)
+
+
+def shutter_of(section: Section) -> Shutter | None:
+    """Read the rolling shutter of `[camera]`; None if there is none."""
+    if not section.has("readout_ms"):
+        for key in ("readout", "frame_time"):
+            if section.has(key):
+                raise section.error(key, "is of a rolling shutter: give readout_ms too")
+        return None
+    middle = section.text("frame_time") == "middle"
+    return Shutter(section.number("readout_ms") * 1e-3, section.text("readout"), middle)
 
 
 def refraction_of(section: Section) -> Refraction:

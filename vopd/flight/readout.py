@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Floats, Ints
 from vopd.flight.flight import Flight
-from vopd.flight.solve import SolvedFlight
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.lenses import project, ray_of_pixel
 from vopd.geometry.rotations import rotation_matrices
+
+if TYPE_CHECKING:
+    from vopd.flight.solve import SolvedFlight
 
 NEAR_FRAMES = 3.0  # frame intervals: a frame farther away does not say how the camera turns
 NEAR_S = 0.5  # nor does one farther away than this, whatever the interval of the frames
@@ -105,22 +108,21 @@ def row_shifts_px(flight: Flight, rotation: Floats, rates: Floats, distance_m: F
     return np.where(np.isfinite(shift), shift, 0.0)
 
 
-def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> tuple[Flight, Bools]:
+ROUNDS = 2  # of shifts and solves: they leave a 500th of what the rows' times turn a frame by
+
+
+def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> Flight:
     """Shift the picks of a flight to where they would be at their frames' times.
 
-    The shifts are by the turning rates of a solution, which is then to be repeated: once more
-    where it had the picks as they were read, for these have turned the frames alike.
+    The shifts are by the turning rates of a solution, so that the flight is to be solved again,
+    `ROUNDS` times. Picks of a frame whose turning rate is not known are shifted by its velocity
+    alone.
 
     Args:
-        flight: with the picks as they were read
+        flight: with a rolling shutter, and the picks as they were read
         solved: the same flight, its picks as read or shifted before
-
-    Returns:
-        The flight with the shifted picks, and the frames (F,) that have an attitude and no
-        neighbour near enough for a turning rate: their picks are shifted by the velocity alone.
     """
-    rotation = solved.attitudes.rotation
-    rates = turning_rates(flight, rotation)
-    shift = row_shifts_px(flight, rotation, rates, solved.lines.distance_m)
-    moved = replace(flight, picks=replace(flight.picks, pixel=flight.picks.pixel - shift))
-    return moved, np.isfinite(rotation[:, 0, 0]) & np.isnan(rates[:, 0])
+    rates = turning_rates(flight, solved.attitudes.rotation)
+    shift = row_shifts_px(flight, solved.attitudes.rotation, rates, solved.lines.distance_m)
+    picks = replace(flight.picks, pixel=flight.picks.pixel - shift)
+    return replace(flight, picks=picks, path=replace(flight.path, turning_rad_s=rates))

@@ -28,6 +28,8 @@ from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.joint import JointSolution, solve_jointly
 from vopd.flight.misfit import flight_findings
 from vopd.flight.read import read_flight
+from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
+from vopd.flight.readout import picks_at_frame_times
 from vopd.flight.sizes import sigma_freedom, size_of_residuals
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
@@ -208,7 +210,11 @@ def solve_flight_read(flight: Flight) -> FlightResult:
     """
     require_two_landmarks(flight)
     gross = gross_picks(flight)
-    estimates = settled(flight, gross)
+    estimates, read = settled(flight, gross), flight
+    if flight.shutter is not None and flight.path.turning_rad_s is None:
+        for _ in range(ROUNDS_OF_ROWS):
+            flight = picks_at_frame_times(read, estimates.solved)
+            estimates = settled(flight, gross)
     found, without = find_blunders(
         estimates, gross, lambda out, before: settled(flight, out, before.joint)
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import NamedTuple
 
@@ -18,6 +17,13 @@ from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import Project, Section
 from vopd.flight.stated import MissingSigma, Notes, RowSigmas, key_sigma, row_sigmas
+from vopd.flight.velocity import (
+    Roughness,
+    gap_curvature,
+    roughness,
+    track_velocity,
+    with_gaps,
+)
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 
 # Frames and their times: by numbers, a CSV, or tags of images
@@ -212,20 +218,9 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
 # Standard deviations of a track's positions and velocities
 
 
-def track_fixes(
-    section: Section, rows: TrackRows, first: Ints, weight: Floats, notes: Notes
-) -> TrackFixes | None:
-    """Choose the standard deviations of a track's positions; None where all are exact.
-
-    Args:
-        section: `[track]`
-        rows: the track
-        first: index of the first row that a frame depends on, (F,)
-        weight: the frame's part in that row and those after it, (F, W)
-        notes: added to
-    """
-    sigma_m = row_sigmas(section, "sigma_m", _row_sigmas(section, rows, rows.sigma_m), notes)
-    return TrackFixes(first, weight, sigma_m) if sigma_m.any() else None
+def track_sigma(section: Section, rows: TrackRows, notes: Notes) -> Floats:
+    """Choose the standard deviations of a track's positions, east, north, up, (T, 3); 0: exact."""
+    return row_sigmas(section, "sigma_m", _row_sigmas(section, rows, rows.sigma_m), notes)
 
 
 def track_bias(section: Section) -> Floats:
@@ -310,43 +305,102 @@ def path_by_image(
     found = rows_of_images(section, rows, times.image)
     missing = (found < 0)[:, None]
     here = np.where(missing, np.nan, position[found])
-    velocity = None if rows.velocity_m_s is None else rows.velocity_m_s[found]
+    sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
+    velocity, acceleration = rows.velocity_m_s, None
     if velocity is None and time_s is not None:
-        speed = speed_of_images(rows, position, time_s, notes.said)
-        if speed is not None:
-            velocity = np.einsum("fij,fj->fi", NED_FROM_ENU @ local_axes(here), speed[found])
+        order = np.argsort(time_s, kind="stable")
+        if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
+            why = "the images' times are whole seconds, or too few, or alike"
+            notes.said.append(f"no velocity: {why}")
+        else:
+            at_s = time_s[order]
+            rough = track_roughness(at_s, position[order], sigma_m[order])
+            back = np.argsort(order)
+            fitted = velocity_by_fit(at_s, position[order], at_s, position[order], rough, notes)
+            velocity, acceleration, by_fit = (None if one is None else one[back] for one in fitted)
+            sigma_m_s = by_fit if sigma_m_s is None else sigma_m_s
     gimbal = None
     if rows.gimbal_deg is not None:
         gimbal = np.where(missing, np.nan, rows.gimbal_deg[found])
-    sigma_m_s = velocity_sigma(section, rows, notes)
+
+    def of_images(values: Floats | None) -> Floats | None:
+        return None if values is None else np.where(missing, np.nan, values[found])
+
+    fixes = TrackFixes(np.maximum(found, 0), np.where(missing, 0.0, 1.0), sigma_m)
     return CameraPath(
         here,
-        track_fixes(section, rows, np.maximum(found, 0), np.where(missing, 0.0, 1.0), notes),
+        fixes if sigma_m.any() else None,
         track_bias(section),
-        velocity_m_s=None if velocity is None else np.where(missing, np.nan, velocity),
-        velocity_sigma_m_s=None if sigma_m_s is None else sigma_m_s[found],
+        velocity_m_s=of_images(velocity),
+        velocity_sigma_m_s=of_images(sigma_m_s),
+        acceleration_m_s2=of_images(acceleration),
         lever_arm_m=lever_arm(section),
         gimbal_deg=gimbal,
     )
 
 
-def speed_of_images(
-    rows: TrackRows, position: Floats, time_s: Floats, said: list[str]
-) -> Floats | None:
-    """Estimate velocity (T, 3), Earth-centred, at images that have times; none by whole seconds."""
-    order = np.argsort(time_s, kind="stable")
-    if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
-        said.append("no velocity: the images' times are whole seconds, or too few, or alike")
-        return None
-    speed = np.empty_like(position)
-    speed[order] = np.gradient(position[order], time_s[order], axis=0)
-    said.append("velocity by the differences of the images' positions")
-    return speed
+# Velocity by the positions of a track
+
+
+def track_roughness(time_s: Floats, position: Floats, sigma_m: Floats) -> Roughness:
+    """Estimate the noise of a track's positions and the curvature of its path.
+
+    Args:
+        time_s: of the track, ascending, (T,)
+        position: Earth-centred, (T, 3)
+        sigma_m: stated standard deviations, east, north, up, (T, 3)
+    """
+    return roughness(time_s, east_north_up(position), sigma_m)
+
+
+def east_north_up(position: Floats) -> Floats:
+    """Convert a track's positions to metres east, north, up of its first, by its middle's axes."""
+    return np.asarray((position - position[0]) @ local_axes(position[len(position) // 2]).T)
+
+
+def velocity_by_fit(
+    at: Floats, here: Floats, time_s: Floats, position: Floats, rough: Roughness, notes: Notes
+) -> tuple[Floats, Floats, Floats | None]:
+    """Fit the velocity at some moments.
+
+    Args:
+        at: the moments, (F,)
+        here: positions there, Earth-centred, (F, 3)
+        time_s: of the track, (T,)
+        position: of the track, Earth-centred, (T, 3)
+        rough: its noise and curvature
+        notes: added to
+
+    Returns:
+        Velocity, acceleration and standard deviations of the velocity, north, east, down, (F, 3);
+        no standard deviations where the track has too few positions to show its curvature.
+    """
+    found = track_velocity(at, time_s, position, rough)
+    velocity, acceleration = np.empty((2, len(at), 3))
+    for k in range(0, len(at), FRAMES_AT_ONCE):
+        some = slice(k, k + FRAMES_AT_ONCE)
+        to_ned = NED_FROM_ENU @ local_axes(here[some])
+        velocity[some] = np.einsum("fij,fj->fi", to_ned, found.velocity_m_s[some])
+        acceleration[some] = np.einsum("fij,fj->fi", to_ned, found.acceleration_m_s2[some])
+    variance = (found.noise + found.curvature) @ np.abs(NED_FROM_ENU).T
+    low, high = int(found.fixes.min()), int(found.fixes.max())
+    through = f"{low}" if low == high else f"{low} to {high}"
+    noise = np.median(rough.noise_m, axis=0)
+    said = f"velocity by polynomials through {through} of the track's positions"
+    if np.isnan(variance).all():
+        notes.said.append(f"{said}, which are too few to show how uncertain it is")
+        return velocity, acceleration, None
+    sizes = "{:.2g}, {:.2g} and {:.2g} m east, north and up".format(*noise)
+    sizes = sizes if noise.max() >= LEAST_TOLD_M else "less than 1 mm"
+    notes.said.append(f"{said}, whose noise is {sizes}")
+    return velocity, acceleration, np.sqrt(variance)
 
 
 # The camera's path: a fixed position, or a track by time or by image
 
 FRAMES_AT_ONCE = 20_000
+LEAST_BENT = 0.01  # of a position's sigma: a path that bends less between positions is straight
+LEAST_TOLD_M = 1e-3  # of noise: less is not told in numbers
 
 
 class PathRead(NamedTuple):
@@ -459,32 +513,42 @@ def path_by_time(
     notes.said.append(f"positions between those of the track: {way}")
     inside: Bools = (times.time_s >= time_s[0]) & (times.time_s <= time_s[-1])
     at = np.where(inside, times.time_s, time_s[0])
-    interpolated = _interpolation(way, time_s, position)
-    here, velocity, acceleration = (np.empty((len(at), 3)) for _ in range(3))
-    for k in range(0, len(at), FRAMES_AT_ONCE):
-        some = slice(k, k + FRAMES_AT_ONCE)
-        here[some], speed, change = interpolated(at[some])
-        to_ned = NED_FROM_ENU @ local_axes(here[some])
-        velocity[some] = np.einsum("fij,fj->fi", to_ned, speed)
-        acceleration[some] = np.einsum("fij,fj->fi", to_ned, change)
-    sigma_m_s = velocity_sigma(section, rows, notes)
-    if rows.velocity_m_s is not None:
-        velocity = _columns_at(at, time_s, rows.velocity_m_s)
-        notes.said.append("velocity as the track has it")
+    here = _interpolated(way, time_s, position, at)
+    sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
+    rough = track_roughness(time_s, position, sigma_m)
+    if rows.velocity_m_s is None:
+        fitted = velocity_by_fit(at, here, time_s, position, rough, notes)
+        velocity, acceleration, of_frames = fitted
     else:
-        notes.said.append("velocity by the differences of the track's positions")
+        velocity = _columns_at(at, time_s, rows.velocity_m_s)
+        acceleration = _columns_at(at, time_s, np.gradient(rows.velocity_m_s, time_s, axis=0))
+        of_frames = None
+        notes.said.append("velocity as the track has it")
+    if sigma_m_s is not None:
+        of_frames = _columns_at(at, time_s, sigma_m_s)
     unknown = ~inside[:, None]
-    # between two rows the errors are mixed linearly, also where positions are not
-    before = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
-    part = (at - time_s[before]) / np.diff(time_s)[before]
-    weight = np.where(unknown, 0.0, np.stack([1.0 - part, part], axis=1))
     key_sigma(section, "sigma_t_s", "", notes)
+    fixes = None
+    if sigma_m.any():
+        before = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
+        part = (at - time_s[before]) / np.diff(time_s)[before]
+        weight = np.where(unknown, 0.0, np.stack([1.0 - part, part], axis=1))
+        # between two rows the errors are mixed linearly, also where positions are not
+        fixes = TrackFixes(before, weight, sigma_m)
+        curvature = gap_curvature(time_s, east_north_up(position), rough, way)
+        off_m = (
+            0.5
+            * np.prod(weight, axis=1)[:, None]
+            * (np.diff(time_s)[:, None] ** 2 * curvature)[before]
+        )
+        if (off_m > LEAST_BENT * sigma_m[before]).any():
+            fixes = with_gaps(fixes, time_s, curvature)
     return CameraPath(
         np.where(unknown, np.nan, here),
-        track_fixes(section, rows, before, weight, notes),
+        fixes,
         track_bias(section),
         np.where(unknown, np.nan, velocity),
-        None if sigma_m_s is None else _columns_at(at, time_s, sigma_m_s),
+        None if of_frames is None else np.where(unknown, np.nan, of_frames),
         np.where(unknown, np.nan, acceleration),
         lever_arm_m=lever_arm(section),
     )
@@ -508,22 +572,13 @@ def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPat
     ]
 
 
-def _interpolation(
-    way: str, time_s: Floats, position: Floats
-) -> Callable[[Floats], tuple[Floats, Floats, Floats]]:
-    """Interpolate position, velocity and acceleration (F, 3), Earth-centred, at times (F,)."""
+def _interpolated(way: str, time_s: Floats, position: Floats, at: Floats) -> Floats:
+    """Interpolate positions (F, 3), Earth-centred, at times (F,)."""
     if way == "cubic":
         from scipy.interpolate import CubicSpline  # takes a tenth of a second to load
 
-        spline = CubicSpline(time_s, position)
-        return lambda at: (spline(at), spline(at, 1), spline(at, 2))
-    speed = np.gradient(position, time_s, axis=0)
-    change = np.gradient(speed, time_s, axis=0)
-    return lambda at: (
-        _columns_at(at, time_s, position),
-        _columns_at(at, time_s, speed),
-        _columns_at(at, time_s, change),
-    )
+        return np.asarray(CubicSpline(time_s, position)(at))
+    return _columns_at(at, time_s, position)
 
 
 def _columns_at(at: Floats, time_s: Floats, values: Floats) -> Floats:

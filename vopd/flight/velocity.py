@@ -15,6 +15,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.flight.flight import TrackFixes
+from vopd.geometry.linear import inverse
 
 # Noise and curvature of a track by its third differences
 
@@ -23,7 +24,8 @@ RATIOS = 10.0 ** np.arange(-8.0, 7.5, 0.5)
 NEIGHBOURS = 15  # third differences to either side that decide how curved the path is at a fix
 LEAST_NOISE_M = 1e-6  # of a fix: below are the rounding errors of files and of the arithmetic
 MOST_NOISE = 1.5  # root mean squares of the third differences; the noise cannot be larger
-NOISE_STEPS = 36
+NOISE_STEPS = 120
+ALLOWED = 0.5  # of a logarithm of likelihood: one standard deviation
 NOISE_RANGE = 1e-4
 PASSES = 30  # of the frequencies of the ratios
 FIXES_AT_ONCE = 30_000  # of a long track, about 2 kB each
@@ -93,9 +95,9 @@ def _of_one_axis(
         squares, logs = near_squares[:, blocks], near_logs[:, blocks]
         return np.asarray(-0.5 * (squares / noise**2 + logs + 2.0 * np.log(noise) * count[blocks]))
 
-    best = int(np.argmax([_log_mean(likelihood(noise)).sum() for noise in grid]))
-    fine = np.geomspace(grid[max(best - 1, 0)], grid[min(best + 1, NOISE_STEPS - 1)], 9)
-    noise = float(fine[np.argmax([_log_mean(likelihood(one)).sum() for one in fine])])
+    # the largest noise that the differences allow: what it cannot be told from is curvature
+    each = np.array([_log_mean(likelihood(noise)).sum() for noise in grid])
+    noise = float(grid[np.flatnonzero(each >= each.max() - ALLOWED)[-1]])
     # ratios that the rest of the track has are likelier than others
     prior = np.full((len(RATIOS), 1), 1.0 / len(RATIOS))
     found = likelihood(noise)
@@ -166,7 +168,11 @@ def _innovations(z: Floats, by_noise: Floats, by_jerk: Floats) -> tuple[Floats, 
 
     squares, logs = np.empty((len(RATIOS), len(z))), np.empty((len(RATIOS), len(z)))
     for k, ratio in enumerate(RATIOS.tolist()):
-        factor = cholesky_banded(by_noise + ratio * by_jerk, lower=True)
+        total = by_noise + ratio * by_jerk
+        try:
+            factor = cholesky_banded(total, lower=True)
+        except np.linalg.LinAlgError:  # times that are nearly the same: each by itself
+            factor = np.sqrt(total) * (np.arange(4) == 0)[:, None]
         squares[k] = solve_banded((3, 0), factor, z) ** 2
         logs[k] = 2.0 * np.log(factor[0])
     return squares, logs
@@ -182,11 +188,15 @@ def _local_sums(each: Floats) -> Floats:
     return np.asarray(total[..., first + width] - total[..., first])
 
 
-# Velocity by parabolas through the fixes about a time
+# Velocity by polynomials through the fixes about a time
 
-WINDOWS = (3, 4, 5, 7, 9, 13, 19, 27, 41)
-"""Numbers of fixes that a parabola is fitted to; the ones that are tried."""
+FITS = (
+    *((2, n) for n in (3, 4, 5, 7, 9, 13, 19, 27, 41)),
+    *((3, n) for n in (4, 5, 7, 9, 13, 19)),
+)
+"""Degrees of a polynomial, and numbers of fixes that it is fitted to; the ones that are tried."""
 WORSE = 2.0  # times the least error so far: more fixes are no longer tried
+INSIDE = (0.1, 0.9)  # parts of a gap where the errors of a fit are compared with those of others
 AT_ONCE = 4_000  # moments whose windows are formed together
 
 
@@ -196,19 +206,19 @@ class TrackVelocity(NamedTuple):
     velocity_m_s: Floats  # (F, 3) in the axes of the positions
     acceleration_m_s2: Floats  # (F, 3)
     noise: Floats  # (F, 3) variance by the noise of the fixes, east, north, up, m^2/s^2
-    curvature: Floats  # (F, 3) by what the path bends otherwise than the parabola
+    curvature: Floats  # (F, 3) by what the path bends otherwise than the polynomial
     with_position: Floats  # (F, 3) covariance with the interpolated position, m^2/s
-    fixes: Ints  # (F,) that the parabola is fitted to
+    fixes: Ints  # (F,) that the polynomial is fitted to
 
 
 def track_velocity(
     at_s: Floats, time_s: Floats, position_m: Floats, rough: Roughness
 ) -> TrackVelocity:
-    """Fit the velocity at some moments: parabolas through as many fixes as serve best.
+    """Fit the velocity at some moments: parabolas and cubics through as many fixes as serve best.
 
-    More fixes have less noise and miss more of the path's curvature: the number is the one for
-    which both together are smallest. Fixes count by their variances. A gap is bridged as far as
-    the curvature allows.
+    More fixes have less noise and miss more of the path's curvature: number and degree are those
+    for which both together are smallest in the gap between two fixes. Fixes count by their
+    variances. A gap is bridged as far as the curvature allows.
 
     Args:
         at_s: the moments, within the track, (F,)
@@ -219,18 +229,19 @@ def track_velocity(
     moments, fixes = len(at_s), len(time_s)
     last = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, fixes - 2)
     gaps, own = np.unique(last, return_inverse=True)
-    count = np.empty(len(gaps), np.int64)
-    for k in range(0, len(gaps), AT_ONCE):
-        count[k : k + AT_ONCE] = _best_windows(gaps[k : k + AT_ONCE], time_s, rough)
+    every = len(gaps) // AT_ONCE + 1  # of very many gaps some are enough
+    best = np.repeat(_best_fits(gaps[::every], time_s, rough), every)[: len(gaps)]
     velocity, acceleration, noises, curvature, with_position = np.full((5, moments, 3), np.nan)
-    windows, gap_s = count[own], np.diff(time_s)
-    for n in np.unique(count).tolist():
-        these = np.flatnonzero(windows == n)
+    fit, gap_s = best[own], np.diff(time_s)
+    for which in np.unique(best).tolist():
+        (degree, n), these = _fits(fixes)[which], np.flatnonzero(fit == which)
         for k in range(0, len(these), AT_ONCE):
             some = these[k : k + AT_ONCE]
             index, tau = _window(n, at_s[some], time_s)
             noise, before = rough.noise_m[index], last[some, None]
-            weights = polynomial_weights(tau, (noise**2).mean(axis=2))
+            weights = polynomial_weights(tau, (noise**2).mean(axis=2), degree)
+            alike = np.isnan(weights).any(axis=(1, 2))
+            weights[alike] = polynomial_weights(tau[alike], np.ones_like(tau[alike]), 1)
             by_velocity, by_acceleration = weights[:, 1], weights[:, 2]
             away = position_m[index] - position_m[before]
             velocity[some] = np.einsum("fw,fwi->fi", by_velocity, away)
@@ -243,7 +254,8 @@ def track_velocity(
             in_position += np.where(index == before + 1, a[:, None], 0.0)
             both = (in_position * by_velocity)[..., None] * noise**2
             with_position[some] = both.sum(axis=1)
-    return TrackVelocity(velocity, acceleration, noises, curvature, with_position, windows)
+    count = np.array([n for _, n in _fits(fixes)])[fit]
+    return TrackVelocity(velocity, acceleration, noises, curvature, with_position, count)
 
 
 def _window(count: int, at_s: Floats, time_s: Floats) -> tuple[Ints, Floats]:
@@ -259,29 +271,38 @@ def _window(count: int, at_s: Floats, time_s: Floats) -> tuple[Ints, Floats]:
     return index, time_s[index] - at_s[:, None]
 
 
-def _best_windows(gaps: Ints, time_s: Floats, rough: Roughness) -> Ints:
-    """Find the number of fixes for the middle of each gap; a search ends where more is worse."""
-    best = np.full(len(gaps), min(WINDOWS[0], len(time_s)))
-    least = np.full(len(gaps), np.inf)
-    left = np.arange(len(gaps))
+def _fits(fixes: int) -> list[tuple[int, int]]:
+    """List the degrees and numbers of fixes that a track of so many fixes allows."""
+    return [one for one in FITS if one[1] <= fixes] or [(fixes - 1, fixes)]
+
+
+def _best_fits(gaps: Ints, time_s: Floats, rough: Roughness) -> Ints:
+    """Find the fit for each gap, an index; the search for it ends where more is worse."""
+    best, least = np.zeros(len(gaps), np.int64), np.full(len(gaps), np.inf)
     jerk = np.nan_to_num(rough.jerk[gaps])
-    middle = (time_s[gaps] + time_s[gaps + 1]) / 2.0
-    for n in sorted({min(len(time_s), n) for n in WINDOWS}):
-        index, tau = _window(n, middle[left], time_s)
-        noise = rough.noise_m[index] ** 2
-        weight = polynomial_weights(tau, noise.mean(axis=2))[:, 1]
-        bent = jerk[left] * missed_curvature(tau, weight)[:, None]
-        cost = ((weight[..., None] ** 2 * noise).sum(axis=1) + bent).sum(axis=1)
-        better = cost < least[left]
-        least[left[better]], best[left[better]] = cost[better], n
-        left = left[better | (cost < WORSE * least[left])]
-        if not len(left):
-            break
+    left, of_degree, before = np.arange(len(gaps)), least.copy(), 0
+    for which, (degree, n) in enumerate(_fits(len(time_s))):
+        if degree != before:
+            left, of_degree, before = np.arange(len(gaps)), np.full(len(gaps), np.inf), degree
+        cost = np.zeros(len(left))
+        for part in INSIDE:
+            at_s = (1.0 - part) * time_s[gaps[left]] + part * time_s[gaps[left] + 1]
+            index, tau = _window(n, at_s, time_s)
+            noise = rough.noise_m[index] ** 2
+            weight = polynomial_weights(tau, noise.mean(axis=2), degree)[:, 1]
+            bent = jerk[left] * missed_curvature(tau, weight)[:, None]
+            cost += ((weight[..., None] ** 2 * noise).sum(axis=1) + bent).sum(axis=1)
+        best[left] = np.where(cost < least[left], which, best[left])
+        least[left] = np.minimum(cost, least[left])
+        of_degree[left] = np.minimum(cost, of_degree[left])
+        left = left[cost < WORSE * of_degree[left]]
     return best
 
 
 def polynomial_weights(tau: Floats, variance: Floats, degree: int = 2) -> Floats:
     """Weigh fixes in the value, slope and second derivative of a polynomial at 0, (F, 3, n).
+
+    NaN where the times of fixes are too near each other for it.
 
     Args:
         tau: times of the fixes after the moment, (F, n); two fixes make a line
@@ -292,7 +313,7 @@ def polynomial_weights(tau: Floats, variance: Floats, degree: int = 2) -> Floats
     scale = np.abs(tau).max(axis=1)[:, None]
     powers = (tau / scale)[..., None] ** np.arange(min(tau.shape[1] - 1, degree) + 1)
     weighted = powers / variance[..., None] * variance.mean(axis=1)[:, None, None]
-    solved = np.linalg.solve(powers.swapaxes(1, 2) @ weighted, weighted.swapaxes(1, 2))
+    solved = inverse(powers.swapaxes(1, 2) @ weighted) @ weighted.swapaxes(1, 2)
     out = np.zeros((len(tau), 3, tau.shape[1]))
     out[:, : solved.shape[1]] = solved[:, :3]
     out[:, 1:] *= np.stack([1.0 / scale, 2.0 / scale**2], axis=1)
@@ -364,11 +385,11 @@ def gap_curvature(time_s: Floats, position_m: Floats, rough: Roughness, way: str
         shown[some] = np.einsum("fw,fwi->fi", bend, away) ** 2
         shown[some] -= (bend[..., None] ** 2 * noise).sum(axis=1)
         curvature[some] = jerk[some] * missed_curvature(tau, bend)[:, None]
-    near = np.cumsum(np.concatenate([np.zeros((1, 3)), shown]), axis=0)
+    near = np.cumsum(np.concatenate([np.zeros((1, 3)), np.nan_to_num(shown)]), axis=0)
     width = min(NEAR_GAPS, len(shown))
     first = np.clip(np.arange(len(shown)) - width // 2, 0, len(shown) - width)
     mean = (near[first + width] - near[first]) / width
-    return np.asarray(np.sqrt(np.maximum(mean, 0.0) + curvature))
+    return np.asarray(np.sqrt(np.nan_to_num(np.maximum(mean, 0.0) + curvature)))
 
 
 def with_gaps(fixes: TrackFixes, time_s: Floats, curvature: Floats) -> TrackFixes:
@@ -386,5 +407,6 @@ def with_gaps(fixes: TrackFixes, time_s: Floats, curvature: Floats) -> TrackFixe
     step = np.append(np.diff(time_s), 0.0)[fixes.first]
     sigma_m = np.empty((2 * len(time_s) - 1, 3))
     sigma_m[0::2], sigma_m[1::2] = fixes.sigma_m, curvature
-    weight = np.stack([1.0 - a, -0.5 * a * (1.0 - a) * step**2, a], axis=1)
+    before = fixes.weight[:, 0]
+    weight = np.stack([before, -0.5 * a * before * step**2, a], axis=1)
     return TrackFixes(2 * fixes.first, weight, sigma_m, np.arange(len(sigma_m)) % 2 == 1)
