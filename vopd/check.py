@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from statistics import NormalDist
+from statistics import NormalDist, median
 from typing import BinaryIO
 
 import numpy as np
@@ -310,7 +310,7 @@ CHANCE = 0.001
 def noise_in(readings: Readings) -> float:
     """Estimate the standard deviation of one reading, inches, from the triples of all points."""
     variance = _triples(readings).var(axis=1, ddof=1)
-    from_deck = float(np.median(variance)) / np.log(2.0) if len(variance) else 0.0
+    from_deck = median(variance.tolist()) / np.log(2.0) if len(variance) else 0.0
     total = USUAL_WEIGHT * USUAL_NOISE_IN**2 + len(variance) * from_deck
     return float(np.sqrt(total / (USUAL_WEIGHT + len(variance))))
 

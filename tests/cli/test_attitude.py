@@ -269,9 +269,9 @@ def test_a_deck_names_the_options_that_are_not_given() -> None:
 def test_a_project_names_its_keys(tmp_path: Path) -> None:
     assert_approved(named(ROOT / "examples" / "hill" / "flight.toml"))
     project = write_project(tmp_path)
-    text = project.read_text().replace("[track]", "sigma_m = 0.1\n[track]\nsigma_m = 3.0")
+    text = project.read_text().replace('sigma_m = "exact"', "sigma_m = 0.1")
     project.write_text(f"{text}\n[uncertainty]\nfocal_rel = 0.001\n")
-    left = ("principal point", "distortion", "time", "mount", "velocity", "wind")
+    left = ("principal point", "distortion", "mount", "wind")
     assert named(project) == {name: KEYS[name] for name in left}
 
 
@@ -279,7 +279,7 @@ def test_what_cannot_change_the_angles_is_not_named(tmp_path: Path) -> None:
     """A camera that does not move has no error by time, and no angles of attack."""
     project = write_project(tmp_path)
     fixed = '[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = "ellipsoid"\n'
-    project.write_text(TOML[: TOML.index("[track]")] + fixed)
+    project.write_text(f"{TOML[: TOML.index('[track]')]}{fixed}sigma_m = 0.3\n")
     assert_approved(named(project))
 
 
@@ -330,7 +330,7 @@ HISTORIES: list[tuple[list[Any], bool, SharedOptions, int, str]] = [
 def test_the_status_of_attitude_histories(
     jobs: list[Any], failed: bool, asked: SharedOptions, status: int, said: str, capsys: Said
 ) -> None:
-    assert Collected(jobs, [], failed).status(asked, Messages(asked.quiet)) == status
+    assert Collected(jobs, [], failed, False).status(asked, Messages(asked.quiet)) == status
     assert capsys.readouterr().err == said
 
 
@@ -341,7 +341,7 @@ def test_misfits_of_long_jobs_are_told_at_the_end(
     found = [replace(ODD, card=k) for k in range(1, 6)]
     monkeypatch.setattr(histories, "findings_of", lambda about, summary: found)
     jobs = counted((0, 0), (0, 0))
-    assert Collected(jobs, jobs[1:], False).status(USUAL, Messages()) == 0
+    assert Collected(jobs, jobs[1:], False, False).status(USUAL, Messages()) == 0
     assert_approved(capsys.readouterr().err.splitlines(), parts=[1, 2, 3, 2])
 
 
@@ -349,6 +349,7 @@ class Job:
     """A flight that has been solved, or its history."""
 
     frames = 4
+    misfits = False
 
     def __init__(self, name: str, has: bool = True, is_counted: bool = True) -> None:
         self.findings = (Finding(f"{name} is odd", severity="warning"),)
@@ -559,7 +560,7 @@ def test_the_progress_and_the_status_of_a_table(
         yield b"one"
         yield b"two"
 
-    found = Collected([Job(), Job()], [], False)  # type: ignore[list-item]
+    found = Collected([Job(), Job()], [], False, False)  # type: ignore[list-item]
     monkeypatch.setattr(Collected, "status", lambda *_: 3)
     monkeypatch.setattr(attitude, "Progress", Noted)
     monkeypatch.setattr(attitude, "collect_jobs", lambda *_: found)

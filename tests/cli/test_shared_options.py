@@ -84,7 +84,7 @@ SIGMAS = [
     ),
     Case(RATE, {"flags"}),
 ]
-SOLVED_FOR = ("--landmark", "--position")
+SOLVED_FOR = ("--landmark", "--position", "--velocity")
 GIVEN = {"project", "job", "frame", "status", "time_s", "landmarks"}
 CASES = {
     "deck": [

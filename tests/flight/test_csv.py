@@ -337,7 +337,7 @@ def test_times_and_images_of_a_track(
     assert rows.time_s is None if time is None else rows.time_s.tolist() == [time]
     assert rows.coordinate.tolist() == [[3.0, 2.0, 4.0]] and rows.geodetic
     assert rows.sigma_m.tolist() == [[0.5] * 3] and [*rows.line] == [2]
-    assert rows.said == "CSV, 1 positions" and rows.velocity_m_s is None
+    assert rows.said == "CSV, 1 position" and rows.velocity_m_s is None
 
 
 def test_sigmas_of_a_drone_s_marks_are_east_north_up(tmp_path: Path) -> None:

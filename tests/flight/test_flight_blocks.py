@@ -315,7 +315,7 @@ def test_what_is_said_of_the_whole_flight_is_in_each_part() -> None:
 def test_a_history_is_asked_for_with_all_that_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
     given: list[Any] = []
 
-    def asked(layout: Any, estimate_of: Any, options: HistoryOptions, reading: Any) -> Any:
+    def asked(layout: Any, estimate_of: Any, options: HistoryOptions, *more: Any) -> Any:
         given.append((estimate_of(np.array([1])).frame.tolist(), options))
         return type("Parts", (), {"whole": "the history"})
 

@@ -345,7 +345,7 @@ def test_words_and_units_of_any_source() -> None:
     assert About("a.dat") == (
         "a.dat", 1, "", "", "along the ellipsoid's normal", Words(), None,
     )  # fmt: skip
-    assert StatedSigmas() == ((0.0,) * 3, (0.0,) * 3, 0.0, 0.0, (0.0, 0.0))
+    assert StatedSigmas() == ((0.0,) * 3, (0.0,) * 3, 0.0, 0.0, (0.0, 0.0), (0.0,) * 3, 0.0)
     with pytest.raises(AttributeError):
         Words().source = "deck"  # type: ignore[misc]
 

@@ -296,7 +296,7 @@ def test_a_run_lists_its_arrays() -> None:
     assert names == sorted(set(names))
     for name in ("vehicle_deg", "solved", "focal_length_mm", "points", "findings", "histories"):
         assert (name in names) == hasattr(run, name)
-    assert repr(run) == "Run(1 job, 1 frames)"
+    assert repr(run) == "Run(1 job, 1 frame)"
 
 
 def test_a_run_has_every_array_of_its_results() -> None:

@@ -127,7 +127,7 @@ def test_the_table_of_flags() -> None:
     assert rows["jump"] == ("jump", 6, "own meaning", "own advice")
     assert_approved(rows["not_converged"])
     assert (rows["misfit"][1], rows["outlier"][1]) == (2, 0)
-    assert len(rows) == 13
+    assert len(rows) == 14
 
 
 # Landmarks

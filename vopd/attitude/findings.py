@@ -83,7 +83,7 @@ def _repair(texts: list[str]) -> str:
     chances = [[float(chance) for chance in CHANCE.findall(one)] for one in texts]
     least = iter([min(ones) for ones in zip(*chances, strict=True)])
     more = " or more" if len(texts) > 1 else ""
-    return CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", texts[0])
+    return CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", texts[0]) or "not searched"
 
 
 def misfit_findings(history: History) -> list[Finding]:

@@ -507,7 +507,9 @@ def flight_findings(flight: Flight, estimates: FlightEstimates) -> tuple[list[Fi
     if joint is None or reading is None:
         return [], False
     stated = flight.picks.one_sigma_px if flight.picks.stated else None
-    misfit = misfit_text(joint, reading, stated)
+    # repeated readings say how well a point is read, not how well it is identified
+    repeated = stated is None and bool(np.isfinite(flight.picks.repeatability_px))
+    misfit = "" if repeated else misfit_text(joint, reading, stated)
     texts = [misfit, too_wide_text(joint, reading), ""]
     exact = not joint.passes
     if len(joint.model.pick) > MOST_PICKS:
