@@ -312,7 +312,7 @@ def noise_in(readings: Readings) -> float:
     variance = _triples(readings).var(axis=1, ddof=1)
     from_deck = 0.0
     if len(variance):  # NaN where a reading is none: then the deck's own noise is not known
-        middle = median(variance.tolist()) if np.isfinite(variance).all() else np.nan
+        middle = np.nan if np.isnan(variance).any() else median(variance.tolist())
         from_deck = middle / np.log(2.0)
     total = USUAL_WEIGHT * USUAL_NOISE_IN**2 + len(variance) * from_deck
     return float(np.sqrt(total / (USUAL_WEIGHT + len(variance))))
