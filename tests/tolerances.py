@@ -199,6 +199,7 @@ TOLERANCES = {
     "angle of a deck's project": Tolerance(
         "deg", 2e-5, "picks of 5E-5 px of 14,000; the deck's RAD and PI have ten digits"
     ),
+    "times of a deck's project": Tolerance("s", 6e-10, "half of the last of nine decimals"),
     "five decimals": Tolerance("1", 6e-6, "half of the last of five decimals or more"),
     "motion on cards": Tolerance(
         "ft", 2e-3, "tracks have 1E-6 m; north turns by 1E-5 rad along the track, 20 m/s"

@@ -16,12 +16,16 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.command import CASE_1, DECKS
 from tests.kit.command import vopd as run
 from tests.kit.jobs import reread
+from tests.kit.simulated_films import SPHERE_1974, WGS84, Errors, job_of, simulate
+from tests.kit.simulated_films import Plan as Films
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
-from vopd.convert.deck_to_flight import deck_project
-from vopd.errata import fixes
+from vopd.convert.deck_to_flight import deck_flight, deck_project
+from vopd.errata import NO_FIXES, fixes
 from vopd.findings import VopdError
 from vopd.flight.new import NewProject
+from vopd.flight.read import read_flight
+from vopd.flight.result import solve_flight_read
 from vopd.job import Job, Landmarks, Wind
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make
@@ -63,7 +67,48 @@ def test_the_project_of_a_flight_has_its_angles(tmp_path: Path) -> None:
     deck.write_text(vopd.write_deck(jobs))
     flight = solved(tmp_path, deck)
     agree(flight, vopd.run(jobs, fixes("all")))
-    assert not any("position for" in one.message for one in flight.findings)
+
+
+EARTHS = {"1974": (NO_FIXES, SPHERE_1974), "WGS 84": (fixes("all"), WGS84)}
+
+
+@pytest.mark.parametrize("earth", EARTHS)
+def test_a_clean_film_has_no_findings_on_its_own_earth(earth: str) -> None:
+    chosen, exposed = EARTHS[earth]
+    plan = Films(Errors(reading_in=0.003), landmarks=6, jobs=1, frames=40, earth=exposed)
+    drawn = job_of(simulate(plan, 11), 0)
+    assert solve_flight_read(deck_flight(drawn, chosen, "film.dat")).findings == ()
+
+
+def test_a_demo_is_exposed_over_the_earth_of_1974() -> None:
+    """Its landmarks are tens of metres from where the ellipsoid has them, as the camera is."""
+    (one,) = make(Plan(frames=60, seed=5))[0]
+    assert solve_flight_read(deck_flight(one, NO_FIXES, "demo.dat")).findings == ()
+    (doubt,) = solve_flight_read(deck_flight(one, fixes("all"), "demo.dat")).findings
+    assert "position" in doubt.message
+
+
+@pytest.mark.parametrize("case", ["case1", "case2", "case4"])
+def test_a_flight_in_memory_is_that_of_the_project(tmp_path: Path, case: str) -> None:
+    """The files have ten decimals of a degree and four of a pixel."""
+    deck = DECKS / "appendix_h" / f"{case}.dat"
+    assert run("new", tmp_path, "--deck", deck).status == 0
+    read = read_flight(str(tmp_path / "flight.toml"))
+    (one,) = vopd.read_deck(deck)
+    flight = deck_flight(one, fixes("all"), "case")
+    assert flight.landmarks.name == read.landmarks.name
+    assert flight.landmarks.used == read.landmarks.used
+    assert flight.frame.tolist() == read.frame.tolist()
+    assert flight.picks.landmark.tolist() == read.picks.landmark.tolist()
+    assert set(flight.options.exact) == set(read.options.exact)
+    assert flight.options.not_stated == read.options.not_stated
+    assert_close("flight position", flight.landmarks.position_m, read.landmarks.position_m)
+    assert_close("flight position", flight.path.position_m, read.path.position_m)
+    assert_close("four decimals", flight.picks.pixel, read.picks.pixel)
+    assert_close("four decimals", flight.picks.sigma_px, read.picks.sigma_px)
+    assert_close("five decimals", flight.path.velocity_m_s, read.path.velocity_m_s)
+    assert_close("times of a deck's project", flight.time_s, read.time_s)
+    assert_close("unit rotation", flight.mount, read.mount)
 
 
 def written(tmp_path: Path, job: Job) -> Path:

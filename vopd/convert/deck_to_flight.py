@@ -1,25 +1,45 @@
-"""One job of 1974 cards as a flight project: the same readings, landmarks, track and lens."""
+"""One job of 1974 cards as a flight, or as the files of its project.
+
+Both have the deck's readings, landmarks, track and lens. The project's Earth is WGS 84, as with
+`--fix all`; a flight in memory has the Earth of any run, so that both solve the same problem.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.errata import Fixes
 from vopd.findings import VopdError, count_text
 from vopd.flight.files import EXACT
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
+from vopd.flight.formats.lens import make_lens
+from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.new import NewProject
 from vopd.flight.project import KeyValues, project_text, toml_numbers, toml_text
-from vopd.geometry.earth import Geodetic, geodetic
+from vopd.flight.read import join_picks
+from vopd.geometry.earth import M_PER_KM, Geodetic, geodetic
 from vopd.geometry.ellipsoids import WGS84
 from vopd.geometry.film_lens import radial_factor
-from vopd.job import Job
+from vopd.geometry.rotations import FORWARD, mount_by_angles
+from vopd.job import Job, Landmarks
 from vopd.program.average import averages
 from vopd.program.constants import factor, ftpkm
 from vopd.program.earth import ellipsoidal_position
 from vopd.program.frames import LENS_RADII
 from vopd.program.ftlup import TableOutOfOrder, check_order, ftlup
 from vopd.program.ignored import kept
-from vopd.program.positions import TRAJECTORY_TIMES, origin_of, time_and_position
+from vopd.program.positions import (
+    TRAJECTORY_TIMES,
+    earth_fixed,
+    group_9,
+    origin_of,
+    time_and_position,
+)
 
 PX_PER_IN = 1000.0
 MM_PER_PX = factor / PX_PER_IN
@@ -37,6 +57,9 @@ times are: "exact" leaves these out of the uncertainty until you write what they
 three readings tell how exact the picks are."""
 
 
+Made = TypeVar("Made")
+
+
 @np.errstate(all="ignore")
 def deck_project(job: Job) -> NewProject:
     """Convert a job to the files of a project.
@@ -50,12 +73,38 @@ def deck_project(job: Job) -> NewProject:
     Raises:
         VopdError: where the job has no readings, or its tables are not in order
     """
+    return _checked(job, _project)
+
+
+@np.errstate(all="ignore")
+def deck_flight(job: Job, fixes: Fixes, source: str = "") -> Flight:
+    """Convert a job to a flight in memory, on the Earth of a run of the deck.
+
+    Landmarks, positions and times are exact, as the cards do not say how exact they are; a
+    landmark that the job ignores in all frames is a check landmark. Landmarks have their numbers
+    as names. There is no wind.
+
+    Args:
+        job: one job of a deck
+        fixes: those of the run: with `earth` positions are those of the ellipsoid, without it
+            those of the sphere of 1974
+        source: the deck's name, for messages
+
+    Raises:
+        VopdError: where the job has no readings, or its tables are not in order
+    """
+    return _checked(job, lambda one: _flight(one, fixes, source))
+
+
+def _checked(job: Job, make: Callable[[Job], Made]) -> Made:
     if not len(job.readings.frame):
         raise VopdError("the job has no frame")
     if not job.camera.focal_length_mm > MM_PER_PX:
         raise VopdError(f"group 8: a focal length of {job.camera.focal_length_mm:g} mm is none")
     try:
-        return _project(job)
+        path = job.trajectory
+        check_order(1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
+        return make(job)
     except TableOutOfOrder as error:
         group, variable = error.table or (0, "")
         table, what = (f"group {group}", f"{variable} ") if group else ("a table", "")
@@ -65,15 +114,13 @@ def deck_project(job: Job) -> NewProject:
 
 def _project(job: Job) -> NewProject:
     """Write the files of a job whose tables are in order."""
-    path = job.trajectory
-    check_order(1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
     notes: list[str] = []
-    picks, size_px = _picks(job, notes)
-    values = _values(job, size_px, notes)
+    film = film_picks(job, notes)
+    values = _values(job, film.size_px, notes)
     if np.any(job.camera.lens_distortion_um):
         notes.append("the lens's distortion (group 1) is taken off the picks: the lens has none")
     contents = {
-        "picks.csv": picks,
+        "picks.csv": _picks(job, film),
         "landmarks.csv": _landmarks(job),
         "times.csv": _times(job),
     }
@@ -86,8 +133,26 @@ def _project(job: Job) -> NewProject:
     return NewProject({name: text.encode() for name, text in contents.items()}, notes)
 
 
-def _picks(job: Job, notes: list[str]) -> tuple[str, tuple[int, int]]:
-    """Tabulate readings as picks without distortion; and the size of their image."""
+class FilmPicks(NamedTuple):
+    """Readings as pixels without distortion, three of each of n points."""
+
+    frame: Ints  # (n,) index into the frames of the job
+    landmark: Ints  # (n,) landmark number
+    pixel: Floats  # (n, 3, 2) u, v from the first pixel's centre
+    size_px: tuple[int, int]  # of the image
+
+
+def film_picks(job: Job, notes: list[str]) -> FilmPicks:
+    """Convert readings to pixels of an image without distortion.
+
+    Args:
+        job: gives the readings; points that it ignores in one frame are left out, those that it
+            ignores in all frames are not
+        notes: of points that are left out, added to
+
+    Raises:
+        VopdError: if no landmark is read in any frame
+    """
     readings = job.readings
     _, first = np.unique(readings.frame, return_index=True)
     if len(first) < len(readings.frame):
@@ -117,10 +182,13 @@ def _picks(job: Job, notes: list[str]) -> tuple[str, tuple[int, int]]:
         raise VopdError("no landmark is read in any frame")
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
     size = int(2 * half[0]), int(2 * half[1])
-    pixel = (np.array(size) - 1.0) / 2.0 - away.reshape(-1, 2)
-    numbers = np.repeat(readings.frame[frame], 3), np.repeat(landmark, 3)
-    text = _table("frame,landmark,u_px,v_px", *numbers, *pixel.T, form="%d,%d,%.4f,%.4f")
-    return text, size
+    return FilmPicks(frame, landmark, (np.array(size) - 1.0) / 2.0 - away, size)
+
+
+def _picks(job: Job, film: FilmPicks) -> str:
+    numbers = np.repeat(job.readings.frame[film.frame], 3), np.repeat(film.landmark, 3)
+    pixel = film.pixel.reshape(-1, 2)
+    return _table("frame,landmark,u_px,v_px", *numbers, *pixel.T, form="%d,%d,%.4f,%.4f")
 
 
 def _values(job: Job, size_px: tuple[int, int], notes: list[str]) -> KeyValues:
@@ -157,16 +225,23 @@ def _values(job: Job, size_px: tuple[int, int], notes: list[str]) -> KeyValues:
 
 
 def _mount(job: Job, values: KeyValues, notes: list[str]) -> None:
-    """Write the mount: a turn about the optical axis; any other group 3 is noted as lost."""
-    camera = job.camera
-    if np.any(camera.multiplier != 1.0) or np.any(camera.offset_deg[:2] % 360.0):
+    """Write the mount; a group 3 that is none is noted as lost."""
+    turn = _roll_deg(job)
+    if turn is None:
         notes.append(
             "group 3 takes the vehicle's angles from the camera's one by one, which no mount "
             "does: the project's vehicle is the camera"
         )
-    elif camera.offset_deg[2]:
-        turn = toml_numbers(0.0, 0.0, -camera.offset_deg[2])
-        values["vehicle", "mount"] = f"{{ ypr_deg = {turn} }}"
+    elif turn:
+        values["vehicle", "mount"] = f"{{ ypr_deg = {toml_numbers(0.0, 0.0, turn)} }}"
+
+
+def _roll_deg(job: Job) -> float | None:
+    """Find the mount's turn about the optical axis; None if group 3 is another one."""
+    camera = job.camera
+    if np.any(camera.multiplier != 1.0) or np.any(camera.offset_deg[:2] % 360.0):
+        return None
+    return 0.0 - float(camera.offset_deg[2])
 
 
 def _positions(job: Job) -> Geodetic:
@@ -181,16 +256,13 @@ def _table(header: str, *columns: Floats | Ints, form: str) -> str:
 
 
 def _landmarks(job: Job) -> str:
-    """Tabulate the landmarks; one that is given twice counts as it was given last."""
-    marks = job.landmarks
-    last = {number: k for k, number in enumerate(marks.number.tolist())}
-    rows = np.array(list(last.values()), dtype=np.int64)
+    marks = once_each(job.landmarks)
     return _table(
         "landmark,lat_deg,lon_deg,h_m",
-        marks.number[rows],
-        (marks.latitude_deg + marks.latitude_min / 60.0)[rows],
-        (marks.longitude_deg + marks.longitude_min / 60.0)[rows],
-        marks.altitude_ft[rows] * M_PER_FT,
+        marks.number,
+        marks.latitude_deg + marks.latitude_min / 60.0,
+        marks.longitude_deg + marks.longitude_min / 60.0,
+        marks.altitude_ft * M_PER_FT,
         form="%d,%.10f,%.10f,%.5f",
     )
 
@@ -221,3 +293,81 @@ def _wind(job: Job) -> str:
         np.hypot(north, east),
         form="%.4f,%.7f,%.6f",
     )
+
+
+# A flight in memory
+
+SAID_EXACT = ("position", "landmark", "time", "velocity", "refraction")
+NOT_SAID = ("focal", "principal_point", "distortion", "readout", "wind", "mount", "bias")
+
+
+def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
+    film = film_picks(job, [])
+    frame, first = np.unique(job.readings.frame, return_index=True)
+    seen = np.isin(first, film.frame)
+    frame, first = frame[seen], first[seen]
+    time_s, vehicle_ft = (part[first] for part in time_and_position(job))
+    path = job.trajectory
+    velocity = ftlup(time_s, 1, path.time_s, path.velocity_ft_s, TRAJECTORY_TIMES) * M_PER_FT
+    marks = once_each(job.landmarks)
+    names = tuple(map(str, marks.number.tolist()))
+    pixels = film.pixel.reshape(-1, 2)
+    read = PickRows(
+        frame=np.repeat(np.searchsorted(frame, job.readings.frame[film.frame]), 3),
+        landmark=Names(map(str, np.repeat(film.landmark, 3).tolist())),
+        pixel=pixels,
+        sigma_px=np.ones(len(pixels)),
+        grid="centre",
+        size_px=film.size_px,
+        said="",
+    )
+    picks, findings = join_picks(read, lambda k: f"frame {frame[k]}", names, source)
+    focal_px = job.camera.focal_length_mm / MM_PER_PX
+    centre = (film.size_px[0] - 1) / 2.0, (film.size_px[1] - 1) / 2.0
+    turn = _roll_deg(job)
+    return Flight(
+        name=job.title[1:].strip(),
+        source=source,
+        lens=make_lens("brown", film.size_px, (focal_px, focal_px), centre),
+        frame=frame,
+        image_name=(),
+        time_s=time_s,
+        epoch=None,
+        picks=picks,
+        landmarks=LandmarkSet(
+            names,
+            landmark_positions_m(marks, fixes),
+            np.zeros((len(names), 3)),
+            tuple((~np.isin(marks.number, job.ignored.everywhere)).tolist()),
+        ),
+        path=CameraPath(
+            earth_fixed(origin_of(job), fixes, vehicle_ft) * M_PER_KM,
+            velocity_m_s=velocity,
+            velocity_sigma_m_s=np.zeros_like(velocity),
+            acceleration_m_s2=np.zeros_like(velocity),
+        ),
+        mount=mount_by_angles([0.0, 0.0, turn]) if turn else FORWARD,
+        refraction=Refraction(0.0, False),
+        options=FlightOptions(exact=SAID_EXACT, not_stated=NOT_SAID),
+        findings=tuple(findings),
+    )
+
+
+def once_each(marks: Landmarks) -> Landmarks:
+    """Take each landmark of group 9 once: as it was given last."""
+    last = {number: k for k, number in enumerate(marks.number.tolist())}
+    rows = np.array(list(last.values()), dtype=np.int64)
+    return Landmarks(*(getattr(marks, field.name)[rows] for field in fields(marks)))
+
+
+def landmark_positions_m(marks: Landmarks, fixes: Fixes) -> Floats:
+    """Place landmarks in Earth-fixed axes, metres (n, 3), as a run does.
+
+    Args:
+        marks: of group 9
+        fixes: those of the run
+    """
+    longitude_deg, latitude_deg, radius_km = group_9(marks, fixes)
+    theta, phi = np.radians(longitude_deg), np.radians(latitude_deg)
+    unit = np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), np.sin(phi)], axis=1)
+    return np.asarray(radius_km[:, None] * unit * M_PER_KM)
