@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from vopd.attitude.sigmas import Sigmas
     from vopd.cards.write import write_deck
     from vopd.findings import DeckError, Finding, InputError, VopdError
+    from vopd.flight.adjust import Adjustment, adjust
     from vopd.flight.result import FlightResult, solve_flight
     from vopd.job import Deck, Job
     from vopd.listing.pages import listing_text
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from vopd.solved import Run
 
 _HOMES = {
+    "Adjustment": "vopd.flight.adjust",
     "DeckError": "vopd.findings",
     "Finding": "vopd.findings",
     "InputError": "vopd.findings",
@@ -44,6 +46,7 @@ _HOMES = {
     "Job": "vopd.job",
     "FlightResult": "vopd.flight.result",
     "Results": "vopd.results",
+    "adjust": "vopd.flight.adjust",
     "listing_text": "vopd.listing.pages",
     "read_deck": "vopd.pipeline",
     "Run": "vopd.solved",
@@ -54,6 +57,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "Adjustment",
     "Deck",
     "DeckError",
     "Finding",
@@ -65,6 +69,7 @@ __all__ = [
     "Sigmas",
     "VopdError",
     "__version__",
+    "adjust",
     "listing_text",
     "read_deck",
     "run",

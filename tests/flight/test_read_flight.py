@@ -135,7 +135,7 @@ def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
     options = given.options
     assert (options.loss, options.drop_blunders) == ("huber", True)
     assert options.parameter_sigma == {
-        "focal": 0.01 * 1495.0, "centre_u": 1.0, "centre_v": 2.0, "refraction": 0.125,
+        "focal": 0.01 * 1495.0, "centre_u": 1.0, "centre_v": 2.0, "refraction": 0.125, "clock": 0.0,
     }  # fmt: skip
     assert given.mount.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     assert usual.mount.tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]

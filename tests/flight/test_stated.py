@@ -175,10 +175,11 @@ def test_what_is_exact_and_what_is_not_stated(tmp_path: Path) -> None:
     options = flight(tmp_path, more='[uncertainty]\nfocal_rel = "exact"\nk1 = 0.01\n').options
     assert options.exact == ("position", "landmark", "focal", "time")
     assert {"principal_point", "wind", "mount", "bias"} <= {*options.not_stated}
-    assert options.parameter_sigma == {"k1": 0.01, "refraction": 0.065}
+    assert options.parameter_sigma == {"focal": 0.0, "k1": 0.01, "clock": 0.0, "refraction": 0.065}
     more = "[uncertainty]\np1p2 = 0.1\nclock_rate_ppm = 20\nreadout_ms = 2\n[atmosphere]\n"
     options = flight(tmp_path, more=f'{more}refraction = "off"\nsigma_k = 0.5\n').options
     expected = {"p1": 0.1, "p2": 0.1, "clock_rate": 2e-5, "readout": 2e-3, "refraction": 0.5}
+    expected["clock"] = 0.0
     assert {name: round(one, 12) for name, one in options.parameter_sigma.items()} == expected
 
 

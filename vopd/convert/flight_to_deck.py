@@ -132,7 +132,7 @@ def _states_sigmas(flight: Flight) -> bool:
     path = flight.path
     rows = (flight.landmarks.sigma_m, path.bias_sigma_m)
     own = path.fixes is not None or any(bool(sigma.any()) for sigma in rows)
-    return own or "clock" in flight.options.parameter_sigma
+    return own or flight.options.parameter_sigma.get("clock", 0.0) > 0.0
 
 
 # The lens as the 1974 table of distortion by radius, and picks as film coordinates

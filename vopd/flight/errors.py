@@ -2,7 +2,7 @@
 
 Errors of positions and landmarks are solved for under the standard deviations that are stated,
 and what is left of them is in the solution's covariance. Those of the lens, the clock and the
-refraction are not, unless they are freed: one standard deviation of each is propagated.
+refraction are not, unless `[solve] free` names them: one standard deviation of each is propagated.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import COMMON_PART
 from vopd.flight.equations import COMPONENT, LEAST_SIGMA_M, SHIFT, Priors
 from vopd.flight.flight import CameraPath, Flight, TrackFixes
+from vopd.flight.free import free_parameters, prior_sigma
 from vopd.flight.joint import JointSolution, covariance_of_sums, propagated
 
 
@@ -25,14 +26,15 @@ def priors_of(flight: Flight) -> Priors:
     Args:
         flight: the flight
     """
+    free = {name: prior_sigma(flight, name) for name in free_parameters(flight)}
     if not flight.options.solve_position:
-        return Priors()
+        return Priors(parameter=free)
     path, landmark_m = flight.path, flight.landmarks.sigma_m
     place = np.maximum(path.bias_sigma_m, LEAST_SIGMA_M) if path.bias_sigma_m.any() else ()
     return Priors(
         path.fixes,
         landmark_m if landmark_m.any() else None,
-        dict(zip(SHIFT, place, strict=False)),
+        {**free, **dict(zip(SHIFT, place, strict=False))},
     )
 
 
@@ -121,7 +123,9 @@ def turns_by_errors(solution: JointSolution) -> dict[str, Floats]:
     """
     found = {name: _roots(one) for name, one in solution.covariance.component.items()}
     for name, change in stated_changes(solution).items():
-        found[name + COMMON_PART] = propagated(solution, change)
+        part = name + COMMON_PART
+        solved_for = [found[part]] if part in found else []
+        found[part] = np.concatenate([*solved_for, propagated(solution, change)], axis=2)
     return found
 
 

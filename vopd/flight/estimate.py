@@ -26,6 +26,7 @@ from vopd.estimate import (
 from vopd.findings import count_text
 from vopd.flight.errors import errors_of_sums, stated_changes, turns_by_errors
 from vopd.flight.flight import Flight, FrameSlots, Refraction
+from vopd.flight.free import free_text
 from vopd.flight.held import other_solutions_deg, position_ratio
 from vopd.flight.joint import JointSolution
 from vopd.flight.lines_of_sight import EARTH_RADIUS_M
@@ -216,11 +217,12 @@ SIGMA_KEYS = {
 """Where the standard deviation of each component of a flight's uncertainty is stated."""
 
 
-def flight_words(solved: SolvedFlight) -> Words:
+def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Words:
     """Choose the words for one flight.
 
     Args:
         solved: its solution
+        joint: the same, with what was solved for besides the rotations
     """
     flight = solved.flight
     conventions = {
@@ -234,6 +236,8 @@ def flight_words(solved: SolvedFlight) -> Words:
     }
     if flight.path.gimbal_deg is not None:
         conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
+    if joint is not None and joint.model.flight.options.free:
+        conventions["solved for"] = free_text(joint)
     fixes = flight.path.fixes
     if solved.landmark_m is not None and fixes is not None and fixes.weight.shape[1] > 1:
         conventions["mean"] = (
@@ -331,7 +335,7 @@ class FlightEstimates:
     """The estimates of a flight by its frames.
 
     Attributes:
-        solved: the flight and its rotations
+        solved: the flight, freed parameters as solved, and its rotations
         joint: the solution of all its unknowns, from which these are; None: of rotations alone
         reading: the reading sigma in force; None before it is known
         blocks: its frames
@@ -355,7 +359,7 @@ class FlightEstimates:
         self.origin_m = camera_m[known.argmax()] if known.any() else np.full(3, np.nan)
         self.origin_axes = local_axes(self.origin_m[None])[0]
         self.landmark_names = dict(zip(marks.number.tolist(), marks.name, strict=True))
-        self.words = flight_words(solved)
+        self.words = flight_words(solved, joint)
         self.largest_lean_deg = lean_of_verticals_deg(camera_m)
         self._made: dict[bytes, Estimate] = {}
         self._outlier: Bools | None = None  # (P,)
@@ -411,7 +415,9 @@ class FlightEstimates:
         place_m2 = joint.covariance.place_m2[part.frames]
         return replace(
             one,
-            errors=input_errors(self.solved.part(part), one, self._turns, part.frames),
+            errors=input_errors(
+                self.solved.part(part), one, self._turns, part.frames, "clock" in joint.model.names
+            ),
             moved=np.where(known, joint.moved_m[part.frames], np.nan),
             position_sigma=np.sqrt(np.einsum("fii->fi", place_m2)),
             position_ratio=self._position_ratio[part.frames],
@@ -422,7 +428,8 @@ class FlightEstimates:
         """Calculate residuals at the stated positions of picks that took no part, (F, 2L)."""
         assert self.joint is not None
         landmark = _slots(part).spread(part.flight.picks.landmark)
-        place_m = np.nan_to_num(self.joint.moved_m[part.frames])[:, :, None]
+        moved_m = self.joint.model.moved_m(self.joint.beside_free)
+        place_m = np.nan_to_num(moved_m[part.frames])[:, :, None]
         moved = (one.responses.position @ place_m)[..., 0]
         own_m = np.tile(self.joint.state.landmark_m[landmark], (1, 2, 1))
         return np.asarray(one.residual - moved - (one.responses.landmark * own_m).sum(axis=2))
@@ -543,8 +550,9 @@ def attack_angles(solved: SolvedFlight) -> AttackAngles:
 
 
 def input_errors(
-    solved: SolvedFlight, estimate: Estimate, turns: Mapping[str, Floats], frames: Ints
-) -> dict[str, InputErrors]:
+    solved: SolvedFlight, estimate: Estimate, turns: Mapping[str, Floats], frames: Ints,
+    clock_is_free: bool = False,
+) -> dict[str, InputErrors]:  # fmt: skip
     """Convert turns of the camera by errors of the inputs to those of its angles and of the body.
 
     Args:
@@ -552,14 +560,18 @@ def input_errors(
         estimate: of these frames
         turns: of all frames, about the camera's axes, (F, 3, C) each
         frames: the indices of these among all
+        clock_is_free: what is left of its error is not among the columns of the turns
     """
     by_turns = angles_by_turns(np.radians(estimate.camera_deg)) @ IMAGE_FROM_CAMERA
     found = {}
     for name, every in turns.items():
         own = every[frames]
+        late = name == "time" + COMMON_PART
+        if late and clock_is_free:
+            own = np.concatenate([np.zeros_like(own[:, :, :1]), own], axis=2)
         attack = np.zeros_like(own)
-        if name == "time" + COMMON_PART:
-            sigma_s = solved.flight.options.parameter_sigma["clock"]
+        if late:
+            sigma_s = solved.flight.options.parameter_sigma.get("clock", 0.0)
             attack[:, :, 0] = estimate.responses.attack_by_time * sigma_s
         found[name] = InputErrors(-by_turns @ own, -solved.flight.mount @ own, attack)
     return found

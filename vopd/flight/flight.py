@@ -180,6 +180,14 @@ class Shutter:
     middle: bool  # a frame's time is that of its middle row, not of the first one
 
 
+class NotHeld(NamedTuple):
+    """A parameter that was to be solved for, and that the picks do not hold: it is kept."""
+
+    name: str  # of `vopd.flight.equations`
+    sigma: float  # standard deviation that it would have after the solve
+    trades_with: tuple[str, ...]  # what would make the same images
+
+
 @dataclass(frozen=True)
 class FlightOptions:
     """How a flight is solved, and what is uncertain besides picks, landmarks and positions.
@@ -188,14 +196,16 @@ class FlightOptions:
         loss: `least-squares`, `huber` or `cauchy`
         drop_blunders: false names them and keeps them
         solve_position: false holds the positions, whatever their standard deviations
-        parameter_sigma: standard deviations of what is common to the flight, those above 0:
+        parameter_sigma: standard deviations of what is common to the flight:
             `focal`, `centre_u`, `centre_v`, px; `k1`, `k2`, `p1`, `p2`; `clock`, `readout`,
-            s; `clock_rate`, s/s; `refraction`, of the coefficient k
+            s; `clock_rate`, s/s; `refraction`, of the coefficient k; 0: it is exact
         exact: components of the uncertainty that the project calls exact, as
             `vopd.attitude.sigmas.COMPONENTS` names them
         not_stated: those of which the project and its files say nothing; `bias` among them if
             nothing says how much of a track's error is common to its fixes
         reading_sigma_px: of one pick, where the user gives it; 0 leaves it out
+        free: parameters that are solved for, by the names of `vopd.flight.free.FREE`
+        kept: those of them that the picks do not hold
     """
 
     loss: str = "least-squares"
@@ -205,6 +215,8 @@ class FlightOptions:
     exact: tuple[str, ...] = ()
     not_stated: tuple[str, ...] = ()
     reading_sigma_px: float | None = None
+    free: tuple[str, ...] = ()
+    kept: tuple[NotHeld, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

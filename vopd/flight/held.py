@@ -1,4 +1,4 @@
-"""Positions that the picks do not improve, and other positions that fit as well."""
+"""Positions and free parameters that the picks do not hold, and other positions that fit too."""
 
 from __future__ import annotations
 
@@ -7,10 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.flight.equations import LEAST_SIGMA_M, Priors, with_parameters
-from vopd.flight.flight import TrackFixes
-from vopd.flight.joint import Covariance, JointSolution, solve_jointly
-from vopd.flight.solve import FlightBlocks
+from vopd.findings import VopdError
+from vopd.flight.equations import LEAST_SIGMA_M, Model, Priors, with_parameters
+from vopd.flight.errors import priors_of
+from vopd.flight.flight import Flight, NotHeld, TrackFixes
+from vopd.flight.free import free_parameters, shown_name
+from vopd.flight.joint import Covariance, JointSolution, marginals, no_solution, solve_jointly
+from vopd.flight.normal import Factored, Normal
+from vopd.flight.solve import LOSSES, FlightBlocks, SolvedFlight
 from vopd.geometry.earth import axes_at, geodetic
 
 
@@ -107,3 +111,126 @@ def _doubtful(solution: JointSolution) -> Bools:
     total_m = np.bincount(frame, np.linalg.norm(away_m, axis=1), model.frames)
     sigma_m = np.sqrt(np.einsum("fii->fi", solution.covariance.place_prior_m2).max(axis=1))
     return np.asarray(known & (count == FEW) & (sigma_m * count > FAR * total_m))
+
+
+# Free parameters: held by the picks, or not
+
+MOST_LEFT = 0.7  # of a stated standard deviation: of a parameter that is held less is left
+HALF_WIDTH = 1.96  # of a 95 % interval, standard deviations
+TRADES = 0.95  # correlation from where on two parameters make the same images
+UNDETERMINED = 1e10  # times the variance that a parameter has where all others are known
+ANGLES = ("pitch", "yaw", "roll")
+"""Turns about the camera's right, down and forward axes."""
+
+
+def least_held(joint: JointSolution | None) -> NotHeld | None:
+    """Find the free parameter that the picks hold least; None where they hold all.
+
+    One with a stated standard deviation is held if less than `MOST_LEFT` of it is left. One
+    without is held if what is left of it, one standard deviation, moves no angle by more than
+    the half-width that the angle has with the parameter known.
+
+    Args:
+        joint: the solution of a flight
+    """
+    free = () if joint is None else free_parameters(joint.model.flight)
+    if joint is None or not free:
+        return None
+    model, sigma = joint.model, np.sqrt(np.diag(joint.factored.common))
+    turn, _, _, by_common = marginals(joint.factored)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        spread = np.sqrt(np.einsum("fii->fi", turn))[..., None] * sigma
+        with_angles = np.nan_to_num(np.abs(by_common / spread)).max(axis=0)  # (3, K)
+    between = np.abs(joint.factored.common / sigma / sigma[:, None])
+    worst, found = 1.0, None
+    for name in free:
+        k = model.names.index(name)
+        if np.isfinite(model.sigma[k]):
+            excess = float(sigma[k] / model.sigma[k] / MOST_LEFT)
+        else:
+            part = min(float(with_angles[:, k].max()) ** 2, 1.0 - 1e-12)
+            excess = float(np.sqrt(part / (1.0 - part)) / HALF_WIDTH)
+        if excess > worst:
+            trades = _trades(model, with_angles[:, k], between[k], k)
+            worst, found = excess, NotHeld(name, float(sigma[k]), trades)
+    return found
+
+
+def trading(joint: JointSolution, parameter: str) -> tuple[str, ...]:
+    """Name the parameters that make the same images as one that is held.
+
+    Args:
+        joint: the solution of a flight
+        parameter: of `vopd.flight.equations`
+    """
+    k, sigma = joint.model.names.index(parameter), np.sqrt(np.diag(joint.factored.common))
+    return _trades(joint.model, np.zeros(3), np.abs(joint.factored.common[k] / sigma / sigma[k]), k)
+
+
+def _trades(model: Model, with_angles: Floats, between: Floats, own: int) -> tuple[str, ...]:
+    """Name angles and parameters that make the same images as a parameter."""
+    names = [ANGLES[k] for k in np.flatnonzero(with_angles > TRADES)]
+    names += [
+        shown_name(name) for k, name in enumerate(model.names) if k != own and between[k] > TRADES
+    ]
+    marks = between[len(model.names) :].reshape(-1, 3).max(axis=1)
+    labels = model.flight.landmarks.name
+    names += [f"landmark:{labels[model.free[k]]}" for k in np.flatnonzero(marks > TRADES)]
+    return tuple(names)
+
+
+def undetermined(flight: Flight, left_out: Bools, first: SolvedFlight) -> NotHeld | None:
+    """Find a free parameter that the picks do not determine at all; None if there is none.
+
+    Args:
+        flight: the flight
+        left_out: picks that take no part, (P,)
+        first: its rotations with everything as it is stated
+
+    Raises:
+        VopdError: where no pick depends on a parameter, or unknowns are too many
+    """
+    free, priors = free_parameters(flight), priors_of(flight)
+    unknown = [name for name in free if not np.isfinite(priors.parameter[name])]
+    if not unknown:
+        return None
+    rotation = first.attitudes.rotation
+    solved = np.isfinite(rotation[:, 0, 0])
+    used = first.used & (first.attitudes.weight > 0.0) & ~left_out
+    model = Model(flight, priors, used, solved, flight.picks.sigma_px, loss=LOSSES["least-squares"])
+    _check_enough(model, len(unknown))
+    known = np.where(solved[:, None, None], rotation, np.eye(3))
+    normal = Normal(model, model.start(known))
+    own = np.diag(normal.common).copy()
+    where = [model.names.index(name) for name in unknown]
+    for name, k in zip(unknown, where, strict=True):
+        if not own[k] > 0.0:
+            raise VopdError(
+                f"{flight.source}: free {shown_name(name)}: no pick depends on it; leave it out"
+            )
+    model.common_sigma[where] = np.sqrt(10.0 * UNDETERMINED / own[where])
+    try:
+        common = Factored(normal).common
+    except np.linalg.LinAlgError as error:
+        raise no_solution(flight) from error
+    inflated = np.diag(common)[where] * own[where]
+    worst = int(inflated.argmax())
+    if not inflated[worst] > UNDETERMINED:
+        return None
+    sigma = np.sqrt(np.diag(common))
+    between = np.abs(common / sigma / sigma[:, None])
+    trades = _trades(model, np.zeros(3), between[where[worst]], where[worst])
+    return NotHeld(unknown[worst], float("inf"), trades)
+
+
+def _check_enough(model: Model, unknown: int) -> None:
+    """Refuse more unknowns than observations."""
+    observed, turns = 2 * len(model.pick), 3 * model.solved
+    if observed - turns < unknown:
+        source = model.flight.source
+        raise VopdError(
+            f"{source}: {unknown} free parameters have no standard deviation, and the picks leave "
+            f"{max(observed - turns, 0)} numbers beside the angles ({observed} coordinates, "
+            f"{turns} angles): pick more landmarks a frame, or state standard deviations under "
+            "[uncertainty]"
+        )

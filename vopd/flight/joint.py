@@ -15,8 +15,9 @@ import numpy as np
 from vopd.arrays import Array, Bools, Floats
 from vopd.estimate import COMMON_PART
 from vopd.findings import VopdError
-from vopd.flight.equations import Model, Priors, Readout, State
+from vopd.flight.equations import SHIFT, Model, Priors, Readout, State
 from vopd.flight.flight import Flight
+from vopd.flight.free import free_parameters
 from vopd.flight.normal import Factored, Normal, RightSide, pairs
 from vopd.flight.solve import LOSSES, NOISE_AT_MOST_RAD, SolvedFlight, solve
 
@@ -56,12 +57,19 @@ class JointSolution:
         try:
             return Factored(self.normal)
         except np.linalg.LinAlgError as error:
-            raise _no_solution(self.model.flight) from error
+            raise no_solution(self.model.flight) from error
 
     @cached_property
     def covariance(self) -> Covariance:
         """The covariances of rotations and places, by component."""
         return covariance(self)
+
+    @property
+    def beside_free(self) -> State:
+        """The errors that were solved for, without those of freed parameters: they are taken as
+        solved in all tests of residuals."""
+        free = np.isin(self.model.names, free_parameters(self.model.flight))
+        return self.state._replace(parameter=np.where(free, 0.0, self.state.parameter))
 
     @property
     def moved_m(self) -> Floats:
@@ -70,12 +78,13 @@ class JointSolution:
 
     @cached_property
     def stated_residual(self) -> Floats:
-        """Residuals at the stated places, landmarks and parameters, (P, 2), linearised here.
+        """Residuals at the stated places and landmarks, (P, 2), linearised here.
 
         They are the joint residuals and what the errors that were solved for do in the image.
-        With the marginal weights they have the cost of the joint solution.
+        With the marginal weights they have the cost of the joint solution. Parameters that were
+        freed stay as solved.
         """
-        model, state = self.model, self.state
+        model, state = self.model, self.beside_free
         common = np.concatenate([state.parameter, state.landmark_m[model.free].ravel()])
         place = np.zeros((model.frames, 3, 1))
         if model.priors.fixes is not None:
@@ -119,7 +128,7 @@ def solve_jointly(
     try:
         normal, turn, passes = _descend(model, state)
     except np.linalg.LinAlgError as error:
-        raise _no_solution(flight) from error
+        raise no_solution(flight) from error
     weight = np.zeros_like(weight)
     weight[model.pick] = normal.weight * model.scale**2
     attitudes = first.attitudes._replace(
@@ -152,7 +161,12 @@ def _check_size(model: Model) -> None:
         )
 
 
-def _no_solution(flight: Flight) -> VopdError:
+def no_solution(flight: Flight) -> VopdError:
+    """Make the error of a flight whose equations have no solution.
+
+    Args:
+        flight: the flight
+    """
     return VopdError(
         f"{flight.source}: the equations of its positions and landmarks have no solution within "
         'rounding; [solve] position = "fixed" holds both where they are stated'
@@ -166,7 +180,8 @@ def widened(flight: Flight, priors: Priors) -> Flight:
     """
     if flight.options.loss == "least-squares":
         return flight
-    further = sum(priors.parameter.get(name, 0.0) ** 2 for name in ("east", "north", "up")) / 3.0
+    place = [priors.parameter.get(name, 0.0) for name in SHIFT]
+    further = sum(one**2 for one in place if np.isfinite(one)) / 3.0
     if priors.fixes is not None:
         further += float((priors.fixes.frame_sigma_m**2).mean())
     own = np.full(len(flight.landmarks.name), further)
@@ -250,7 +265,7 @@ def _check_observed(model: Model, normal: Normal) -> None:
 
 # Covariances
 
-UNKNOWN_M = 1e6  # stands for a prior standard deviation that is infinite
+UNKNOWN_M = 1e3  # a move of cameras that stands for that of an infinite standard deviation
 DERIVATIVE = 1e-30  # imaginary part that carries a derivative: its square is nothing
 
 
@@ -278,21 +293,21 @@ def covariance(solution: JointSolution) -> Covariance:
     factored = solution.factored
     if model.priors.fixes is not None:
         factored = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE)
-    turn, place, mixed, by_common = _marginals(factored)
+    turn, place, mixed, by_common = marginals(factored)
     component = _by_component(model, by_common)
     if model.priors.fixes is not None:
         component["position"] = np.asarray(-turn.imag / DERIVATIVE)
         between = model.priors.fixes.between
         if between is not None:
             gaps = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE * between[:, None])
-            component["interpolation"] = np.asarray(-_marginals(gaps)[0].imag / DERIVATIVE)
+            component["interpolation"] = np.asarray(-marginals(gaps)[0].imag / DERIVATIVE)
             component["position"] -= component["interpolation"]
     total = np.asarray(turn.real)
     given = sum(component.values(), np.zeros_like(total))
     reading = total - given
     if robust:  # a pick of weight w has the variance w^2, and its part is as much less
         varied = Factored(Normal(model, solution.state, carry=1j * DERIVATIVE))
-        reading = -_marginals(varied)[0].imag / DERIVATIVE
+        reading = -marginals(varied)[0].imag / DERIVATIVE
     component = {"reading": reading} | component
     return Covariance(given + reading, component, place.real, _prior_places(model), mixed.real)
 
@@ -307,8 +322,11 @@ def _by_component(model: Model, by_common: Floats) -> dict[str, Floats]:
     return found
 
 
-def _marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
+def marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
     """Estimate covariances of turns, places, both (F, 3, 3), of turns and what is common (F, 3, K).
+
+    Args:
+        factored: the normal equations
 
     A turn is u - Gx x - Gc c, with u by the readings of its own frame; the place is x = x0 - Z c
     with x0 by the fixes. So the turn is u - Gx x0 - E c with E = Gc - Gx Z.
@@ -362,8 +380,10 @@ def _places_by_fixes(factored: Factored) -> Array:
 
 def _prior_places(model: Model) -> Floats:
     """Add up prior covariances of the frames' places, east, north, up (F, 3, 3)."""
-    sigma = np.where(np.isfinite(model.common_sigma), model.common_sigma, UNKNOWN_M)
-    by = model.place_by_common(np.arange(model.frames)) * sigma
+    by = model.place_by_common(np.arange(model.frames))
+    most = np.abs(by).max(axis=(0, 1), initial=0.0)
+    unknown = UNKNOWN_M / np.where(most > 0.0, most, 1.0)
+    by = by * np.where(np.isfinite(model.common_sigma), model.common_sigma, unknown)
     out = by @ by.swapaxes(1, 2)
     if model.priors.fixes is not None:
         out[:, np.arange(3), np.arange(3)] += model.priors.fixes.frame_sigma_m**2

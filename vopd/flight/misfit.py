@@ -154,7 +154,8 @@ def significant_errors(joint: JointSolution, known: bool, larger: float = 1.0) -
         right = right[fixed:] - square[fixed:, :fixed] @ by_stated[:, -1]
         square = square[fixed:, fixed:] - square[fixed:, :fixed] @ by_stated[:, :-1]
     model = joint.model
-    freedom = 2.0 * len(model.pick) - 3.0 * model.solved
+    free = (~np.isfinite(model.common_sigma)).sum()
+    freedom = 2.0 * len(model.pick) - 3.0 * model.solved - free
     power = (trial**2).sum(axis=(0, 1))
     found = []
     for one in errors:

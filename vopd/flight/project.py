@@ -214,6 +214,9 @@ KEYS: tuple[Key, ...] = (
     Key("solve", "position", "text", '"solve"', "solve (within its sigma_m) or fixed",
         "`solve` finds positions within their standard deviations, `fixed` holds them",
         default="solve", choices=("solve", "fixed")),
+    Key("solve", "free", "texts", '[]', 'solved for too: ["focal", "k1", "clock"], docs/adjust.md',
+        "parameters that all frames are solved for together, by the names of "
+        "[`vopd adjust`](adjust.md): `[\"focal\", \"clock\"]`"),
     Key("uncertainty", "focal_rel", "sigma", "0.001", "of the focal length, as a part of it",
         "standard deviation of the focal length, as a part of it"),
     Key("uncertainty", "principal_px", "sigma", "[1.0, 1.0]", "of the principal point",

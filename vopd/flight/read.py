@@ -28,6 +28,7 @@ from vopd.flight.formats.lens import (
 )
 from vopd.flight.formats.picks import PICK_FORMATS, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
+from vopd.flight.free import check_free
 from vopd.flight.project import Project, Section, read_project
 from vopd.flight.stated import Notes, RowSigmas, flight_options, refuse_missing, row_sigmas
 from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
@@ -357,7 +358,7 @@ def flight_of(project: Project) -> Flight:
     findings += [Finding(doubt, name, severity="warning") for doubt in path.doubts]
     findings += frames_uncovered(project, camera, label)
     refraction = refraction_of(project.section("atmosphere"))
-    return Flight(
+    flight = Flight(
         name=project.section("flight").text("name"),
         source=name,
         lens=lens.lens,
@@ -380,6 +381,8 @@ def flight_of(project: Project) -> Flight:
         ),
         findings=tuple(findings),
     )
+    check_free(flight)
+    return flight
 
 
 def _all_as_one(project: Project) -> bool:

@@ -25,7 +25,9 @@ from vopd.flight.estimate import (
     vehicle_angles,
 )
 from vopd.flight.flight import Flight, frame_label, pick_label
-from vopd.flight.joint import JointSolution, solve_jointly
+from vopd.flight.free import as_solved, free_parameters, not_held_findings, without_parameter
+from vopd.flight.held import least_held, undetermined
+from vopd.flight.joint import JointSolution, solve_jointly, widened
 from vopd.flight.misfit import flight_findings
 from vopd.flight.read import read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
@@ -60,8 +62,18 @@ class FlightResult:
 
     @property
     def flight(self) -> Flight:
-        """The flight as read from the project's files."""
+        """The flight as read from the project's files; freed parameters have the values solved."""
         return self.estimates.flight
+
+    @property
+    def read(self) -> Flight:
+        """The flight with all parameters as they are stated."""
+        joint = self.estimates.joint
+        if joint is None or not joint.model.flight.options.free:
+            return self.flight
+        stated = joint.model.flight
+        picks = stated.picks.with_sigma(self.flight.picks.one_sigma_px)
+        return replace(stated, picks=picks)
 
     @cached_property
     def estimate(self) -> Estimate:
@@ -141,8 +153,9 @@ class FlightResult:
         """
         from vopd.attitude.long_history import history_of_long_job
 
-        flight = with_sigmas(self.flight, options.sigmas)
-        if flight is not self.flight:
+        read = self.read
+        flight = with_sigmas(read, options.sigmas)
+        if flight is not read:
             rest = replace(options.sigmas, **dict.fromkeys(SOLVED_WITH, 0.0), reading=None)
             own = replace(options, sigmas=rest)
             return solve_flight_read(flight).history_parts(own)
@@ -210,11 +223,14 @@ def solve_flight_read(flight: Flight) -> FlightResult:
     """
     require_two_landmarks(flight)
     gross = gross_picks(flight)
-    estimates, read = settled(flight, gross), flight
-    if flight.shutter is not None and flight.path.turning_rad_s is None:
+    read = flight
+    flight, estimates = settled_as_held(read, gross)
+    if read.shutter is not None and read.path.turning_rad_s is None:
         for _ in range(ROUNDS_OF_ROWS):
-            flight = picks_at_frame_times(read, estimates.solved)
-            estimates = settled(flight, gross)
+            read = replace(read, options=flight.options)
+            shifted = picks_at_frame_times(read, estimates.solved)
+            flight, estimates = settled_as_held(shifted, gross)
+    read = replace(read, options=flight.options)
     found, without = find_blunders(
         estimates, gross, lambda out, before: settled(flight, out, before.joint)
     )
@@ -222,12 +238,40 @@ def solve_flight_read(flight: Flight) -> FlightResult:
         estimates = without or settled(flight, found.left_out, estimates.joint)
     elif gross.any():
         estimates = settled(flight, np.zeros_like(gross), estimates.joint)
+    more = least_held(estimates.joint)
+    if more is not None:
+        return solve_flight_read(without_parameter(read, more))
     solved = estimates.solved
     estimates.mark_outliers(found.pick & solved.used)
-    findings = blunder_findings(found, flight)
+    findings = [*not_held_findings(flight), *blunder_findings(found, flight)]
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
     doubts, misfits = flight_findings(flight, estimates)
     return FlightResult(estimates, (*flight.findings, *findings, *doubts), misfits)
+
+
+def settled_as_held(flight: Flight, left_out: Bools) -> tuple[Flight, FlightEstimates]:
+    """Solve a flight for those of its free parameters that the picks hold.
+
+    The one that is held least is kept as it is stated, and the flight solved again, until all that
+    are left are held.
+
+    Args:
+        flight: the flight
+        left_out: picks that take no part, (P,)
+
+    Returns:
+        The flight with the parameters that are kept, and its solution.
+    """
+    first = None
+    if free_parameters(flight):
+        first = solve(widened(flight, priors_of(flight)), left_out)
+        while (lost := undetermined(flight, left_out, first)) is not None:
+            flight = without_parameter(flight, lost)
+    estimates = settled(flight, left_out, first=first)
+    while (worst := least_held(estimates.joint)) is not None:
+        flight = without_parameter(flight, worst)
+        estimates = settled(flight, left_out)
+    return flight, estimates
 
 
 ROUNDS = 12  # of a solve with another reading sigma
@@ -237,8 +281,9 @@ REJECTED = 1.5  # times the stated reading sigma, from where on that is not beli
 
 
 def settled(
-    flight: Flight, left_out: Bools, before: JointSolution | None = None
-) -> FlightEstimates:
+    flight: Flight, left_out: Bools, before: JointSolution | None = None,
+    first: SolvedFlight | None = None,
+) -> FlightEstimates:  # fmt: skip
     """Solve a flight, with its positions and landmarks as far as they are uncertain.
 
     They have the more weight the larger the reading sigma is. One that is not stated is estimated
@@ -248,10 +293,11 @@ def settled(
         flight: the flight
         left_out: picks that take no part, (P,)
         before: the solution with fewer picks left out
+        first: its rotations with everything as it is stated
     """
     priors, robust = priors_of(flight), flight.options.loss != "least-squares"
     start = before.state if before is not None and before.passes else None
-    same = None
+    same = first
     if before is not None and not before.passes:
         same = solve(flight, left_out, before=before.solved)
     joint = solve_jointly(flight, priors, ~left_out, start, first=same)
@@ -267,7 +313,17 @@ def settled(
             same = joint.solved if joint.passes and not robust else None
             scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))
             joint = solve_jointly(scaled, priors, ~left_out, start, first=same)
-    return FlightEstimates(replace(joint.solved, flight=flight), joint, reading)
+    return FlightEstimates(replace(joint.solved, flight=as_solved(flight, joint)), joint, reading)
+
+
+def estimates_of(joint: JointSolution) -> FlightEstimates:
+    """Estimate a flight that has been solved.
+
+    Args:
+        joint: its solution
+    """
+    solved = joint.solved
+    return FlightEstimates(replace(solved, flight=as_solved(solved.flight, joint)), joint)
 
 
 def stated_reading(joint: JointSolution) -> JobReadingSigma | None:
@@ -280,7 +336,7 @@ def stated_reading(joint: JointSolution) -> JobReadingSigma | None:
     Args:
         joint: of a flight solved with it
     """
-    flight, estimates = joint.solved.flight, FlightEstimates(joint.solved, joint)
+    flight, estimates = joint.solved.flight, estimates_of(joint)
     given, stated = flight.options.reading_sigma_px, flight.picks.one_sigma_px
     if given is None and not flight.picks.stated:
         return None
@@ -300,7 +356,7 @@ def residual_reading(joint: JointSolution) -> JobReadingSigma:
     Args:
         joint: of a solved flight
     """
-    estimates = FlightEstimates(joint.solved, joint)
+    estimates = estimates_of(joint)
     found = sampled_reading_sigma(estimates.layout, estimates.of, Sigmas())
     if found.source == "repeated":
         return found

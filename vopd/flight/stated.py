@@ -170,9 +170,10 @@ def flight_options(
         loss=solve.text("loss"),
         drop_blunders=solve.text("blunders") == "drop",
         solve_position=solve.text("position") == "solve",
-        parameter_sigma={name: sigma for name, sigma in found.items() if sigma > 0.0},
+        parameter_sigma=found,
         exact=tuple(name for name, size in sizes.items() if size == 0.0),
         not_stated=tuple(name for name, size in sizes.items() if size is None),
+        free=tuple(dict.fromkeys(solve.texts("free"))),
     )
 
 

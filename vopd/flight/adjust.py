@@ -1,0 +1,172 @@
+"""Joint adjustment of a flight: what all frames know together of lens, clock and landmarks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from os import PathLike
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.flight.flight import Flight
+from vopd.flight.free import (
+    FREE,
+    UNIT,
+    check_free,
+    free_landmarks,
+    prior_sigma,
+    shown_name,
+    stated_value,
+    unit_factor,
+)
+from vopd.flight.held import trading
+from vopd.flight.joint import JointSolution
+from vopd.flight.read import read_flight
+from vopd.flight.result import FlightResult, solve_flight_read
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter that was to be free, in a table's units.
+
+    Attributes:
+        name: as a table has it: `focal`, `centre_u`, `landmark:NAME east`
+        unit: of all numbers; empty: a number
+        before: as stated
+        after: as solved; as stated if it is not held
+        sigma_before: prior standard deviation; infinite: none is stated
+        sigma_after: standard deviation after the solve; the prior one if it is not held
+        held: whether the picks hold it
+        trades_with: angles and parameters that make the same images
+    """
+
+    name: str
+    unit: str
+    before: float
+    after: float
+    sigma_before: float
+    sigma_after: float
+    held: bool
+    trades_with: tuple[str, ...] = ()
+
+    @property
+    def moved(self) -> float:
+        """The move in standard deviations: prior ones, or those after if none is stated."""
+        known = np.isfinite(self.sigma_before) and self.sigma_before > 0.0
+        sigma = self.sigma_before if known else self.sigma_after
+        return (self.after - self.before) / sigma if sigma > 0.0 else float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class Adjustment:
+    """A flight solved with some of its parameters free.
+
+    Attributes:
+        result: the solved flight
+        parameters: that were to be free, in the order of `FREE`, then landmarks, K of them
+        covariance: after the solve, in the units of the table, (K, K); of one that is not held
+            the stated variance, NaN where none is stated
+    """
+
+    result: FlightResult
+    parameters: tuple[Parameter, ...]
+    covariance: Floats
+
+    @property
+    def correlation(self) -> Floats:
+        """Correlations after the solve, (K, K); NaN with a parameter that is not known."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            sigma = np.sqrt(np.diag(self.covariance))
+            return np.asarray(self.covariance / sigma / sigma[:, None])
+
+
+def adjust(source: Flight | str | PathLike[str], free: Sequence[str]) -> Adjustment:
+    """Solve a flight with some of its parameters free.
+
+    Args:
+        source: the path of the project file, `flight.toml`, or the flight as it was read
+        free: names of parameters: `focal`, `k1`, `clock`, ... (docs/adjust.md), `landmarks` or
+            `landmark:NAME`
+
+    Raises:
+        VopdError: where a file cannot be read, a name is not known, or the flight has no such
+            parameter
+    """
+    flight = source if isinstance(source, Flight) else read_flight(str(source))
+    names = tuple(dict.fromkeys(free))
+    freed = replace(flight, options=replace(flight.options, free=names, kept=()))
+    check_free(freed)
+    return adjustment_of(solve_flight_read(freed))
+
+
+def adjustment_of(result: FlightResult) -> Adjustment:
+    """Tabulate the free parameters of a solved flight.
+
+    Args:
+        result: the flight
+    """
+    joint = result.estimates.joint
+    assert joint is not None
+    flight = joint.model.flight
+    kept = {one.name: one for one in flight.options.kept}
+    wanted = [
+        p for name, row in FREE.items() if name in flight.options.free for p in row.parameters
+    ]
+    found, at, factors = [], [], []
+    for name in wanted:
+        factor, before = unit_factor(flight, name), stated_value(flight, name)
+        prior = factor * prior_sigma(flight, name)
+        unit, shown = UNIT.get(name, ""), shown_name(name)
+        factors.append(factor)
+        if name in kept or name not in joint.model.names:
+            trades = kept[name].trades_with if name in kept else ()
+            found.append(Parameter(shown, unit, before, before, prior, prior, False, trades))
+            at.append(-1)
+            continue
+        at.append(joint.model.names.index(name))
+        after = before + factor * float(joint.state.parameter[at[-1]])
+        sigma = factor * float(np.sqrt(joint.factored.common[at[-1], at[-1]]))
+        found.append(
+            Parameter(shown, unit, before, after, prior, sigma, True, trading(joint, name))
+        )
+    marks, marks_at = _landmarks(joint)
+    found += marks
+    factors += [1.0] * len(marks)
+    return Adjustment(result, tuple(found), _covariance(joint, [*at, *marks_at], factors, found))
+
+
+def _landmarks(joint: JointSolution) -> tuple[list[Parameter], list[int]]:
+    """Tabulate the coordinates of landmarks, and where they are among what is common."""
+    model, found, at = joint.model, [], []
+    flight, free = model.flight, model.free.tolist()
+    for k in free_landmarks(flight):
+        if k not in free:
+            continue
+        for axis, name in enumerate(("east", "north", "up")):
+            where = len(model.names) + 3 * free.index(k) + axis
+            sigma = float(np.sqrt(joint.factored.common[where, where]))
+            prior = float(flight.landmarks.sigma_m[k, axis])
+            if not prior > 0.0:
+                continue
+            shown = f"landmark:{flight.landmarks.name[k]} {name}"
+            moved = float(joint.state.landmark_m[k, axis])
+            found.append(Parameter(shown, "m", 0.0, moved, prior, sigma, True))
+            at.append(where)
+    return found, at
+
+
+def _covariance(
+    joint: JointSolution, at: list[int], factors: list[float], found: list[Parameter]
+) -> Floats:
+    """Take the covariance of the table's parameters from that of all that is common, (K, K)."""
+    index, scale = np.array(at, dtype=np.int64), np.array(factors)
+    known = index >= 0
+    out = np.zeros((len(index), len(index)))
+    both = np.ix_(known, known)
+    common = joint.factored.common[np.ix_(index[known], index[known])]
+    out[both] = common * scale[known] * scale[known, None]
+    for k in np.flatnonzero(~known):
+        prior = found[k].sigma_before
+        out[k, k] = prior**2 if np.isfinite(prior) else np.nan
+    return out
