@@ -235,6 +235,9 @@ class Model:
         own = np.maximum(stated[self.free], LEAST_SIGMA_M).ravel()
         self.common_sigma = np.concatenate([self.sigma, own])
         self.component = [COMPONENT[name] for name in self.names] + ["landmark"] * len(own)
+        # where landmarks are in what is common; those that are exact are behind it
+        self._column = np.full(len(stated), len(self.common_sigma))
+        self._column[self.free] = len(self.names) + 3 * np.arange(len(self.free))
         self.fix_sigma_m = np.zeros((0, 3))
         if priors.fixes is not None:
             self.fix_sigma_m = np.maximum(priors.fixes.sigma_m, LEAST_SIGMA_M)
@@ -353,6 +356,28 @@ class Model:
             yield self._linearised(
                 state, lens, frames, picks, away_m, camera, height_m[landmark]
             )  # fmt: skip
+
+    def further(self, rows: LinearisedPicks) -> tuple[Floats, Ints]:
+        """Concatenate the rows by all unknowns but the turns (B, 2n, q), with their index.
+
+        They are the camera's place by the fixes, if it is not exact, the parameters, and the
+        landmarks of the frame, if any is free; the index is of those in common.
+
+        Args:
+            rows: of some frames
+        """
+        count, n = rows.picks.shape
+        parts = [] if self.priors.fixes is None else [rows.by_place.reshape(count, 2 * n, 3)]
+        parts.append(rows.by_parameter.reshape(count, 2 * n, len(self.names)))
+        index = np.tile(np.arange(len(self.names)), (count, 1))
+        if len(self.free):
+            own = np.zeros((count, n, 2, n, 3))
+            at = np.arange(n)
+            own[:, at, :, at] = rows.by_landmark.swapaxes(0, 1)
+            parts.append(own.reshape(count, 2 * n, 3 * n))
+            column = self._column[self.landmark[rows.picks]]
+            index = np.hstack([index, (column[..., None] + np.arange(3)).reshape(count, 3 * n)])
+        return np.concatenate(parts, axis=2), index
 
     def _linearised(
         self, state: State, lens: Lens, frames: Ints, picks: Ints, away_m: Floats,

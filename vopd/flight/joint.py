@@ -338,7 +338,7 @@ def marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
     turn, place, mixed = (np.full((frames, 3, 3), unknown, kind) for _ in range(3))
     by_common = np.full((frames, 3, size), np.nan)
     through = fixes.at_frames(factored.back) if fixes is not None else np.zeros((frames, 3, size))
-    own = _places_by_fixes(factored)
+    own = places_by_fixes(factored)
     for one in normal.parts:
         gains = one.inverse @ one.mixed
         by_place = np.zeros((len(one.frames), 3, 3))
@@ -358,8 +358,12 @@ def marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
     return turn, place, mixed, by_common
 
 
-def _places_by_fixes(factored: Factored) -> Array:
-    """Estimate covariances of the places by the fixes, what is common being known (F, 3, 3)."""
+def places_by_fixes(factored: Factored) -> Array:
+    """Estimate covariances of the places by the fixes, what is common being known (F, 3, 3).
+
+    Args:
+        factored: the normal equations
+    """
     fixes = factored.fixes
     if fixes is None or factored.chain is None:
         return np.zeros((factored.model.frames, 3, 3))

@@ -77,8 +77,6 @@ class Normal:
         kind = np.result_type(np.float64, type(carry)) if carry else np.dtype(np.float64)
         self.size = len(model.common_sigma)
         self._wide = self.size + 3  # landmarks that are exact write into the last three
-        self._column = np.full(len(model.flight.landmarks.name), self.size)
-        self._column[model.free] = len(model.names) + 3 * np.arange(len(model.free))
         self.fixes = model.priors.fixes
         self.residual, self.weight = np.zeros((len(model.pick), 2)), np.ones(len(model.pick))
         self.place = np.zeros((model.frames, 3, 3), kind)
@@ -112,7 +110,7 @@ class Normal:
         self.residual[rows.picks], self.weight[rows.picks] = rows.residual, weight
         if not np.isfinite(self.cost):
             return
-        further, index = self._further(rows)
+        further, index = self.model.further(rows)
         count, n = rows.picks.shape
         turn = rows.by_turn.reshape(count, 2 * n, 3)
         across, across_further = turn.swapaxes(1, 2), further.swapaxes(1, 2)
@@ -139,21 +137,6 @@ class Normal:
             left = self._hand_on(rows.frames, left, index)
         _add(self._right, index, right_further)
         _add(self._common, index[:, :, None] * self._wide + index[:, None], left)
-
-    def _further(self, rows: LinearisedPicks) -> tuple[Floats, Ints]:
-        """Concatenate the rows by all unknowns but the turns (B, 2n, q), with their index."""
-        model, (count, n) = self.model, rows.picks.shape
-        parts = [] if self.fixes is None else [rows.by_place.reshape(count, 2 * n, 3)]
-        parts.append(rows.by_parameter.reshape(count, 2 * n, len(model.names)))
-        index = np.tile(np.arange(len(model.names)), (count, 1))
-        if len(model.free):
-            own = np.zeros((count, n, 2, n, 3))
-            at = np.arange(n)
-            own[:, at, :, at] = rows.by_landmark.swapaxes(0, 1)
-            parts.append(own.reshape(count, 2 * n, 3 * n))
-            column = self._column[model.landmark[rows.picks]]
-            index = np.hstack([index, (column[..., None] + np.arange(3)).reshape(count, 3 * n)])
-        return np.concatenate(parts, axis=2), index
 
     def _weighted(
         self, rows: LinearisedPicks, turn: Floats, further: Floats, weight: Floats, z: Floats
@@ -203,7 +186,7 @@ class Normal:
             own = values[rows.picks].reshape(count, 2 * n, k)
             turn[rows.frames] = rows.by_turn.reshape(count, 2 * n, 3).swapaxes(1, 2) @ own
             place[rows.frames] = rows.by_place.reshape(count, 2 * n, 3).swapaxes(1, 2) @ own
-            further, index = self._further(rows)
+            further, index = self.model.further(rows)
             by_further = (further.swapaxes(1, 2) @ own)[:, further.shape[2] - index.shape[1] :]
             _add(common, index[..., None] * k + np.arange(k), by_further)
         fix = np.zeros((*self.model.fix_sigma_m.shape, k))
@@ -222,7 +205,7 @@ class Normal:
         padded = np.concatenate([common, np.zeros((3, k))])
         for rows in self.model.rows(self.state):
             count, n = rows.picks.shape
-            further, index = self._further(rows)
+            further, index = self.model.further(rows)
             moved = padded[index]
             if self.fixes is not None:
                 moved = np.concatenate([place[rows.frames], moved], axis=1)
