@@ -202,16 +202,27 @@ def weighed(joint: JointSolution, change: Floats) -> tuple[Floats, Floats]:
     Returns:
         X'WX (k, k) and X'Wr (k,).
     """
+    left, normal, k = unfollowed(joint, change), joint.normal, change.shape[2]
+    square = change.reshape(-1, k).T @ left.reshape(-1, k)
+    right = np.einsum("pik,pi->k", change * normal.weight[:, None, None], normal.residual)
+    return (square + square.T) / 2.0, right
+
+
+def unfollowed(joint: JointSolution, change: Floats) -> Floats:
+    """Take from changes of the images what the unknowns follow of them, weighted, (P, 2, k).
+
+    Args:
+        joint: the solution of a flight
+        change: of the computed images, in standard deviations of the picks, (P, 2, k)
+    """
     normal = joint.normal
     weighted = change * normal.weight[:, None, None]
     turn, fix, common = joint.factored.solve(normal.right_side(weighted))
     place = np.zeros_like(turn)
     if normal.fixes is not None:
         place = normal.fixes.at_frames(fix)
-    left = weighted - normal.seen(turn, place, common) * normal.weight[:, None, None]
-    k = change.shape[2]
-    square = change.reshape(-1, k).T @ left.reshape(-1, k)
-    return (square + square.T) / 2.0, np.einsum("pik,pi->k", weighted, normal.residual)
+    followed = normal.seen(turn, place, common) * normal.weight[:, None, None]
+    return np.asarray(weighted - followed)
 
 
 def _moves_an_angle(joint: JointSolution, trial: Floats, stated: Floats, one: Significant) -> bool:

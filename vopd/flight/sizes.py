@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import chdtrc
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Array, Bools, Floats
 from vopd.flight.joint import DERIVATIVE, JointSolution
 from vopd.flight.normal import Factored
 
@@ -27,17 +27,27 @@ def explained(solution: JointSolution) -> dict[str, float]:
     return found
 
 
-def fix_variances(factored: Factored) -> Floats:
+def fix_variances(factored: Factored) -> Array:
     """Calculate variances of the fixes' errors after the solve (J, 3).
 
     Args:
         factored: the normal equations
     """
-    assert factored.chain is not None
+    return np.asarray(np.einsum("jii->ji", fix_covariances(factored)))
+
+
+def fix_covariances(factored: Factored) -> Array:
+    """Calculate covariances of each fix's errors after the solve, east, north, up, (J, 3, 3).
+
+    Args:
+        factored: the normal equations
+    """
+    assert factored.chain is not None and factored.fixes is not None
     diagonal, _ = factored.chain.selected_inverse()
-    own = np.einsum("jii->ji", diagonal).reshape(-1, 3)
-    back = factored.back
-    through = ((back @ factored.common) * back).sum(axis=2)
+    together = factored.fixes.together
+    blocks = diagonal.reshape(-1, together, 3, together, 3)
+    own = np.einsum("bkikj->bkij", blocks).reshape(-1, 3, 3)
+    through = (factored.back @ factored.common) @ factored.back.swapaxes(1, 2)
     return np.asarray((own + through)[: len(factored.model.fix_sigma_m)])
 
 
