@@ -15,19 +15,22 @@ from scipy.stats import chi2
 from tests.kit.joint_flights import (
     LENS,
     NED_FROM_ENU,
+    Dense,
     LensTruth,
     at_frames,
     axes,
     drone,
     flight_of,
+    random_problem,
+    scaled_close,
     turned_out,
 )
 from tests.tolerances import assert_close, within
 from vopd.arrays import Bools, Floats
 from vopd.estimate import COMMON_PART
 from vopd.findings import VopdError
-from vopd.flight.equations import Priors, Readout
-from vopd.flight.flight import Flight, Refraction, TrackFixes
+from vopd.flight.equations import Priors
+from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.joint import (
     JointSolution,
     covariance,
@@ -46,116 +49,6 @@ from vopd.flight.solve import CAUCHY, HUBER, LOSSES, solve
 NAMES = ("least-squares", "huber", "cauchy")
 
 # Elimination, against dense matrices of the same rows
-
-
-def random_problem(
-    rng: np.random.Generator, width: int, loss: str, rolling: bool
-) -> tuple[Flight, Priors, Readout | None]:
-    """A drone of which everything may be wrong; each frame between `width` fixes.
-
-    Of three the middle one may be the curvature of a gap.
-    """
-    scene = drone(rng, 8, 5, seen=0.9)
-    fixes = None
-    if width:
-        first, weight = np.sort(rng.integers(0, 5, 8)), rng.dirichlet(np.ones(width), 8)
-        gaps = np.arange(4 + width) % 2 == 1 if width == 3 else None
-        fixes = TrackFixes(first, weight, np.tile([1.0, 1.0, 2.0], (4 + width, 1)), gaps)
-    marks = np.array([[0.1] * 3, [0.0] * 3, [2.0] * 3, [0.05] * 3, [0.1, 0.1, 0.0]])
-    drawn = {"focal": 5.0, "k1": 0.01, "centre_u": 3.0, "clock": 0.05}
-    flight = flight_of(
-        rng, scene, 1.0, Priors(fixes, marks, drawn), velocity_m_s=(3.0, 4.0, 0.5), loss=loss
-    )
-    others = {"refraction": 0.1, "p1": 1e-3, "aspect": 1e-3, "clock_rate": 1e-4, "east": 0.5}
-    arm_m, readout = np.array([0.3, 0.2, -0.1]), None
-    flight = replace(flight, refraction=Refraction(), path=replace(flight.path, lever_arm_m=arm_m))
-    if rolling:
-        others["readout"] = 0.003
-        part = rng.uniform(-0.5, 0.5, len(scene.frame))
-        readout = Readout(0.01, part, rng.normal(0.0, 0.3, (8, 3)))
-    return flight, Priors(fixes, marks, drawn | others), readout
-
-
-class Dense:
-    """The equations of a solution's picks as one matrix: turns, fixes, then what is common."""
-
-    def __init__(self, solution: JointSolution) -> None:
-        model = solution.model
-        fixes, self.frames = model.priors.fixes, model.frames
-        count = 3 * self.frames + model.fix_sigma_m.size + len(model.common_sigma)
-        self.common = count - len(model.common_sigma)  # where it begins
-        self.rows = np.zeros((2 * len(model.pick), count))
-        self.residual = np.zeros(2 * len(model.pick))
-        self.place = np.zeros((self.frames, 3, count))  # of the cameras, by all unknowns
-        for frame in range(self.frames):
-            if fixes is not None:
-                for slot, weight in enumerate(fixes.weight[frame]):
-                    at = 3 * self.frames + 3 * (fixes.first[frame] + slot)
-                    self.place[frame, :, at : at + 3] += weight * np.eye(3)
-            by = model.velocity_m_s[frame]
-            for column, name in enumerate(model.names, self.common):
-                if name in ("east", "clock", "clock_rate"):
-                    since = frame / 30.0 - (self.frames - 1) / 60.0
-                    own = {"east": [1.0, 0.0, 0.0], "clock": by, "clock_rate": by * since}[name]
-                    self.place[frame, :, column] = own
-        for rows in model.rows(solution.state):
-            for b, frame in enumerate(rows.frames):
-                for n, pick in enumerate(rows.picks[b]):
-                    at = slice(2 * pick, 2 * pick + 2)
-                    self.residual[at] = rows.residual[b, n]
-                    own = self.rows[at]
-                    own[:, : self.common] = (
-                        rows.by_place[b, n] @ self.place[frame, :, : self.common]
-                    )
-                    own[:, 3 * frame : 3 * frame + 3] = rows.by_turn[b, n]
-                    parameters = self.common + len(model.names)
-                    own[:, self.common : parameters] = rows.by_parameter[b, n]
-                    free = np.flatnonzero(model.free == model.landmark[pick])
-                    if len(free):
-                        column = parameters + 3 * free[0]
-                        own[:, column : column + 3] = rows.by_landmark[b, n]
-        own = np.zeros(3 * self.frames)
-        prior = np.concatenate([model.fix_sigma_m.ravel(), model.common_sigma])
-        self.prior = np.concatenate([own, prior**-2.0])
-        self.weight = np.repeat(solution.normal.weight, 2)
-        self.normal = self.rows.T @ (self.weight[:, None] * self.rows) + np.diag(self.prior)
-        self.inverse = np.linalg.inv(self.normal)
-        common = [name + COMMON_PART for name in model.component]
-        between = None if fixes is None else fixes.between
-        gaps = np.zeros(len(model.fix_sigma_m), bool) if between is None else between
-        each = np.where(np.repeat(gaps, 3), "interpolation", "position").tolist()
-        self.component = each + common
-        if fixes is not None and fixes.between is not None:
-            for at in np.flatnonzero(fixes.between):
-                self.component[3 * at : 3 * at + 3] = ["interpolation"] * 3
-
-    def part(self, name: str) -> Floats:
-        """The part of a component in the covariance of all unknowns."""
-        if name == "reading":
-            weighted = self.weight[:, None] * self.rows @ self.inverse
-            return weighted.T @ weighted
-        own = np.array([one == name for one in self.component])
-        prior = np.concatenate([np.zeros(3 * self.frames), self.prior[3 * self.frames :] * own])
-        return self.inverse @ (prior[:, None] * self.inverse)
-
-    def marginal_weight(self) -> Floats:
-        """The weights of the residuals at the stated places, less what the turns fit."""
-        turns, errors = np.split(self.rows, [3 * self.frames], axis=1)
-        marginal = np.eye(len(errors)) + errors / self.prior[3 * self.frames :] @ errors.T
-        weight = np.asarray(np.linalg.inv(marginal))
-        fitted = weight @ turns
-        return weight - fitted @ np.linalg.solve(turns.T @ fitted, fitted.T)
-
-    def turns(self, matrix: Floats) -> Floats:
-        """The blocks of the frames' turns (F, 3, 3)."""
-        starts = range(0, 3 * self.frames, 3)
-        return np.array([matrix[at : at + 3, at : at + 3] for at in starts])
-
-
-def scaled_close(quantity: str, actual: Floats, expected: Floats) -> None:
-    """Compare with a tolerance of the largest element."""
-    scale = np.abs(expected).max()
-    assert_close(quantity, actual / scale, expected / scale)
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import chdtrc
 
-from vopd.arrays import Array, Bools, Floats
+from vopd.arrays import Array, Bools
 from vopd.flight.joint import DERIVATIVE, JointSolution
 from vopd.flight.normal import Factored
 
