@@ -29,6 +29,7 @@ GROUPS = {
     "Decks and frames": {
         "check": "check flights and decks for errors and doubtful values",
         "attitude": "write the attitude table: CSV, JSON, Parquet, AEM, CZML, KML, ...",
+        "adjust": "solve for lens, clock and landmarks with all frames together",
         "plot": "draw attitude, angles of attack, residuals and a frame's image",
         "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
         "batch": "solve many decks and flights into one folder",
@@ -110,6 +111,5 @@ def cli() -> None:
     \b
     Attitude of a vehicle or a camera from landmarks in its images.
     Exit status: 0 all well; 1 an input could not be read, a run failed, listings
-    differ; 2 wrong usage; 3 a frame did not converge, a flight misfits,
-    or --strict found a flag.
+    differ; 2 wrong usage; 3 no convergence, a misfit, or with --strict a flag.
     """

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.flight.errors import covariance_of_common
 from vopd.flight.flight import Flight
 from vopd.flight.free import (
     FREE,
+    LANDMARK,
     UNIT,
     check_free,
     free_landmarks,
@@ -20,7 +22,7 @@ from vopd.flight.free import (
     stated_value,
     unit_factor,
 )
-from vopd.flight.held import trading
+from vopd.flight.held import MOST_LEFT, trading
 from vopd.flight.joint import JointSolution
 from vopd.flight.read import read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
@@ -37,7 +39,8 @@ class Parameter:
         after: as solved; as stated if it is not held
         sigma_before: prior standard deviation; infinite: none is stated
         sigma_after: standard deviation after the solve; the prior one if it is not held
-        held: whether the picks hold it
+        held: whether the picks hold it. A landmark has the value as solved in any case: its
+            standard deviation before holds it
         trades_with: angles and parameters that make the same images
     """
 
@@ -78,16 +81,24 @@ class Adjustment:
         """Correlations after the solve, (K, K); NaN with a parameter that is not known."""
         with np.errstate(invalid="ignore", divide="ignore"):
             sigma = np.sqrt(np.diag(self.covariance))
-            return np.asarray(self.covariance / sigma / sigma[:, None])
+            found = self.covariance / sigma / sigma[:, None]
+        known = np.isfinite(np.diag(found))
+        found[known, known] = 1.0  # whatever the rounding
+        return np.asarray(found)
 
 
-def adjust(source: Flight | str | PathLike[str], free: Sequence[str]) -> Adjustment:
+def adjust(
+    source: Flight | str | PathLike[str],
+    free: Sequence[str],
+    tell: Callable[[], object] = lambda: None,
+) -> Adjustment:
     """Solve a flight with some of its parameters free.
 
     Args:
         source: the path of the project file, `flight.toml`, or the flight as it was read
         free: names of parameters: `focal`, `k1`, `clock`, ... (docs/adjust.md), `landmarks` or
             `landmark:NAME`
+        tell: is called before each solve of all frames
 
     Raises:
         VopdError: where a file cannot be read, a name is not known, or the flight has no such
@@ -97,7 +108,7 @@ def adjust(source: Flight | str | PathLike[str], free: Sequence[str]) -> Adjustm
     names = tuple(dict.fromkeys(free))
     freed = replace(flight, options=replace(flight.options, free=names, kept=()))
     check_free(freed)
-    return adjustment_of(solve_flight_read(freed))
+    return adjustment_of(solve_flight_read(freed, tell))
 
 
 def adjustment_of(result: FlightResult) -> Adjustment:
@@ -108,35 +119,34 @@ def adjustment_of(result: FlightResult) -> Adjustment:
     """
     joint = result.estimates.joint
     assert joint is not None
-    flight = joint.model.flight
+    flight, names = joint.model.flight, joint.model.names
+    common = covariance_of_common(joint)
     kept = {one.name: one for one in flight.options.kept}
-    wanted = [
-        p for name, row in FREE.items() if name in flight.options.free for p in row.parameters
-    ]
+    rows = [row for name, row in FREE.items() if name in flight.options.free]
     found, at, factors = [], [], []
-    for name in wanted:
+    for name in (name for row in rows for name in row.parameters):
         factor, before = unit_factor(flight, name), stated_value(flight, name)
         prior = factor * prior_sigma(flight, name)
         unit, shown = UNIT.get(name, ""), shown_name(name)
         factors.append(factor)
-        if name in kept or name not in joint.model.names:
+        if name in kept or name not in names:
             trades = kept[name].trades_with if name in kept else ()
             found.append(Parameter(shown, unit, before, before, prior, prior, False, trades))
             at.append(-1)
             continue
-        at.append(joint.model.names.index(name))
+        at.append(names.index(name))
         after = before + factor * float(joint.state.parameter[at[-1]])
-        sigma = factor * float(np.sqrt(joint.factored.common[at[-1], at[-1]]))
-        found.append(
-            Parameter(shown, unit, before, after, prior, sigma, True, trading(joint, name))
-        )
-    marks, marks_at = _landmarks(joint)
+        sigma = factor * float(np.sqrt(common[at[-1], at[-1]]))
+        trades = trading(joint, name)
+        found.append(Parameter(shown, unit, before, after, prior, sigma, True, trades))
+    marks, marks_at = _landmarks(joint, common)
     found += marks
     factors += [1.0] * len(marks)
-    return Adjustment(result, tuple(found), _covariance(joint, [*at, *marks_at], factors, found))
+    covariance = _covariance(common, [*at, *marks_at], factors, found)
+    return Adjustment(result, tuple(found), covariance)
 
 
-def _landmarks(joint: JointSolution) -> tuple[list[Parameter], list[int]]:
+def _landmarks(joint: JointSolution, common: Floats) -> tuple[list[Parameter], list[int]]:
     """Tabulate the coordinates of landmarks, and where they are among what is common."""
     model, found, at = joint.model, [], []
     flight, free = model.flight, model.free.tolist()
@@ -145,27 +155,26 @@ def _landmarks(joint: JointSolution) -> tuple[list[Parameter], list[int]]:
             continue
         for axis, name in enumerate(("east", "north", "up")):
             where = len(model.names) + 3 * free.index(k) + axis
-            sigma = float(np.sqrt(joint.factored.common[where, where]))
             prior = float(flight.landmarks.sigma_m[k, axis])
             if not prior > 0.0:
                 continue
-            shown = f"landmark:{flight.landmarks.name[k]} {name}"
-            moved = float(joint.state.landmark_m[k, axis])
-            found.append(Parameter(shown, "m", 0.0, moved, prior, sigma, True))
+            sigma = float(np.sqrt(common[where, where]))
+            shown = f"{LANDMARK}{flight.landmarks.name[k]} {name}"
+            moved, held = float(joint.state.landmark_m[k, axis]), sigma <= MOST_LEFT * prior
+            found.append(Parameter(shown, "m", 0.0, moved, prior, sigma, held))
             at.append(where)
     return found, at
 
 
 def _covariance(
-    joint: JointSolution, at: list[int], factors: list[float], found: list[Parameter]
+    common: Floats, at: list[int], factors: list[float], found: list[Parameter]
 ) -> Floats:
     """Take the covariance of the table's parameters from that of all that is common, (K, K)."""
     index, scale = np.array(at, dtype=np.int64), np.array(factors)
     known = index >= 0
     out = np.zeros((len(index), len(index)))
-    both = np.ix_(known, known)
-    common = joint.factored.common[np.ix_(index[known], index[known])]
-    out[both] = common * scale[known] * scale[known, None]
+    own = common[np.ix_(index[known], index[known])]
+    out[np.ix_(known, known)] = own * scale[known] * scale[known, None]
     for k in np.flatnonzero(~known):
         prior = found[k].sigma_before
         out[k, k] = prior**2 if np.isfinite(prior) else np.nan

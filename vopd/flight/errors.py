@@ -125,8 +125,23 @@ def turns_by_errors(solution: JointSolution) -> dict[str, Floats]:
     for name, change in stated_changes(solution).items():
         part = name + COMMON_PART
         solved_for = [found[part]] if part in found else []
-        found[part] = np.concatenate([*solved_for, propagated(solution, change)], axis=2)
+        found[part] = np.concatenate([*solved_for, propagated(solution, change)[0]], axis=2)
     return found
+
+
+def covariance_of_common(solution: JointSolution) -> Floats:
+    """Estimate the covariance of what is common to the flight, (K, K).
+
+    That of the joint solution, and what errors that are stated and not solved for add to it.
+
+    Args:
+        solution: of the flight
+    """
+    total = np.array(solution.factored.common)
+    for change in stated_changes(solution).values():
+        moved = propagated(solution, change)[1]
+        total += moved @ moved.T
+    return total
 
 
 def errors_of_sums(solution: JointSolution, weight: Floats) -> dict[str, Floats]:
@@ -141,7 +156,7 @@ def errors_of_sums(solution: JointSolution, weight: Floats) -> dict[str, Floats]
         name = part.removesuffix(COMMON_PART)
         found[name] = found.get(name, 0.0) + own
     for name, change in stated_changes(solution).items():
-        moved = np.einsum("fik,fic->kc", weight, propagated(solution, change))
+        moved = np.einsum("fik,fic->kc", weight, propagated(solution, change)[0])
         found[name] = found.get(name, 0.0) + moved @ moved.T
     return found
 

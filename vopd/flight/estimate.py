@@ -24,7 +24,12 @@ from vopd.estimate import (
     Words,
 )
 from vopd.findings import count_text
-from vopd.flight.errors import errors_of_sums, stated_changes, turns_by_errors
+from vopd.flight.errors import (
+    covariance_of_common,
+    errors_of_sums,
+    stated_changes,
+    turns_by_errors,
+)
 from vopd.flight.flight import Flight, FrameSlots, Refraction
 from vopd.flight.free import free_text
 from vopd.flight.held import other_solutions_deg, position_ratio
@@ -237,7 +242,7 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
     if flight.path.gimbal_deg is not None:
         conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
     if joint is not None and joint.model.flight.options.free:
-        conventions["solved for"] = free_text(joint)
+        conventions["solved for"] = free_text(joint, covariance_of_common(joint))
     fixes = flight.path.fixes
     if solved.landmark_m is not None and fixes is not None and fixes.weight.shape[1] > 1:
         conventions["mean"] = (
@@ -342,7 +347,6 @@ class FlightEstimates:
         origin_m: the first position that is known, Earth-centred, (3,); NaN: there is none
         origin_axes: east, north, up there as rows, (3, 3)
         landmark_names: by their numbers
-        words: what is said of the flight
         largest_lean_deg: between the geodetic and the geocentric vertical
     """
 
@@ -359,7 +363,6 @@ class FlightEstimates:
         self.origin_m = camera_m[known.argmax()] if known.any() else np.full(3, np.nan)
         self.origin_axes = local_axes(self.origin_m[None])[0]
         self.landmark_names = dict(zip(marks.number.tolist(), marks.name, strict=True))
-        self.words = flight_words(solved, joint)
         self.largest_lean_deg = lean_of_verticals_deg(camera_m)
         self._made: dict[bytes, Estimate] = {}
         self._outlier: Bools | None = None  # (P,)
@@ -368,6 +371,11 @@ class FlightEstimates:
     def flight(self) -> Flight:
         """The flight that was solved."""
         return self.solved.flight
+
+    @cached_property
+    def words(self) -> Words:
+        """The words for what is said of the flight."""
+        return flight_words(self.solved, self.joint)
 
     @property
     def layout(self) -> LandmarkLayout:

@@ -286,22 +286,34 @@ def value_text(parameter: str, value: float, sigma: float) -> str:
         value: in the units of a table
         sigma: likewise; infinite: there is none
     """
-    unit = UNIT.get(parameter, "")
-    known = np.isfinite(sigma) and sigma > 0.0
-    digits = max(int(1 - np.floor(np.log10(sigma))), 0) if known else 6
-    text = f"{value:.{min(digits, 12)}f}" if known else f"{value:.7g}"
-    text += f" +- {sigma:.2g}" if known else ""
+    unit, digits = UNIT.get(parameter, ""), decimals(sigma)
+    text = f"{value:.7g}" if digits is None else f"{value:.{digits}f} +- {sigma:.2g}"
     return f"{text} {unit}".rstrip()
 
 
-def free_text(joint: JointSolution) -> str:
+def decimals(sigma: float) -> int | None:
+    """Choose as many decimals for a value as show two digits of its standard deviation.
+
+    Args:
+        sigma: of the value
+
+    Returns:
+        Their number; None where the standard deviation is none.
+    """
+    if not (np.isfinite(sigma) and sigma > 0.0):
+        return None
+    return int(np.clip(1 - np.floor(np.log10(sigma)), 0, 12))
+
+
+def free_text(joint: JointSolution, covariance: Floats) -> str:
     """Say which parameters were solved for, what they are now, and which were kept.
 
     Args:
         joint: the solution of a flight in which some are free
+        covariance: of what is common to the flight, (K, K)
     """
     model, flight = joint.model, joint.model.flight
-    sigma = np.sqrt(np.diag(joint.factored.common))
+    sigma = np.sqrt(np.diag(covariance))
     parts = []
     for name in free_parameters(flight):
         k, factor = model.names.index(name), unit_factor(flight, name)

@@ -9,13 +9,15 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.findings import VopdError
 from vopd.flight.equations import LEAST_SIGMA_M, Model, Priors, with_parameters
-from vopd.flight.errors import priors_of
+from vopd.flight.errors import covariance_of_common, priors_of
 from vopd.flight.flight import Flight, NotHeld, TrackFixes
 from vopd.flight.free import free_parameters, shown_name
 from vopd.flight.joint import Covariance, JointSolution, marginals, no_solution, solve_jointly
 from vopd.flight.normal import Factored, Normal
 from vopd.flight.solve import LOSSES, FlightBlocks, SolvedFlight
 from vopd.geometry.earth import axes_at, geodetic
+
+ROUNDING = 1e-12  # of the largest variance of a position: less is exact
 
 
 def position_ratio(found: Covariance) -> Floats:
@@ -29,12 +31,12 @@ def position_ratio(found: Covariance) -> Floats:
         found: covariances of the flight
     """
     prior, after = found.place_prior_m2, found.place_m2
-    own = np.einsum("fii->fi", prior) > LEAST_SIGMA_M**2
-    both = own[:, :, None] & own[:, None]
     known: Bools = np.asarray(np.isfinite(after).all(axis=(1, 2)))
-    root = np.linalg.inv(np.linalg.cholesky(np.where(both, prior, np.eye(3))))
-    counted = np.where(both & known[:, None, None], after, 0.0)
-    largest = np.linalg.eigvalsh(root @ counted @ root.swapaxes(1, 2))[:, -1]
+    size, axes = np.linalg.eigh(prior)
+    own = size > np.maximum(4.0 * LEAST_SIGMA_M**2, ROUNDING * size[:, 2:])
+    root = axes * np.where(own, 1.0 / np.sqrt(np.where(own, size, 1.0)), 0.0)[:, None]
+    counted = np.where(known[:, None, None], after, 0.0)
+    largest = np.linalg.eigvalsh(root.swapaxes(1, 2) @ counted @ root)[:, -1]
     return np.where(known, np.sqrt(np.maximum(largest, 0.0)), np.nan)
 
 
@@ -137,6 +139,7 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
     if joint is None or not free:
         return None
     model, sigma = joint.model, np.sqrt(np.diag(joint.factored.common))
+    left = np.sqrt(np.diag(covariance_of_common(joint)))
     turn, _, _, by_common = marginals(joint.factored)
     with np.errstate(invalid="ignore", divide="ignore"):
         spread = np.sqrt(np.einsum("fii->fi", turn))[..., None] * sigma
@@ -146,13 +149,13 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
     for name in free:
         k = model.names.index(name)
         if np.isfinite(model.sigma[k]):
-            excess = float(sigma[k] / model.sigma[k] / MOST_LEFT)
+            excess = float(left[k] / model.sigma[k] / MOST_LEFT)
         else:
             part = min(float(with_angles[:, k].max()) ** 2, 1.0 - 1e-12)
             excess = float(np.sqrt(part / (1.0 - part)) / HALF_WIDTH)
         if excess > worst:
             trades = _trades(model, with_angles[:, k], between[k], k)
-            worst, found = excess, NotHeld(name, float(sigma[k]), trades)
+            worst, found = excess, NotHeld(name, float(left[k]), trades)
     return found
 
 

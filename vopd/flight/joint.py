@@ -422,8 +422,8 @@ def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats,
     return sum(found.values(), np.zeros((k, k))), found
 
 
-def propagated(solution: JointSolution, change: Floats) -> Floats:
-    """Propagate errors that are not solved for: turns of all frames (F, 3, k).
+def propagated(solution: JointSolution, change: Floats) -> tuple[Floats, Floats]:
+    """Propagate errors that are not solved for: turns (F, 3, k), and what is common (K, k).
 
     Args:
         solution: of the flight
@@ -431,4 +431,5 @@ def propagated(solution: JointSolution, change: Floats) -> Floats:
             deviations of the picks, (P, 2, k)
     """
     weighted = -change * solution.normal.weight[:, None, None]
-    return solution.factored.solve(solution.normal.right_side(weighted))[0]
+    turn, _, common = solution.factored.solve(solution.normal.right_side(weighted))
+    return turn, common

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
@@ -212,11 +213,12 @@ def solve_flight(name: str | PathLike[str], location: str | None = None) -> Flig
 
 
 @np.errstate(all="ignore")
-def solve_flight_read(flight: Flight) -> FlightResult:
+def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None) -> FlightResult:
     """Find the attitude of every frame of a flight whose project has been read.
 
     Args:
         flight: what the project holds
+        tell: is called before each solve of all frames
 
     Raises:
         VopdError: where no frame has two landmarks
@@ -224,15 +226,15 @@ def solve_flight_read(flight: Flight) -> FlightResult:
     require_two_landmarks(flight)
     gross = gross_picks(flight)
     read = flight
-    flight, estimates = settled_as_held(read, gross)
+    flight, estimates = settled_as_held(read, gross, tell)
     if read.shutter is not None and read.path.turning_rad_s is None:
         for _ in range(ROUNDS_OF_ROWS):
             read = replace(read, options=flight.options)
             shifted = picks_at_frame_times(read, estimates.solved)
-            flight, estimates = settled_as_held(shifted, gross)
+            flight, estimates = settled_as_held(shifted, gross, tell)
     read = replace(read, options=flight.options)
     found, without = find_blunders(
-        estimates, gross, lambda out, before: settled(flight, out, before.joint)
+        estimates, gross, lambda out, before: _settled_again(flight, out, before, tell)
     )
     if flight.options.drop_blunders:
         estimates = without or settled(flight, found.left_out, estimates.joint)
@@ -240,7 +242,7 @@ def solve_flight_read(flight: Flight) -> FlightResult:
         estimates = settled(flight, np.zeros_like(gross), estimates.joint)
     more = least_held(estimates.joint)
     if more is not None:
-        return solve_flight_read(without_parameter(read, more))
+        return solve_flight_read(without_parameter(read, more), tell)
     solved = estimates.solved
     estimates.mark_outliers(found.pick & solved.used)
     findings = [*not_held_findings(flight), *blunder_findings(found, flight)]
@@ -249,7 +251,17 @@ def solve_flight_read(flight: Flight) -> FlightResult:
     return FlightResult(estimates, (*flight.findings, *findings, *doubts), misfits)
 
 
-def settled_as_held(flight: Flight, left_out: Bools) -> tuple[Flight, FlightEstimates]:
+def _settled_again(
+    flight: Flight, left_out: Bools, before: FlightEstimates, tell: Callable[[], object]
+) -> FlightEstimates:
+    """Solve a flight with other picks left out."""
+    tell()
+    return settled(flight, left_out, before.joint)
+
+
+def settled_as_held(
+    flight: Flight, left_out: Bools, tell: Callable[[], object]
+) -> tuple[Flight, FlightEstimates]:
     """Solve a flight for those of its free parameters that the picks hold.
 
     The one that is held least is kept as it is stated, and the flight solved again, until all that
@@ -258,6 +270,7 @@ def settled_as_held(flight: Flight, left_out: Bools) -> tuple[Flight, FlightEsti
     Args:
         flight: the flight
         left_out: picks that take no part, (P,)
+        tell: is called before each solve
 
     Returns:
         The flight with the parameters that are kept, and its solution.
@@ -267,9 +280,11 @@ def settled_as_held(flight: Flight, left_out: Bools) -> tuple[Flight, FlightEsti
         first = solve(widened(flight, priors_of(flight)), left_out)
         while (lost := undetermined(flight, left_out, first)) is not None:
             flight = without_parameter(flight, lost)
+    tell()
     estimates = settled(flight, left_out, first=first)
     while (worst := least_held(estimates.joint)) is not None:
         flight = without_parameter(flight, worst)
+        tell()
         estimates = settled(flight, left_out)
     return flight, estimates
 

@@ -1,0 +1,251 @@
+"""`vopd adjust`: solve for what all frames know together: lens, clock, landmarks."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import click
+
+from vopd.cli.console import Messages, Progress
+from vopd.cli.options import FILE_NAME, quiet_option
+from vopd.findings import VopdError, count_text
+from vopd.pipeline import is_flight
+
+if TYPE_CHECKING:
+    from vopd.flight.adjust import Adjustment, Parameter
+
+COLUMNS = (
+    "parameter",
+    "unit",
+    "before",
+    "after",
+    "sigma_before",
+    "sigma_after",
+    "moved_sigmas",
+    "held",
+    "trades_with",
+)
+"""Of the table as CSV and JSON; the text has blanks for underscores."""
+NOT_STATED = "none"
+SHOWN = 0.3  # correlation in a text: the other formats have all
+
+
+@click.command("adjust")
+@click.argument("source", type=FILE_NAME, metavar="SOURCE")
+@click.option(
+    "--free",
+    metavar="NAME[,NAME...]",
+    multiple=True,
+    help="What to solve for, by the names above; repeatable.  [default: [solve] free of the "
+    "project]",
+)
+@click.option("--correlations", is_flag=True, help="Print the correlations of the parameters, too.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "csv", "json"]),
+    default="text",
+    show_default=True,
+    help="Of the table.",
+)
+@quiet_option
+@click.pass_context
+def command(
+    ctx: click.Context,
+    source: str,
+    free: tuple[str, ...],
+    correlations: bool,
+    form: str,
+    quiet: bool,
+) -> None:
+    """Solve for lens, clock and landmarks with all frames of a flight together.
+
+    SOURCE is a flight project, whose name ends in .toml. A frame alone knows its
+    three angles; all frames together know the focal length or the clock as well.
+    The table has each parameter before and after, with standard deviations, and says
+    which the picks hold. One that they do not hold is kept as it is stated, and said
+    with what it trades with. [solve] free = ["focal", "k1"] in a project does the
+    same in vopd attitude, plot and report.
+
+    \b
+    Names:
+        focal aspect centre k1 k2 p1p2     the lens
+        clock clock-rate track-offset      the track: s, parts per million, m
+        readout                            of a rolling shutter, ms
+        landmarks landmark:NAME            listed; those with a sigma_m are solved
+                                           for in any case
+
+    A parameter starts from the standard deviation that the project states, as
+    [uncertainty] focal_rel; without one it is known by the picks alone.
+    docs/adjust.md says what may be freed when.
+
+    \b
+    Examples:
+        vopd adjust flight.toml --free focal
+        vopd adjust flight.toml --free focal,k1,clock --correlations
+        vopd adjust flight.toml --free landmark:tower --format csv
+
+    Exit status: 0 the table is printed (also if a parameter is not held); 1 the
+    source could not be read or solved; 2 wrong usage; 3 the table is printed, but
+    some frame did not converge, or the flight misfits.
+    """
+    names = [name for some in free for name in some.replace(",", " ").split()]
+    if free and not names:
+        raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
+    if not is_flight(source):
+        raise VopdError(
+            f"{source}: vopd adjust takes a flight project, whose name ends in .toml; "
+            "vopd new --deck makes one of a deck"
+        )
+    made = _adjusted(source, names)
+    messages = Messages(quiet)
+    for finding in made.result.findings:
+        messages(finding)
+    messages.close()
+    write = {"text": as_text, "csv": as_csv, "json": as_json}[form]
+    click.echo(write(made, correlations), nl=False)
+    converged = made.result.estimates.solved.attitudes.converged | ~made.result.solved
+    ctx.exit(0 if converged.all() and not made.result.misfits else 3)
+
+
+def _adjusted(source: str, names: Sequence[str]) -> Adjustment:
+    """Read and solve a flight, with a line of progress on a terminal."""
+    from vopd.flight.adjust import adjust
+    from vopd.flight.read import read_flight
+
+    flight = read_flight(source)
+    names = names or flight.options.free
+    if not names:
+        raise click.UsageError(
+            "name what is to be solved for: --free focal,k1, or [solve] free in the project."
+        )
+    progress = Progress(f"solves of {count_text(len(flight.frame), 'frame')}")
+    try:
+        return adjust(flight, names, lambda: progress.add(1))
+    finally:
+        progress.close()
+
+
+# The table
+
+
+def as_text(made: Adjustment, correlations: bool) -> str:
+    """Write the table for reading.
+
+    Args:
+        made: the adjustment
+        correlations: whether they are to follow
+    """
+    head = [name.replace("_", " ") for name in COLUMNS]
+    lines = [_solved_text(made), "", *_aligned([head, *map(_text_row, made.parameters)])]
+    if correlations:
+        lines += ["", *_pairs(made)]
+    return "\n".join(lines) + "\n"
+
+
+def _pairs(made: Adjustment) -> list[str]:
+    """List the pairs that are correlated most, strongest first."""
+    names, found = [one.name for one in made.parameters], []
+    for k, row in enumerate(made.correlation.tolist()):
+        found += [(abs(row[j]), k, j, row[j]) for j in range(k) if abs(row[j]) >= SHOWN]
+    found.sort(key=lambda pair: (-pair[0], pair[1:]))
+    if not found:
+        return [f"no correlation is above {SHOWN:g}"]
+    rows = [["correlation", "", ""], *([f"{r:+.3f}", names[j], names[k]] for _, k, j, r in found)]
+    return [*_aligned(rows), f"(of parameters after the solve; those below {SHOWN:g} are left out)"]
+
+
+def _solved_text(made: Adjustment) -> str:
+    result = made.result
+    frames = count_text(int(result.solved.sum()), "frame")
+    reading = result.estimates.reading
+    sigma = "" if reading is None else f", reading sigma {reading.sigma:.3g} px"
+    picks = count_text(int(result.estimates.solved.used.sum()), "pick")
+    return f"{result.flight.source}: {frames}, {picks}{sigma}"
+
+
+def _text_row(one: Parameter) -> list[str]:
+    from vopd.flight.free import decimals
+
+    digits = decimals(one.sigma_after)
+    before, after = (f"{value:.{digits}f}" if digits is not None else f"{value:.7g}"
+                     for value in (one.before, one.after))  # fmt: skip
+    sigmas = [
+        f"{sigma:.2g}" if isfinite(sigma) else NOT_STATED
+        for sigma in (one.sigma_before, one.sigma_after)
+    ]
+    kept = not one.held and one.after == one.before
+    moved = f"{one.moved:+.1f}" if isfinite(one.moved) and not kept else "-"
+    held = "held" if one.held else "not held" + ": kept" * kept
+    return [
+        one.name, one.unit or "-", before, after, *sigmas, moved, held,
+        ", ".join(one.trades_with) or "-",
+    ]  # fmt: skip
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Align columns: numbers right, names left."""
+    width = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    numbers = (2, 3, 4, 5, 6) if len(width) == len(COLUMNS) else ()
+    return [
+        "  ".join(
+            cell.rjust(w) if k in numbers else cell.ljust(w)
+            for k, (cell, w) in enumerate(zip(row, width, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def _row(one: Parameter) -> list[object]:
+    """Take the values of a row; None where there is none."""
+    numbers = (one.before, one.after, one.sigma_before, one.sigma_after, one.moved)
+    values = [value if isfinite(value) else None for value in numbers]
+    return [one.name, one.unit, *values, one.held, list(one.trades_with)]
+
+
+def as_csv(made: Adjustment, correlations: bool) -> str:
+    """Write the table as CSV; an empty cell is none.
+
+    Args:
+        made: the adjustment
+        correlations: whether each has a column of its own
+    """
+    names = [f"correlation {one.name}" for one in made.parameters] if correlations else []
+    page = io.StringIO()
+    writer = csv.writer(page, lineterminator="\n")
+    writer.writerow([*COLUMNS, *names])
+    for one, row in zip(made.parameters, made.correlation.tolist(), strict=True):
+        *values, held, trades = _row(one)
+        more = [value if isfinite(value) else "" for value in row] if correlations else []
+        writer.writerow([*values, "yes" if held else "no", "; ".join(trades), *more])  # type: ignore[arg-type]
+    return page.getvalue()
+
+
+def as_json(made: Adjustment, correlations: bool) -> str:
+    """Write the table as JSON; null is none.
+
+    Args:
+        made: the adjustment
+        correlations: whether the matrix is there
+    """
+    result = made.result
+    reading = result.estimates.reading
+    table: dict[str, object] = {
+        "source": result.flight.source,
+        "frames": int(result.solved.sum()),
+        "picks": int(result.estimates.solved.used.sum()),
+        "reading_sigma_px": None if reading is None else reading.sigma,
+        "misfits": result.misfits,
+        "parameters": [dict(zip(COLUMNS, _row(one), strict=True)) for one in made.parameters],
+    }
+    if correlations:
+        table["correlations"] = [
+            [value if isfinite(value) else None for value in row]
+            for row in made.correlation.tolist()
+        ]
+    return json.dumps(table, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
