@@ -235,6 +235,7 @@ class Truth(NamedTuple):
     angles_deg: Array  # (F, 9) yaw, pitch, roll of camera and vehicle, alpha, beta, eta or NaN
     place_m: Array  # (F, 3) Earth-centred, of the camera
     group: Array  # (F,) class of the frame's fix, or of its landmarks if they are its own
+    wrong: tuple[int, ...] = ()  # of a blunder: its frame, and the landmarks of its picks
 
 
 # A flight
@@ -254,6 +255,8 @@ class Drawn(NamedTuple):
     readout_s: float
     slow: float = 0.0  # seconds that frames are later for each second that they say
     off_m: Array = np.zeros(3)  # of all places, east, north, up
+    frame_late_s: Array | float = 0.0  # of each frame, (F,)
+    off_px: Array | float = 0.0  # of each pick, (F, L, 2)
 
     @property
     def time_s(self) -> Array:
@@ -263,7 +266,7 @@ class Drawn(NamedTuple):
     @property
     def true_s(self) -> Array:
         """True times of the frames on the clock of the track, (F,)."""
-        return np.asarray(self.time_s * (1.0 + self.slow) + self.late_s)
+        return np.asarray(self.time_s * (1.0 + self.slow) + self.late_s + self.frame_late_s)
 
     @property
     def place_m(self) -> Array:
@@ -286,7 +289,7 @@ class Drawn(NamedTuple):
             ray = _rays(place, self.marks_m[self.which], look + moved, self.air)
             pixel = image_of(self.plan, self.lens, ray)
             row_s = self.readout_s * pixel[..., 1] / HIGH
-        return pixel
+        return np.asarray(pixel + self.off_px)
 
 
 def write_flight(
@@ -298,7 +301,7 @@ def write_flight(
         folder: for `flight.toml`, `picks.csv`, `landmarks.csv`, `track.csv` and `wind.csv`
         plan: what to draw
         rng: the random numbers
-        mistake: one of `MISTAKES` that the project does not know of
+        mistake: one of `MISTAKES` or `BLUNDERS` that the project does not know of
         noticed: its size, in those that are noticeable
     """
     e = plan.errors
@@ -313,13 +316,19 @@ def write_flight(
     right = Drawn(
         plan, path, angles, marks_m, which, lens, air, late_s, plan.readout_ms / 1000.0
     )  # fmt: skip
-    drawn = spoiled(right, mistake, noticed, rng) if mistake else right
+    wrong: tuple[int, ...] = ()
+    if mistake in BLUNDERS:
+        slots = rng.choice(which.shape[1], 2, replace=False).tolist()
+        wrong = (int(rng.integers(plan.frames)), *slots)
+    drawn = spoiled(right, mistake, noticed, rng, wrong) if mistake else right
 
     pixel = drawn.pixels() + rng.normal(0.0, e.pick_px, (*which.shape, 2))
     if mistake == "u and v exchanged":
         pixel = pixel[..., ::-1]
     if mistake == "v upward":
         pixel = pixel * [1.0, -1.0] + [0.0, HIGH - 1.0]
+    if mistake == "labels of a frame":
+        pixel[wrong[0], slots] = pixel[wrong[0], slots[::-1]]
     label = np.arange(len(marks_m))
     if mistake == "labels exchanged":
         label[:2] = 1, 0
@@ -351,7 +360,8 @@ def write_flight(
     velocity[:, :2] -= wind
     attack = np.full_like(angles, np.nan) if plan.stands else attack_deg(angles, velocity)
     group = mark_group if plan.own and by_row else fix_group
-    return Truth(np.hstack([angles, angles, attack]), drawn.place_m, group)
+    wrong = (wrong[0], *which[wrong[0], slots].tolist()) if wrong else ()
+    return Truth(np.hstack([angles, angles, attack]), drawn.place_m, group, wrong)
 
 
 class Flown:
@@ -467,23 +477,30 @@ STEPS = {
 }
 """Mistakes that have a size, and how much of them is small."""
 MISTAKES = (*STEPS, "u and v exchanged", "v upward", "labels exchanged")
+BLUNDER_STEPS = {"pick": 0.01, "time of a frame": 1e-3}  # px, in any direction; s
+BLUNDERS = (*BLUNDER_STEPS, "labels of a frame")
+"""What goes wrong in one frame."""
 NOTICED = 4.0  # standard deviations of a mistake's size: .001 for fifteen trials together
 
 
-def spoiled(drawn: Drawn, mistake: str, noticed: float, rng: np.random.Generator) -> Drawn:
+def spoiled(
+    drawn: Drawn, mistake: str, noticed: float, rng: np.random.Generator,
+    wrong: tuple[int, ...] = (),
+) -> Drawn:  # fmt: skip
     """Make a mistake of a size that is so many times the noticeable one.
 
     It is noticeable where its estimate differs from zero by `NOTICED` standard deviations in half
     of the flights: by the normal equations of turns and places of the frames, with their priors.
     """
-    if mistake not in STEPS:
+    steps = STEPS | BLUNDER_STEPS
+    if mistake not in steps:
         return drawn
     way = rng.normal(size=3)
     way /= np.linalg.norm(way)
-    step = STEPS[mistake]
+    step = steps[mistake]
     plan = drawn.plan
     middle = drawn.pixels()
-    by = (_changed(drawn, mistake, step, way).pixels() - middle) / step
+    by = (_changed(drawn, mistake, step, way, wrong).pixels() - middle) / step
     turns = [(drawn.pixels(turn_deg=one) - middle) / 1e-3 for one in 1e-3 * np.eye(3)]
     sizes = np.array((plan.errors.fix_m or ((0.0,) * 3,))[0])
     moves = [(drawn.pixels(off_m=one) - middle) / 1e-3 for one in 1e-3 * np.eye(3)]
@@ -494,10 +511,16 @@ def spoiled(drawn: Drawn, mistake: str, noticed: float, rng: np.random.Generator
     normal = others.swapaxes(1, 2) @ others + np.diag([0.0] * 3 + [1.0] * 3)
     across = others.swapaxes(1, 2) @ effect
     gain = (effect**2).sum() - (across * np.linalg.solve(normal, across)).sum()
-    return _changed(drawn, mistake, noticed * NOTICED / float(np.sqrt(gain)), way)
+    return _changed(drawn, mistake, noticed * NOTICED / float(np.sqrt(gain)), way, wrong)
 
 
-def _changed(drawn: Drawn, mistake: str, size: float, way: Array) -> Drawn:
+def _changed(drawn: Drawn, mistake: str, size: float, way: Array, wrong: tuple[int, ...]) -> Drawn:
+    if mistake == "pick":
+        off_px = np.zeros((*drawn.which.shape, 2))
+        off_px[wrong[:2]] = size * way[:2] / np.linalg.norm(way[:2])
+        return drawn._replace(off_px=off_px)
+    if mistake == "time of a frame":
+        return drawn._replace(frame_late_s=size * (np.arange(drawn.plan.frames) == wrong[0]))
     if mistake == "clock":
         return drawn._replace(late_s=drawn.late_s + size)
     if mistake == "frame rate":

@@ -1,0 +1,357 @@
+"""A flight tested by leaving out: what does not fit is named, and picks are predicted.
+
+What is named is really left out and the flight solved again, until nothing else is significant, so
+that one mistake is not blamed on all that it spoils (iterated data snooping; Kok, On data snooping
+and multiple outlier testing, NOAA NOS NGS 30, 1984).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import bdtr, chdtrc
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.reading_sigma import JobReadingSigma
+from vopd.attitude.residuals import SIGNIFICANCE
+from vopd.findings import VopdError
+from vopd.flight.blunders import gross_picks
+from vopd.flight.equations import LEAST_SIGMA_M, Priors, with_parameters
+from vopd.flight.estimate import FlightEstimates
+from vopd.flight.flight import Flight, TrackFixes
+from vopd.flight.joint import solve_jointly
+from vopd.flight.leave_out import (
+    FIX,
+    LANDMARK,
+    PICK,
+    LeftOut,
+    leave_out,
+)
+from vopd.flight.result import FlightResult, settled
+from vopd.flight.solve import FlightBlocks
+
+ROUNDS = 12  # of solving without what is named
+ALIKE = 6.0  # in twice the log likelihood: what explains the residuals as well
+NO_PRIOR = 1e3  # standard deviations of a fix that is left out
+MOST_EXCHANGED = 12  # landmarks of a frame that are exchanged in twos
+LEAST_IN_FRAME = 3  # of landmarks that are
+MOST_SEARCHED = 30  # frames in which exchanges are looked for
+FEWEST = 3  # other picks in a frame of which a predicted one counts, if there are such frames
+
+
+@dataclass(frozen=True)
+class Named:
+    """Something that does not fit.
+
+    Args:
+        tests: its test first, then those of what would explain the residuals as well
+        exchanged: the picks whose labels are exchanged, if that is what is wrong
+    """
+
+    tests: LeftOut
+    exchanged: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class TestedFlight:
+    """A flight tested by leaving out.
+
+    Args:
+        estimates: of the flight without what is named
+        tests: all tests, those of what is named as they were when it was
+        named: what does not fit, the worst first
+    """
+
+    estimates: FlightEstimates
+    tests: LeftOut
+    named: tuple[Named, ...]
+
+    @property
+    def flight(self) -> Flight:
+        """The flight."""
+        return self.estimates.flight
+
+    @property
+    def reading(self) -> JobReadingSigma:
+        """The reading sigma in force without what is named."""
+        assert self.estimates.reading is not None
+        return self.estimates.reading
+
+    @property
+    def predicted_px(self) -> Floats:
+        """The error of each pick from its prediction by all others (P,); NaN: there is none."""
+        own = self.tests.kind == PICK
+        out = np.full(len(self.flight.picks.frame), np.nan)
+        out[self.tests.pick[own]] = np.hypot(*self.tests.error[own, :2].T)
+        out[_gone(self.named, self.flight)] = np.nan
+        return out
+
+
+def tested_flight(result: FlightResult) -> TestedFlight:
+    """Test a flight by leaving out each landmark, frame, fix and pick in turn.
+
+    All tests of a run together name something where nothing is wrong in `SIGNIFICANCE` of runs.
+
+    Args:
+        result: the flight solved
+
+    Raises:
+        VopdError: where no test is possible
+    """
+    flight, estimates = result.read, result.estimates
+    used = estimates.solved.used
+    out = gross_picks(flight) & used
+    named: list[Named] = []
+    tests = None
+    for _ in range(ROUNDS):
+        if out.any() or named:
+            try:
+                without = _without_fixes(flight, named)
+                estimates = settled(without, out | ~used, estimates.joint)
+            except VopdError:  # without what is named too little is left
+                break
+        assert estimates.joint is not None and estimates.reading is not None
+        tests = leave_out(estimates.joint, estimates.reading, out)
+        more = _significant(tests, named, estimates)
+        named += more
+        gone = _gone(named, flight)
+        if not more and not (out & ~gone).any():
+            break
+        out = gone | (out & bool(more))  # gross picks that are not named fit after all
+    if tests is None or not len(tests.kind):
+        raise VopdError(f"{flight.source}: no pick is left over that the others predict")
+    rest = tests.take(~_explained(tests, named, flight))
+    every = LeftOut.concat([*(one.tests.take(slice(1)) for one in named), rest])
+    return TestedFlight(estimates, every, tuple(named))
+
+
+# What is named
+
+
+def _significant(tests: LeftOut, named: Sequence[Named], estimates: FlightEstimates) -> list[Named]:
+    """Choose what is named of all tests: a landmark or a fix alone, of several frames the worst.
+
+    Args:
+        tests: of the flight without what is named already
+        named: that
+        estimates: of the flight, without
+    """
+    flight = estimates.flight
+    left = (tests.chance_of_all < SIGNIFICANCE) & ~_explained(tests, named, flight)
+    evidence = np.where(left, tests.evidence, -np.inf)
+    if not left.any():
+        return []
+    best = int(evidence.argmax())
+    if tests.kind[best] in (LANDMARK, FIX):
+        return [Named(tests.take(_alike(tests, evidence, best, flight)))]
+    common = (tests.kind == LANDMARK) | (tests.kind == FIX)
+    least = evidence[common].max(initial=-np.inf)
+    found: list[Named] = []
+    frames = dict.fromkeys(tests.frame[np.argsort(-evidence, kind="stable")].tolist())
+    for frame in frames:
+        own = int(np.where(tests.frame == frame, evidence, -np.inf).argmax())
+        if frame < 0 or not evidence[own] > least:
+            continue
+        alike = tests.take(_alike(tests, evidence, own, flight))
+        pair = _exchanged(estimates, frame) if len(found) < MOST_SEARCHED else ()
+        found.append(Named(alike, pair))
+    return found
+
+
+def _alike(tests: LeftOut, evidence: Floats, best: int, flight: Flight) -> Ints:
+    """List the best test, and those of what it touches that explain the residuals as well."""
+    near = evidence > evidence[best] - ALIKE
+    frame = tests.frame[best]
+    if frame >= 0:
+        near &= (tests.frame == frame) | _fix_of(tests, frame, flight)
+    else:
+        near &= tests.frame < 0
+    near[best] = False
+    others = np.flatnonzero(near)
+    return np.concatenate([[best], others[np.argsort(-evidence[others], kind="stable")]])
+
+
+def _fix_of(tests: LeftOut, frame: int, flight: Flight) -> Bools:
+    """Mark the tests of the fixes that a frame depends on, (T,)."""
+    fixes = flight.path.fixes
+    if fixes is None:
+        return np.zeros(len(tests.kind), bool)
+    slot = tests.fix - fixes.first[frame]
+    inside = (tests.kind == FIX) & (slot >= 0) & (slot < fixes.weight.shape[1])
+    own = fixes.weight[frame][np.clip(slot, 0, fixes.weight.shape[1] - 1)]
+    return np.asarray(inside & (own > 0.0))
+
+
+def _picks_of(one: Named, flight: Flight) -> Bools:
+    """Mark the picks that are left out for what is named, (P,)."""
+    tests, picks = one.tests, flight.picks
+    out = np.zeros(len(picks.frame), bool)
+    if one.exchanged:
+        out[list(one.exchanged)] = True
+    elif tests.kind[0] == PICK:
+        out[tests.pick[0]] = True
+    elif tests.kind[0] == LANDMARK:
+        out = picks.landmark == tests.landmark[0]
+    elif tests.kind[0] != FIX:
+        out = picks.frame == tests.frame[0]
+    return out
+
+
+def _gone(named: Sequence[Named], flight: Flight) -> Bools:
+    """Mark the picks that are left out for all that is named, (P,)."""
+    out = np.zeros(len(flight.picks.frame), bool)
+    for one in named:
+        out |= _picks_of(one, flight)
+    return out
+
+
+def _explained(tests: LeftOut, named: Sequence[Named], flight: Flight) -> Bools:
+    """Mark the tests of what is named, and of picks that are left out for it, (T,)."""
+    gone = _gone(named, flight)
+    known = (tests.pick >= 0) & gone[tests.pick]
+    for one in named:
+        kind = one.tests.kind[0]
+        if kind == FIX:
+            known |= (tests.kind == FIX) & (tests.fix == one.tests.fix[0])
+    return known
+
+
+def _without_fixes(flight: Flight, named: Sequence[Named]) -> Flight:
+    """Leave out the fixes that are named."""
+    fixes = flight.path.fixes
+    gone = [int(one.tests.fix[0]) for one in named if one.tests.kind[0] == FIX]
+    if fixes is None or not gone:
+        return flight
+    sigma_m = fixes.sigma_m.copy()
+    sigma_m[gone] *= NO_PRIOR
+    return replace(flight, path=replace(flight.path, fixes=replace(fixes, sigma_m=sigma_m)))
+
+
+def _exchanged(estimates: FlightEstimates, frame: int) -> tuple[int, ...]:
+    """Find two picks of a frame that fit with their labels exchanged; else nothing.
+
+    The frame is solved by itself, once for each two, under the standard deviation of its place.
+
+    Args:
+        estimates: of the flight, without what does not fit
+        frame: its index
+    """
+    joint, reading, flight = estimates.joint, estimates.reading, estimates.flight
+    assert joint is not None and reading is not None
+    marks = flight.landmarks
+    if estimates.solved.landmark_m is not None:
+        marks = replace(marks, position_m=estimates.solved.landmark_m)
+    sigma = np.sqrt(np.einsum("fii->fi", joint.covariance.place_prior_m2))[frame]
+    lens = with_parameters(flight.lens, joint.model.names, joint.state.parameter)
+    lens = flight.lens if flight is not joint.model.flight else lens
+    options = replace(flight.options, loss="least-squares", free=(), kept=())
+    part = FlightBlocks(replace(flight, landmarks=marks, lens=lens, options=options)).part(
+        np.array([frame])
+    )
+    one, count = part.flight, len(part.picks)
+    if count < LEAST_IN_FRAME:
+        return ()
+    usable = np.array(marks.used or (True,) * len(marks.name))[one.picks.landmark]
+    pairs = list(combinations(np.flatnonzero(usable)[:MOST_EXCHANGED].tolist(), 2))
+    label = np.tile(one.picks.landmark, (len(pairs) + 1, 1))
+    for k, (first, second) in enumerate(pairs, 1):
+        label[k, [first, second]] = label[k, [second, first]]
+    trials = _copies(one, len(label), label.ravel(), reading.test_sigma)
+    fixes = TrackFixes(
+        np.arange(len(label)), np.ones((len(label), 1)), np.tile(sigma, (len(label), 1))
+    )
+    try:
+        found = solve_jointly(trials, Priors(fixes if (sigma > LEAST_SIGMA_M).any() else None))
+    except VopdError:
+        return ()
+    solved = np.isfinite(found.solved.attitudes.rotation[:, 0, 0])
+    taken = np.bincount(trials.picks.frame[found.model.pick], minlength=len(label))
+    cost = np.where(solved & (taken == usable.sum()), found.normal.frame_cost, np.inf)
+    chance = chdtrc(2.0 * usable.sum() - 3.0, cost)
+    best = int(cost[1:].argmin()) + 1
+    if chance[0] < SIGNIFICANCE < chance[best]:
+        return tuple(int(part.picks[k]) for k in pairs[best - 1])
+    return ()
+
+
+def _copies(one: Flight, count: int, landmark: Ints, sigma_px: float) -> Flight:
+    """Repeat a flight of one frame, with other labels of its picks."""
+    frames, picks, path = np.zeros(count, np.int64), one.picks, one.path
+
+    def rows(values: Floats | None) -> Floats | None:
+        return None if values is None else values[frames]
+
+    own = len(picks.frame)
+    repeated = replace(
+        picks.with_sigma(sigma_px),
+        frame=np.repeat(np.arange(count), own),
+        landmark=landmark,
+        pixel=np.tile(picks.pixel, (count, 1)),
+        sigma_px=np.tile(picks.with_sigma(sigma_px).sigma_px, count),
+    )
+    moved = replace(
+        path,
+        position_m=path.position_m[frames],
+        fixes=None,
+        velocity_m_s=rows(path.velocity_m_s),
+        velocity_sigma_m_s=rows(path.velocity_sigma_m_s),
+        acceleration_m_s2=rows(path.acceleration_m_s2),
+        wind_m_s=rows(path.wind_m_s),
+        gimbal_deg=rows(path.gimbal_deg),
+        turning_rad_s=rows(path.turning_rad_s),
+    )
+    return replace(
+        one, frame=np.arange(count), image_name=(), time_s=one.time_s[frames], picks=repeated,
+        path=moved,
+    )  # fmt: skip
+
+
+# Prediction
+
+
+class Prediction(NamedTuple):
+    """How well picks are predicted by all others, of the same flight solved in two ways."""
+
+    picks: int
+    median_px: tuple[float, float]  # as stated, and with the freed parameters
+    rms_px: tuple[float, float]
+    better: int  # frames whose picks are predicted better with the freed parameters
+    frames: int
+
+    @property
+    def chance(self) -> float:
+        """Probability of so many frames, or so few, if neither way is better: the sign test."""
+        few = min(self.better, self.frames - self.better)
+        return min(2.0 * float(bdtr(few, self.frames, 0.5)), 1.0)
+
+
+def predicted(stated: TestedFlight, freed: TestedFlight) -> Prediction:
+    """Compare how well picks are predicted by all others.
+
+    Picks count of frames in which `FEWEST` others are left, or of all if there is no such frame.
+
+    Args:
+        stated: the flight with all parameters as stated
+        freed: the same with some of them free
+    """
+    one, other = stated.predicted_px, freed.predicted_px
+    picks = freed.flight.picks
+    known = np.isfinite(one) & np.isfinite(other)
+    count = np.bincount(picks.frame[known], minlength=len(freed.flight.frame))
+    many = known & (count > FEWEST)[picks.frame]
+    known = many if many.any() else known
+    pair = one[known], other[known]
+    frame, at = np.unique(picks.frame[known], return_inverse=True)
+    squares = [np.bincount(at, values**2) for values in pair]
+    median, rms = (
+        tuple(float(f(values)) if len(values) else float("nan") for values in pair)
+        for f in (np.median, lambda values: np.sqrt((values**2).mean()))
+    )
+    return Prediction(
+        int(known.sum()), (median[0], median[1]), (rms[0], rms[1]),
+        int((squares[1] < squares[0]).sum()), len(frame),
+    )  # fmt: skip
