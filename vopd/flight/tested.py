@@ -23,15 +23,17 @@ from vopd.flight.blunders import gross_picks
 from vopd.flight.equations import LEAST_SIGMA_M, Priors, with_parameters
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
-from vopd.flight.joint import solve_jointly
+from vopd.flight.joint import JointSolution, solve_jointly
 from vopd.flight.leave_out import (
     FIX,
     LANDMARK,
     PICK,
+    TIME,
     LeftOut,
     leave_out,
 )
 from vopd.flight.result import FlightResult, settled
+from vopd.flight.sizes import fix_covariances
 from vopd.flight.solve import FlightBlocks
 
 ROUNDS = 12  # of solving without what is named
@@ -111,10 +113,12 @@ def tested_flight(result: FlightResult) -> TestedFlight:
         if out.any() or named:
             try:
                 without = _without_fixes(flight, named)
-                estimates = settled(without, out | ~used, estimates.joint)
+                # not from what the blunders have spoiled: it may be another minimum
+                estimates = settled(without, out | ~used)
             except VopdError:  # without what is named too little is left
                 break
         assert estimates.joint is not None and estimates.reading is not None
+        named = [_as_time(one, estimates.joint) for one in named]
         tests = leave_out(estimates.joint, estimates.reading, out)
         more = _significant(tests, named, estimates)
         named += more
@@ -170,6 +174,10 @@ def _alike(tests: LeftOut, evidence: Floats, best: int, flight: Flight) -> Ints:
         near &= (tests.frame == frame) | _fix_of(tests, frame, flight)
     else:
         near &= tests.frame < 0
+    if tests.kind[best] == FIX:
+        # one of a single frame may be that frame's time: its test is decided by the next solve
+        alone = _frame_alone(int(tests.fix[best]), flight)
+        near |= (tests.kind == TIME) & (tests.frame == alone) & (alone >= 0)
     near[best] = False
     others = np.flatnonzero(near)
     return np.concatenate([[best], others[np.argsort(-evidence[others], kind="stable")]])
@@ -184,6 +192,48 @@ def _fix_of(tests: LeftOut, frame: int, flight: Flight) -> Bools:
     inside = (tests.kind == FIX) & (slot >= 0) & (slot < fixes.weight.shape[1])
     own = fixes.weight[frame][np.clip(slot, 0, fixes.weight.shape[1] - 1)]
     return np.asarray(inside & (own > 0.0))
+
+
+def _frame_alone(fix: int, flight: Flight) -> int:
+    """Find the frame that depends on a fix and on no other, if it is the only one; else -1."""
+    fixes = flight.path.fixes
+    assert fixes is not None
+    slot = fix - fixes.first[:, None] == np.arange(fixes.weight.shape[1])
+    own = np.flatnonzero((slot & (fixes.weight > 0.0)).any(axis=1))
+    alone = len(own) == 1 and (fixes.weight[own[0]] > 0.0).sum() == 1
+    return int(own[0]) if alone else -1
+
+
+def _as_time(one: Named, joint: JointSolution) -> Named:
+    """Take a fix that is left out for the time of its frame, if it is off along the track alone.
+
+    Args:
+        one: something named
+        joint: the solution without it
+    """
+    tests, model = one.tests, joint.model
+    late = np.flatnonzero(tests.kind == TIME)
+    if tests.kind[0] != FIX or not len(late) or model.priors.fixes is None:
+        return one
+    fix, own = int(tests.fix[0]), int(late[0])
+    frame, path = int(tests.frame[own]), model.flight.path
+    speed, off_m = model.velocity_m_s[frame], joint.state.fix_m[fix]
+    time_s = float(speed @ off_m / (speed @ speed))
+    stated_m2 = np.square(model.fix_sigma_m[fix] / NO_PRIOR)
+    if path.velocity_sigma_m_s is not None:
+        stated_m2 += (np.nan_to_num(path.velocity_sigma_m_s[frame])[[1, 0, 2]] * time_s) ** 2
+    weight = np.linalg.inv(fix_covariances(joint.factored)[fix] + np.diag(stated_m2))
+    time_s = float(speed @ weight @ off_m / (speed @ weight @ speed))
+    across = off_m - speed * time_s
+    left = float(across @ weight @ across)
+    along = float(off_m @ weight @ off_m) - left
+    if not chdtrc(2.0, left) > SIGNIFICANCE > chdtrc(1.0, along):
+        others = np.flatnonzero(tests.kind != TIME)
+        return replace(one, tests=tests.take(others))
+    order = np.concatenate([[own], np.flatnonzero(np.arange(len(tests.kind)) != own)])
+    found = tests.take(order)
+    found.error[0, 0] = time_s
+    return replace(one, tests=found)
 
 
 def _picks_of(one: Named, flight: Flight) -> Bools:
@@ -214,9 +264,11 @@ def _explained(tests: LeftOut, named: Sequence[Named], flight: Flight) -> Bools:
     gone = _gone(named, flight)
     known = (tests.pick >= 0) & gone[tests.pick]
     for one in named:
-        kind = one.tests.kind[0]
-        if kind == FIX:
-            known |= (tests.kind == FIX) & (tests.fix == one.tests.fix[0])
+        own = one.tests
+        same = (tests.kind == own.kind[0]) & (tests.frame == own.frame[0])
+        known |= same & (tests.landmark == own.landmark[0]) & (tests.fix == own.fix[0])
+        if one.exchanged:
+            known |= (tests.pick < 0) & (tests.frame == own.frame[0]) & (own.frame[0] >= 0)
     return known
 
 
