@@ -98,7 +98,7 @@ def test_picks_left_out_are_those_of_the_dense_equations(loss: str, width: int) 
         gain, step = without(dense, rows, dense.prior, np.zeros(len(dense.prior)))
         assert_close("joint residual", tests.gain[k], gain)
         error = dense.residual[at] - dense.rows[at] @ step
-        assert_close("joint residual", tests.error[k, :2], error)  # sigma is 1 px
+        assert_close("joint residual", tests.off_px[k], error)  # sigma is 1 px
         turn = step[: 3 * dense.frames].reshape(-1, 3)[tests.frame[k]]
         assert_close("joint residual", tests.moved_rad[k] * 1e3, turn * 1e3)
 

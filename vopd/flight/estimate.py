@@ -537,6 +537,21 @@ def vehicle_angles(solved: SolvedFlight) -> Floats:
     return body_angles_deg(_body_to_ned(solved))
 
 
+@np.errstate(all="ignore")
+def turned_vehicle_deg(solved: SolvedFlight, frames: Ints, turn_rad: Floats) -> Floats:
+    """Convert small turns of frames to changes of vehicle yaw, pitch, roll (T, 3), degrees.
+
+    Args:
+        solved: the flight
+        frames: index of the frame of each, (T,); negative: NaN
+        turn_rad: about the camera's axes, (T, 3)
+    """
+    angles = vehicle_angles(solved)[frames]
+    by_turns = body_angles_by_turns(np.radians(angles))
+    changed = -np.einsum("tij,jk,tk->ti", by_turns, solved.flight.mount, turn_rad)
+    return np.where(frames[:, None] >= 0, np.degrees(changed), np.nan)
+
+
 def _body_to_ned(solved: SolvedFlight) -> Floats:
     rotation = solved.attitudes.rotation.swapaxes(1, 2)
     return np.asarray(NED_FROM_ENU @ rotation @ solved.flight.mount.T)

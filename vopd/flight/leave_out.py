@@ -38,6 +38,8 @@ LANDMARK_NUMBERS = 4_000_000  # of the changes of the images by some landmarks a
 MOST_MOVES = 20_000_000  # tests times frames whose movement is calculated
 MOVES_AT_ONCE = 1_000_000
 SHOWS = 1e-9  # of an error's squares: less is rounding, and nothing else tells of it
+LEAST_LEFT = 0.5  # degrees of freedom of the reading sigma without what is tested
+DETERMINED = 5.0  # standard deviations, in the worst direction, of an error that is told
 SHOWN = 1e-6  # of the best direction: what is known less is not known
 
 
@@ -55,8 +57,9 @@ class LeftOut(Rows):
         gain: decrease of the weighted sum of squares, in those of the reading sigma in force
         chance: of a gain as large, or larger, by chance
         chance_of_all: that one or more of all tests of the flight have so small a chance: Sidak's
-        error: of a pick from its prediction, u, v, px; of a landmark, a position and a fix east,
-            north, up, m, of a time, s: what is to be added to it; NaN elsewhere, (T, 3)
+        off_px: of a pick from its prediction, u, v; NaN elsewhere, (T, 2)
+        error: of a landmark, a position and a fix east, north, up, m, of a time, s: what is to be
+            added to it; NaN elsewhere, and where that is not determined, (T, 3)
         rms_px: of all other picks then, of landmarks; NaN elsewhere
         moved_rad: the turn of the frame that moves most, about its camera's axes, (T, 3)
         moved_frame: that frame; -1: none was looked for
@@ -72,6 +75,7 @@ class LeftOut(Rows):
     gain: Floats
     chance: Floats
     chance_of_all: Floats
+    off_px: Floats
     error: Floats
     rms_px: Floats
     moved_rad: Floats
@@ -97,8 +101,8 @@ def _tests(kind: int, count: int, **known: Floats | Ints) -> LeftOut:
     values: dict[str, Floats | Ints] = {"kind": np.full(count, kind)}
     values |= {n: np.full(count, -1) for n in ("frame", "landmark", "fix", "pick", "moved_frame")}
     values |= {n: np.full(count, np.nan) for n in ("chance", "chance_of_all", "rms_px")}
-    blank = ("error", "moved_rad", "mean_moved_rad")
-    values |= {n: np.full((count, 3), np.nan) for n in blank}
+    blank = {"off_px": 2, "error": 3, "moved_rad": 3, "mean_moved_rad": 3}
+    values |= {n: np.full((count, width), np.nan) for n, width in blank.items()}
     return LeftOut(**{**values, **known})  # type: ignore[arg-type]
 
 
@@ -114,9 +118,10 @@ class _Step(NamedTuple):
 
 
 class _Collected:
-    """Tests and their steps as they come."""
+    """Tests and their steps as they come, and the variance of the readings, in that stated."""
 
-    def __init__(self) -> None:
+    def __init__(self, variance: float) -> None:
+        self.variance = variance
         self.tests: list[LeftOut] = []
         self.steps: list[_Step] = []
         self.count = 0
@@ -142,43 +147,52 @@ def leave_out(
     Returns:
         The tests; a thing of which nothing else tells has none.
     """
-    flight, to = joint.model.flight, _Collected()
-    sigma = reading.test_sigma
+    flight = joint.model.flight
+    to = _Collected((reading.test_sigma / flight.picks.one_sigma_px) ** 2)
     _add_landmarks(joint, to)
     _add_frames_and_picks(joint, beside, to)
     fix_steps = _add_fixes(joint, to)
     tests = LeftOut.concat(to.tests)
-    tests.gain[:] /= (sigma / flight.picks.one_sigma_px) ** 2
-    _judge(tests, reading.freedom, (flight.picks.least_sigma_px / sigma) ** 2)
+    possible = reading.freedom - tests.freedom > LEAST_LEFT
+    tests.gain[:] /= to.variance
+    judge(tests, reading, flight.picks.least_sigma_px, int(possible.sum()))
     _move(joint, tests, to.steps, fix_steps)
-    return tests
+    return tests.take(possible)
 
 
-def _judge(tests: LeftOut, freedom: float, least: float) -> None:
-    """Calculate the chances of all tests; gains become those in the variance without each.
+def judge(tests: LeftOut, reading: JobReadingSigma, least_px: float, every: int) -> None:
+    """Calculate the chances of tests; gains become those in the variance without each.
 
     Args:
         tests: with their gains
-        freedom: degrees of freedom of the reading sigma; infinite: it is known
-        least: variance of the readings that is believed, of that in force
+        reading: the reading sigma in force
+        least_px: reading sigma that is believed
+        every: how many tests there are
     """
-    gain, count = tests.gain, tests.freedom
+    gain, count, freedom = tests.gain, tests.freedom, reading.freedom
     if np.isinf(freedom):
         tests.chance[:] = chdtrc(count, gain)
     else:
         left = freedom - count
+        least = (least_px / reading.test_sigma) ** 2
         gain /= np.maximum((freedom - gain) / left, least)
-        tests.chance[:] = np.where(left > 0.5, fdtrc(count, left, gain / count), 1.0)
-    tests.chance_of_all[:] = -np.expm1(len(count) * np.log1p(-tests.chance))
+        tests.chance[:] = np.where(left > LEAST_LEFT, fdtrc(count, left, gain / count), 1.0)
+    tests.chance_of_all[:] = -np.expm1(every * np.log1p(-tests.chance))
 
 
-def _gain(square: Floats, right: Floats, power: Floats) -> tuple[Floats, Floats, Ints]:
+def _freed(
+    square: Floats, right: Floats, power: Floats, variance: float
+) -> tuple[Floats, Floats, Ints, Bools]:
     """Free errors that k columns make: their values (B, k), gains and degrees of freedom (B,).
 
     Args:
         square: X'WX, (B, k, k)
         right: X'Wr, (B, k)
         power: X'X, of which less than `SHOWS` is rounding, (B, k)
+        variance: of the readings
+
+    Returns:
+        Besides these marks of the values that are determined, (B,).
     """
     scale = np.sqrt(power.max(axis=1))
     scale = np.where(scale > 0.0, scale, 1.0)[:, None]
@@ -187,7 +201,9 @@ def _gain(square: Floats, right: Floats, power: Floats) -> tuple[Floats, Floats,
     shown = size > np.maximum(SHOWN * size[:, -1:], SHOWS)
     along = np.where(shown, along / np.where(shown, size, 1.0), 0.0)
     value = np.einsum("bij,bj->bi", axes, along)
-    return value / scale, (along**2 * size).sum(axis=1), shown.sum(axis=1)
+    least = np.where(shown.all(axis=1), size[:, 0], 0.0)
+    determined = (value**2).sum(axis=1) * least > DETERMINED**2 * variance
+    return value / scale, (along**2 * size).sum(axis=1), shown.sum(axis=1), determined
 
 
 # Landmarks
@@ -197,6 +213,7 @@ def _add_landmarks(joint: JointSolution, to: _Collected) -> None:
     """Leave out the coordinates of each landmark."""
     model = joint.model
     picks = np.bincount(model.landmark, minlength=len(model.flight.landmarks.name))
+    flight_frame = model.flight.picks.frame
     marks = np.argsort(-picks, kind="stable")[: min((picks > 0).sum(), MOST_LANDMARKS)]
     step = max(LANDMARK_NUMBERS // (6 * len(model.pick)), 1)
     for start in range(0, len(marks), step):
@@ -206,7 +223,7 @@ def _add_landmarks(joint: JointSolution, to: _Collected) -> None:
         at = np.arange(len(some))
         blocks = square.reshape(len(some), 3, len(some), 3)[at, :, at]
         power = (change**2).sum(axis=(0, 1)).reshape(-1, 3)
-        value, gain, freedom = _gain(blocks, right.reshape(-1, 3), power)
+        value, gain, freedom, known = _freed(blocks, right.reshape(-1, 3), power, to.variance)
         tested = freedom > 0
         if not tested.any():
             continue
@@ -223,8 +240,12 @@ def _add_landmarks(joint: JointSolution, to: _Collected) -> None:
         turn, _ = propagated(joint, error)
         tests = _tests(
             LANDMARK, len(some), landmark=some, freedom=freedom[tested], gain=gain[tested],
-            error=value, rms_px=rms_px,
+            error=np.where(known[tested, None], value, np.nan), rms_px=rms_px,
         )  # fmt: skip
+        for k in np.flatnonzero(picks[some] == 1):  # of a single pick: it is predicted
+            row = int(np.flatnonzero(model.landmark == some[k])[0])
+            tests.pick[k], tests.frame[k] = model.pick[row], flight_frame[model.pick[row]]
+            tests.off_px[k] = error[row, :, k] / model.scale[row]
         _moved(tests, np.arange(len(some)), turn, joint)
         to.add(tests)
 
@@ -368,12 +389,10 @@ def _add_pick(
     values = np.where((w > 0.0)[:, None], w[:, None] * error, weighted)
     turn = -(frame.turn[..., own] @ values[..., None])[..., 0]
     pick = frame.rows.picks[tested, k]
-    error_px = np.full((len(pick), 3), np.nan)
-    error_px[:, :2] = error[tested] / every.scale[pick, None]
     to.add(_tests(
         PICK, int(tested.sum()), frame=frame.rows.frames[tested], landmark=landmark[tested],
         pick=every.pick[pick], freedom=np.full(len(pick), 2), gain=gain[tested],
-        error=error_px,
+        off_px=error[tested] / every.scale[pick, None],
         moved_rad=turn[tested], moved_frame=frame.rows.frames[tested],
     ))  # fmt: skip
 
@@ -386,10 +405,10 @@ def _add_freed(
     own = way * root
     square = own.swapaxes(1, 2) @ matrix @ own
     right = (own * root * frame.residual[..., None]).sum(axis=1)
-    value, gain, freedom = _gain(square, right, (own**2).sum(axis=1))
+    value, gain, freedom, known = _freed(square, right, (own**2).sum(axis=1), to.variance)
     moved = (way @ value[..., None])[..., 0] * frame.weight
     error = np.full((len(value), 3), np.nan)
-    error[:, : value.shape[1]] = value
+    error[:, : value.shape[1]] = np.where(known[:, None], value, np.nan)
     _add_of_frames(kind, frame, several, gain, freedom, error, moved, to)
 
 
@@ -440,16 +459,18 @@ def _add_fixes(joint: JointSolution, to: _Collected) -> tuple[Ints, Ints, Floats
     error = joint.state.fix_m / scale
     size, axes = np.linalg.eigh(np.eye(3) - after)
     along = np.einsum("jik,ji->jk", axes, error)
-    shown = size > np.maximum(SHOWN, 0.0)
+    shown = size > SHOWN
     along = np.where(shown, along / np.where(shown, size, 1.0), 0.0)
     gain, freedom = (along**2 * size).sum(axis=1), shown.sum(axis=1)
     weighted = np.einsum("jik,jk->ji", axes, along)
+    least = np.where(shown.all(axis=1), size[:, 0] / (1.0 - size[:, 0]), 0.0)
+    known = (weighted**2).sum(axis=1) * least > DETERMINED**2
     fix = freedom > 0
     if model.priors.fixes.between is not None:
         fix &= ~model.priors.fixes.between
     index = to.add(_tests(
         FIX, int(fix.sum()), fix=np.flatnonzero(fix), freedom=freedom[fix], gain=gain[fix],
-        error=(weighted * scale)[fix],
+        error=np.where(known[:, None], weighted * scale, np.nan)[fix],
     ))  # fmt: skip
     return index, np.flatnonzero(fix), (weighted / scale)[fix]
 
@@ -509,7 +530,8 @@ def _moved(tests: LeftOut, index: Ints, turn: Floats, joint: JointSolution) -> N
     """Fill in the largest turn (F, 3, T) of each test, and the mean of all."""
     if not len(index):
         return
-    largest = (turn**2).sum(axis=1).argmax(axis=0)
-    tests.moved_frame[index] = largest
+    size = (turn**2).sum(axis=1)
+    largest = size.argmax(axis=0)
+    tests.moved_frame[index] = np.where(size.max(axis=0) > 0.0, largest, -1)
     tests.moved_rad[index] = turn[largest, :, np.arange(len(index))]
     tests.mean_moved_rad[index] = (turn.sum(axis=0) / joint.model.solved).T

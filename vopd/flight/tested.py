@@ -13,6 +13,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 from scipy.special import bdtr, chdtrc
 
 from vopd.arrays import Bools, Floats, Ints
@@ -30,18 +31,23 @@ from vopd.flight.leave_out import (
     PICK,
     TIME,
     LeftOut,
+    judge,
     leave_out,
 )
 from vopd.flight.result import FlightResult, settled
 from vopd.flight.sizes import fix_covariances
 from vopd.flight.solve import FlightBlocks
+from vopd.geometry.linear import norm
 
 ROUNDS = 12  # of solving without what is named
 ALIKE = 6.0  # in twice the log likelihood: what explains the residuals as well
+FAR_RAD = 0.01  # that a frame turns without a pick: the square is half a per cent of it
+MOST_SOLVED = 30  # of such picks
 NO_PRIOR = 1e3  # standard deviations of a fix that is left out
 MOST_EXCHANGED = 12  # landmarks of a frame that are exchanged in twos
 LEAST_IN_FRAME = 3  # of landmarks that are
 MOST_SEARCHED = 30  # frames in which exchanges are looked for
+CLEAR = 0.05  # chance of the sign test below which freeing has helped, or not
 FEWEST = 3  # other picks in a frame of which a predicted one counts, if there are such frames
 
 
@@ -86,11 +92,19 @@ class TestedFlight:
     @property
     def predicted_px(self) -> Floats:
         """The error of each pick from its prediction by all others (P,); NaN: there is none."""
-        own = self.tests.kind == PICK
+        own = self.tests.pick >= 0
         out = np.full(len(self.flight.picks.frame), np.nan)
-        out[self.tests.pick[own]] = np.hypot(*self.tests.error[own, :2].T)
+        out[self.tests.pick[own]] = np.hypot(*self.tests.off_px[own].T)
         out[_gone(self.named, self.flight)] = np.nan
         return out
+
+    @property
+    def predicts(self) -> Bools:
+        """Picks whose predictions count (P,).
+
+        In their frames `FEWEST` others are left, or, if there is no such frame, two.
+        """
+        return _counted(np.isfinite(self.predicted_px), self.flight)
 
 
 def tested_flight(result: FlightResult) -> TestedFlight:
@@ -129,8 +143,59 @@ def tested_flight(result: FlightResult) -> TestedFlight:
     if tests is None or not len(tests.kind):
         raise VopdError(f"{flight.source}: no pick is left over that the others predict")
     rest = tests.take(~_explained(tests, named, flight))
+    rest = _solved_without(estimates, rest, len(tests.kind))
     every = LeftOut.concat([*(one.tests.take(slice(1)) for one in named), rest])
     return TestedFlight(estimates, every, tuple(named))
+
+
+def _solved_without(estimates: FlightEstimates, tests: LeftOut, every: int) -> LeftOut:
+    """Solve without those picks by which a frame turns so far that an update is not enough.
+
+    Args:
+        estimates: of the flight
+        tests: by updating
+        every: how many tests there are
+    """
+    joint, reading, flight = estimates.joint, estimates.reading, estimates.flight
+    assert joint is not None and reading is not None
+    model = joint.model
+    far = np.flatnonzero((norm(tests.moved_rad) > FAR_RAD) & (tests.pick >= 0))
+    far = far[np.argsort(-tests.evidence[far], kind="stable")[:MOST_SOLVED]]
+    if not len(far):
+        return tests
+    used = np.zeros(len(flight.picks.frame), bool)
+    used[model.pick] = True
+    variance = (reading.test_sigma / model.flight.picks.one_sigma_px) ** 2
+    found = tests.take(far)
+    for k, pick in enumerate(found.pick.tolist()):
+        start = joint.state if joint.passes else None
+        without = used & (np.arange(len(used)) != pick)
+        try:
+            one = solve_jointly(model.flight, model.priors, without, start, model.readout)
+        except VopdError:
+            found.chance[k] = np.nan
+            continue
+        found.gain[k] = max(joint.normal.cost - one.normal.cost, 0.0) / variance
+        turned = one.state.rotation @ joint.state.rotation.swapaxes(1, 2)
+        turn = Rotation.from_matrix(turned).as_rotvec()
+        solved = np.isfinite(one.solved.attitudes.rotation[:, 0, 0])
+        turn = np.where(solved[:, None], turn, 0.0)
+        largest = int((turn**2).sum(axis=1).argmax())
+        found.moved_frame[k], found.moved_rad[k] = largest, turn[largest]
+        found.mean_moved_rad[k] = turn.sum(axis=0) / solved.sum()
+        for rows in model.rows(one.state):
+            here = model.pick[rows.picks] == pick
+            if here.any():
+                found.off_px[k] = rows.residual[here][0] * model.flight.picks.sigma_px[pick]
+        if np.isfinite(found.rms_px[k]):
+            left = one.normal.residual / one.model.scale[:, None]
+            found.rms_px[k] = np.sqrt((left**2).mean())
+    known = np.isfinite(found.chance)
+    found, far = found.take(known), far[known]
+    judge(found, reading, flight.picks.least_sigma_px, every)
+    rest = np.ones(len(tests.kind), bool)
+    rest[far] = False
+    return LeftOut.concat([tests.take(rest), found])
 
 
 # What is named
@@ -380,11 +445,16 @@ class Prediction(NamedTuple):
         few = min(self.better, self.frames - self.better)
         return min(2.0 * float(bdtr(few, self.frames, 0.5)), 1.0)
 
+    @property
+    def helps(self) -> bool | None:
+        """Whether freeing helps the prediction; None: the frames do not tell."""
+        if self.chance < CLEAR:
+            return 2 * self.better > self.frames
+        return None
+
 
 def predicted(stated: TestedFlight, freed: TestedFlight) -> Prediction:
     """Compare how well picks are predicted by all others.
-
-    Picks count of frames in which `FEWEST` others are left, or of all if there is no such frame.
 
     Args:
         stated: the flight with all parameters as stated
@@ -392,10 +462,7 @@ def predicted(stated: TestedFlight, freed: TestedFlight) -> Prediction:
     """
     one, other = stated.predicted_px, freed.predicted_px
     picks = freed.flight.picks
-    known = np.isfinite(one) & np.isfinite(other)
-    count = np.bincount(picks.frame[known], minlength=len(freed.flight.frame))
-    many = known & (count > FEWEST)[picks.frame]
-    known = many if many.any() else known
+    known = _counted(np.isfinite(one) & np.isfinite(other), freed.flight)
     pair = one[known], other[known]
     frame, at = np.unique(picks.frame[known], return_inverse=True)
     squares = [np.bincount(at, values**2) for values in pair]
@@ -407,3 +474,10 @@ def predicted(stated: TestedFlight, freed: TestedFlight) -> Prediction:
         int(known.sum()), (median[0], median[1]), (rms[0], rms[1]),
         int((squares[1] < squares[0]).sum()), len(frame),
     )  # fmt: skip
+
+
+def _counted(known: Bools, flight: Flight) -> Bools:
+    """Choose the picks whose predictions count of those that have one, (P,)."""
+    count = np.bincount(flight.picks.frame[known], minlength=len(flight.frame))
+    many = known & (count > FEWEST)[flight.picks.frame]
+    return many if many.any() else known
