@@ -141,7 +141,10 @@ def test_times_and_positions_left_out_are_those_of_the_dense_equations(
             added = added @ solution.model.velocity_m_s[tests.frame[k]][:, None]
         gain, step = freed(dense, added)
         assert_close("joint residual", tests.gain[k], gain)
-        assert_close("joint residual", tests.error[k, : added.shape[1]], step[len(dense.prior) :])
+        assert np.isnan(tests.error[k]).all() or gain > 25.0  # five standard deviations at least
+        if np.isfinite(tests.error[k, 0]):
+            error = step[len(dense.prior) :]
+            assert_close("joint residual", tests.error[k, : added.shape[1]], error)
         moves(tests, k, step, dense.frames)
 
 
@@ -167,7 +170,8 @@ def test_landmarks_left_out_are_those_of_the_dense_equations(loss: str, width: i
             gain, step = without(dense, ones, prior, none)
         else:
             gain, step = freed(dense, columns[:, mark])
-            assert_close("joint residual", tests.error[k], step[len(prior) :])
+            told = np.isfinite(tests.error[k])
+            assert_close("joint residual", tests.error[k][told], step[len(dense.prior) :][told])
         assert_close("joint residual", tests.gain[k], gain)
         moves(tests, k, step, dense.frames)
         changed = dense.rows @ step[: len(dense.prior)]
@@ -191,5 +195,6 @@ def test_fixes_left_out_are_those_of_the_dense_equations(loss: str, width: int) 
         prior[at] = 0.0
         gain, step = without(dense, np.ones(len(dense.rows)), prior, np.zeros(len(prior)))
         assert_close("joint residual", tests.gain[k], gain)
-        assert_close("joint residual", tests.error[k], dense.state[at] + step[at])
+        told = np.isfinite(tests.error[k])
+        assert_close("joint residual", tests.error[k][told], (dense.state[at] + step[at])[told])
         moves(tests, k, step, dense.frames)

@@ -24,7 +24,6 @@ from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.flight.equations import LinearisedPicks, Model
 from vopd.flight.joint import JointSolution, places_by_fixes, propagated
 from vopd.flight.misfit import unfollowed, weighed
-from vopd.flight.normal import RightSide
 from vopd.flight.sizes import fix_covariances
 from vopd.records import Rows
 
@@ -36,7 +35,7 @@ LANDMARK, FRAME, TIME, POSITION, FIX, PICK = range(len(KINDS))
 MOST_LANDMARKS = 300  # that are left out: those with the most picks
 LANDMARK_NUMBERS = 4_000_000  # of the changes of the images by some landmarks at once
 MOST_MOVES = 20_000_000  # tests times frames whose movement is calculated
-MOVES_AT_ONCE = 1_000_000
+MOVES_AT_ONCE = 400_000
 SHOWS = 1e-9  # of an error's squares: less is rounding, and nothing else tells of it
 LEAST_LEFT = 0.5  # degrees of freedom of the reading sigma without what is tested
 DETERMINED = 5.0  # standard deviations, in the worst direction, of an error that is told
@@ -111,10 +110,10 @@ class _Step(NamedTuple):
 
     test: Ints  # (B,) index of the test
     frame: Ints  # (B,)
-    turn: Floats  # (B, 3)
-    place: Floats  # (B, 3)
+    turn: Floats  # (B, 3) of the frame itself, if nothing else moved
+    place: Floats  # (B, 3) right sides, the turns eliminated
     column: Ints  # (B, q)
-    common: Floats  # (B, q)
+    common: Floats  # (B, q) likewise
 
 
 class _Collected:
@@ -276,7 +275,8 @@ class _Frame(NamedTuple):
     weight: Floats  # (B, 2n) 0 of picks that took no part
     part: Floats  # (B, 2n, 2n) H: of the images that all unknowns follow
     turn: Floats  # (B, 3, 2n) covariance of the turns with the images
-    further: Floats  # (B, 2n, q) images by the further unknowns
+    alone: Floats  # (B, 3, 2n) the same where the further unknowns are exact
+    left: Floats  # (B, 2n, q) images by the further unknowns, that no turn follows
     column: Ints  # where these are in what is common
 
 
@@ -333,7 +333,9 @@ def _known_frames(joint: JointSolution, every: Model) -> Iterator[_Frame]:
         by_turn = inverse @ turn.swapaxes(1, 2)
         part = turn @ by_turn + left @ followed
         residual = rows.residual.reshape(count, 2 * n)
-        yield _Frame(rows, residual, w, part, by_turn - gains @ followed, further, column)
+        yield _Frame(
+            rows, residual, w, part, by_turn - gains @ followed, by_turn, left, column
+        )  # fmt: skip
 
 
 # Picks, and frames: whole, their time, their position
@@ -434,15 +436,13 @@ def _add_of_frames(
         kind, int(tested.sum()), frame=frame.rows.frames[tested], freedom=freedom[tested],
         gain=gain[tested], **known,
     ))  # fmt: skip
-    count, n = frame.rows.picks.shape
     values = -moved[..., None]
-    turn = frame.rows.by_turn.reshape(count, 2 * n, 3).swapaxes(1, 2) @ values
-    place = frame.rows.by_place.reshape(count, 2 * n, 3).swapaxes(1, 2) @ values
-    common = frame.further.swapaxes(1, 2) @ values
+    further, turn = frame.left.swapaxes(1, 2) @ values, frame.alone @ values
     width = frame.column.shape[1]
+    split = further.shape[1] - width  # before it is the place
     to.steps.append(_Step(
-        index, frame.rows.frames[tested], turn[tested, :, 0], place[tested, :, 0],
-        frame.column[tested], common[tested, common.shape[1] - width :, 0],
+        index, frame.rows.frames[tested], turn[tested, :, 0], further[tested, :split, 0],
+        frame.column[tested], further[tested, split:, 0],
     ))  # fmt: skip
 
 
@@ -495,35 +495,39 @@ def _move(
     chosen = np.zeros(len(tests.kind), bool)
     chosen[every[np.argsort(-tests.evidence[every], kind="stable")[:most]]] = True
     together = max(MOVES_AT_ONCE // (3 * frames), 1)
+    factored, track = joint.factored, joint.model.priors.fixes
     for one in steps:
         rows = np.flatnonzero(chosen[one.test])
         for start in range(0, len(rows), together):
             some = rows[start : start + together]
-            right = _no_right_side(joint, len(some))
-            at = np.arange(len(some))
-            right.turn[one.frame[some], :, at] = one.turn[some]
-            right.place[one.frame[some], :, at] = one.place[some]
+            frame, at = one.frame[some], np.arange(len(some))
+            fix, common = _no_right_side(joint, len(some))
             inside = one.column[some] < size
-            row, _ = np.nonzero(inside)
-            np.add.at(right.common, (one.column[some][inside], row), one.common[some][inside])
-            turn = joint.factored.solve(right)[0]
+            np.add.at(
+                common, (one.column[some][inside], np.nonzero(inside)[0]), one.common[some][inside]
+            )
+            if track is not None:
+                for slot, weight in enumerate(track.weight[frame].T):
+                    where = np.minimum(track.first[frame] + slot, len(fix) - 1)
+                    fix[where, :, at] += weight[:, None] * one.place[some]
+            turn = factored.turns(None, *factored.solve_further(fix, common))
+            turn[frame, :, at] += one.turn[some]
             if len(some) and tests.kind[one.test[0]] == FRAME:
-                turn[one.frame[some], :, at] = 0.0  # it has no attitude then
+                turn[frame, :, at] = 0.0  # it has no attitude then
             _moved(tests, one.test[some], turn, joint)
-    test, fix, values = fixes
+    test, fix_index, values = fixes
     rows = np.flatnonzero(chosen[test])
     for start in range(0, len(rows), together):
         some = rows[start : start + together]
-        right = _no_right_side(joint, len(some))
-        right.fix[fix[some], :, np.arange(len(some))] = values[some]
-        _moved(tests, test[some], joint.factored.solve(right)[0], joint)
+        fix, common = _no_right_side(joint, len(some))
+        fix[fix_index[some], :, np.arange(len(some))] = values[some]
+        turn = factored.turns(None, *factored.solve_further(fix, common))
+        _moved(tests, test[some], turn, joint)
 
 
-def _no_right_side(joint: JointSolution, count: int) -> RightSide:
-    model = joint.model
-    place = np.zeros((model.frames, 3, count))
-    fix = np.zeros((*model.fix_sigma_m.shape, count))
-    return RightSide(place, np.zeros_like(place), fix, np.zeros((joint.normal.size, count)))
+def _no_right_side(joint: JointSolution, count: int) -> tuple[Floats, Floats]:
+    fix = np.zeros((*joint.model.fix_sigma_m.shape, count))
+    return fix, np.zeros((joint.normal.size, count))
 
 
 def _moved(tests: LeftOut, index: Ints, turn: Floats, joint: JointSolution) -> None:

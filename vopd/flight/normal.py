@@ -348,21 +348,45 @@ class Factored:
                 place[one.frames] -= own[:, :3]
                 own = own[:, 3:]
             _add(taken, one.column[..., None] * k + np.arange(k), own)
-        common = right.common - taken[:-3]
-        fix = np.zeros((0, 3, k))
-        if self.fixes is not None:
-            fix = self._along(right.fix + self._handed(place))
-            common = common - normal.border.T @ fix.reshape(len(normal.border), k)
+        fix = right.fix if self.fixes is None else right.fix + self._handed(place)
+        fix, common = self.solve_further(fix, right.common - taken[:-3])
+        return self.turns(right.turn, fix, common), fix, common
+
+    def solve_further(self, fix: Floats, common: Floats) -> tuple[Floats, Floats]:
+        """Solve for what is left where the turns are eliminated.
+
+        Args:
+            fix: right sides, (J, 3, k)
+            common: likewise, (K, k)
+        """
+        if self.fixes is None:
+            return fix, self._of_common(common)
+        fix = self._along(fix)
+        common = common - self.normal.border.T @ fix.reshape(len(self.normal.border), -1)
         common = self._of_common(common)
-        fix = fix - self.back @ common
-        places = np.zeros_like(place) if self.fixes is None else self.fixes.at_frames(fix)
-        turn, padded = np.zeros_like(right.turn), np.concatenate([common, np.zeros((3, k))])
-        for one in normal.parts:
+        return (fix - self.back @ common)[: len(self.model.fix_sigma_m)], common
+
+    def turns(self, right: Floats | None, fix: Floats, common: Floats) -> Floats:
+        """Solve for turns where all else is known, (F, 3, k); 0 for frames that take no part.
+
+        Args:
+            right: right sides, (F, 3, k); None: 0
+            fix: errors of fixes, (J, 3, k)
+            common: of what is common, (K, k)
+        """
+        k = common.shape[1]
+        turn, padded = (
+            np.zeros((self.model.frames, 3, k)),
+            np.concatenate([common, np.zeros((3, k))]),
+        )
+        places = turn if self.fixes is None else self.fixes.at_frames(fix)
+        for one in self.normal.parts:
             further = padded[one.column]
             if self.fixes is not None:
                 further = np.concatenate([places[one.frames], further], axis=1)
-            turn[one.frames] = one.inverse @ (right.turn[one.frames] - one.mixed @ further)
-        return turn, fix[: len(self.model.fix_sigma_m)], common
+            own = -one.mixed @ further
+            turn[one.frames] = one.inverse @ (own if right is None else right[one.frames] + own)
+        return turn
 
     def _handed(self, place: Floats) -> Floats:
         """Hand right sides of places (F, 3, k) to their fixes (J, 3, k)."""
