@@ -7,7 +7,7 @@ import io
 import json
 from collections.abc import Sequence
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -46,12 +46,18 @@ SHOWN = 0.3  # correlation in a text: the other formats have all
 )
 @click.option("--correlations", is_flag=True, help="Print the correlations of the parameters, too.")
 @click.option(
+    "--test",
+    is_flag=True,
+    help="Leave out each landmark, frame, fix and pick in turn: name what does not fit, and say "
+    "how well picks are predicted with and without what is free.",
+)
+@click.option(
     "--format",
     "form",
     type=click.Choice(["text", "csv", "json"]),
     default="text",
     show_default=True,
-    help="Of the table.",
+    help="Of the table; with --test the CSV is of the tests.",
 )
 @quiet_option
 @click.pass_context
@@ -60,6 +66,7 @@ def command(
     source: str,
     free: tuple[str, ...],
     correlations: bool,
+    test: bool,
     form: str,
     quiet: bool,
 ) -> None:
@@ -89,6 +96,7 @@ def command(
         vopd adjust flight.toml --free focal
         vopd adjust flight.toml --free focal,k1,clock --correlations
         vopd adjust flight.toml --free landmark:tower --format csv
+        vopd adjust flight.toml --test                   nothing free, tests alone
 
     Exit status: 0 the table is printed (also if a parameter is not held); 1 the
     source could not be read or solved; 2 wrong usage; 3 the table is printed, but
@@ -102,25 +110,31 @@ def command(
             f"{source}: vopd adjust takes a flight project, whose name ends in .toml; "
             "vopd new --deck makes one of a deck"
         )
-    made = _adjusted(source, names)
+    made = _adjusted(source, names, test)
     messages = Messages(quiet)
     for finding in made.result.findings:
         messages(finding)
     messages.close()
-    write = {"text": as_text, "csv": as_csv, "json": as_json}[form]
-    click.echo(write(made, correlations), nl=False)
+    tests = _tests_of(made, form) if test else None
+    if form == "csv" and tests is not None:
+        click.echo(tests, nl=False)
+    elif form == "json":
+        click.echo(as_json(made, correlations, tests), nl=False)
+    else:
+        click.echo({"text": as_text, "csv": as_csv}[form](made, correlations), nl=False)
+        click.echo(f"\n{tests}" if tests is not None else "", nl=False)
     converged = made.result.estimates.solved.attitudes.converged | ~made.result.solved
     ctx.exit(0 if converged.all() and not made.result.misfits else 3)
 
 
-def _adjusted(source: str, names: Sequence[str]) -> Adjustment:
+def _adjusted(source: str, names: Sequence[str], test: bool) -> Adjustment:
     """Read and solve a flight, with a line of progress on a terminal."""
     from vopd.flight.adjust import adjust
     from vopd.flight.read import read_flight
 
     flight = read_flight(source)
     names = names or flight.options.free
-    if not names:
+    if not names and not test:
         raise click.UsageError(
             "name what is to be solved for: --free focal,k1, or [solve] free in the project."
         )
@@ -129,6 +143,29 @@ def _adjusted(source: str, names: Sequence[str]) -> Adjustment:
         return adjust(flight, names, lambda: progress.add(1))
     finally:
         progress.close()
+
+
+def _tests_of(made: Adjustment, form: str) -> Any:
+    """Test a flight by leaving out, and the same with nothing free."""
+    from dataclasses import replace
+
+    from vopd.flight import tested_table
+    from vopd.flight.result import solve_flight_read
+    from vopd.flight.tested import predicted, tested_flight
+
+    result = made.result
+    flight, prediction = result.read, None
+    tested = tested_flight(result)
+    free = [one.name for one in made.parameters if one.held and one.after != one.before]
+    if free:
+        options = replace(flight.options, free=(), kept=())
+        stated = solve_flight_read(replace(flight, options=options))
+        prediction = predicted(tested_flight(stated), tested)
+    if form == "json":
+        return tested_table.as_dict(tested, prediction)
+    if form == "csv":
+        return tested_table.as_csv(tested)
+    return tested_table.as_text(tested, prediction, flight.options.free)
 
 
 # The table
@@ -142,7 +179,9 @@ def as_text(made: Adjustment, correlations: bool) -> str:
         correlations: whether they are to follow
     """
     head = [name.replace("_", " ") for name in COLUMNS]
-    lines = [_solved_text(made), "", *_aligned([head, *map(_text_row, made.parameters)])]
+    lines = [_solved_text(made)]
+    if made.parameters:
+        lines += ["", *_aligned([head, *map(_text_row, made.parameters)])]
     if correlations:
         lines += ["", *_pairs(made)]
     return "\n".join(lines) + "\n"
@@ -226,12 +265,13 @@ def as_csv(made: Adjustment, correlations: bool) -> str:
     return page.getvalue()
 
 
-def as_json(made: Adjustment, correlations: bool) -> str:
+def as_json(made: Adjustment, correlations: bool, tests: object = None) -> str:
     """Write the table as JSON; null is none.
 
     Args:
         made: the adjustment
         correlations: whether the matrix is there
+        tests: those of leaving out; None: there are none
     """
     result = made.result
     reading = result.estimates.reading
@@ -248,4 +288,6 @@ def as_json(made: Adjustment, correlations: bool) -> str:
             [value if isfinite(value) else None for value in row]
             for row in made.correlation.tolist()
         ]
+    if tests is not None:
+        table["tests"] = tests
     return json.dumps(table, indent=2, allow_nan=False, ensure_ascii=False) + "\n"

@@ -147,7 +147,7 @@ def as_dict(tested: TestedFlight, prediction: Prediction | None) -> dict[str, ob
             "median_px": _plain(_median(own)),
             "rms_px": _plain(_rms(own)),
         },
-        "tests": rows(tested),
+        "left_out": rows(tested),
     }
     if prediction is not None:
         found["prediction"] = {
@@ -321,8 +321,12 @@ def prediction_lines(
         ]
     (stated, freed), (rms_stated, rms_freed) = prediction.median_px, prediction.rms_px
     names, frames = ", ".join(free), count_text(prediction.frames, "frame")
-    keep = "keep what is stated" if prediction.helps is False or freed >= stated else ""
-    verdict = "freeing helps" if prediction.helps else keep or "that may be chance"
+    if prediction.helps:
+        verdict = "freeing helps"
+    elif prediction.helps is None and freed < stated:
+        verdict = "no clear difference"
+    else:
+        verdict = "keep what is stated"
     return [
         f"{count_text(prediction.picks, 'pick')} predicted by all others: with all as stated "
         f"{stated:.3g} px in the median, with {names} free {freed:.3g} px "
