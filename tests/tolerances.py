@@ -199,6 +199,12 @@ TOLERANCES = {
     "angle of a deck's project": Tolerance(
         "deg", 2e-5, "picks of 5E-5 px of 14,000; the deck's RAD and PI have ten digits"
     ),
+    "coordinates on cards": Tolerance(
+        "min, or 1E4 ft", 5.1e-6, "half of the last of five decimals of a minute, of one of a foot"
+    ),
+    "feature without noise": Tolerance(
+        "ft", 0.5, "minutes of five decimals, .06 ft, of all; twenty times along a line of sight"
+    ),
     "times of a deck's project": Tolerance("s", 6e-10, "half of the last of nine decimals"),
     "five decimals": Tolerance("1", 6e-6, "half of the last of five decimals or more"),
     "motion on cards": Tolerance(

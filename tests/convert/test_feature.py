@@ -1,0 +1,263 @@
+"""Coordinates of a feature: hidden ones are found again, by the joint solution and by trials."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.special import chdtri
+
+import vopd
+from tests.approved.texts import assert_approved, refused
+from tests.kit.command import DECKS
+from tests.kit.simulated_films import SPHERE_1974, WGS84, Earth, Errors, Plan, job_of, simulate
+from tests.tolerances import within
+from vopd.arrays import Floats
+from vopd.convert.feature import (
+    coordinates_at,
+    coordinates_of,
+    deck_with_landmark,
+    locate_feature,
+    only_job,
+    place_m,
+    with_coordinates,
+)
+from vopd.convert.feature_trials import FeatureTrials, search_feature
+from vopd.errata import NO_FIXES, Fixes, fixes
+from vopd.findings import VopdError
+from vopd.job import Job
+from vopd.synthetic import Plan as DemoPlan
+from vopd.synthetic.flight import make
+
+ALL = fixes("all")
+FEET = np.array([364567.0, 305000.0, 1.0])  # of a degree of latitude, of longitude at 33 deg
+OFF = np.array([0.15 / 60.0, -0.2 / 60.0, 400.0])  # 900 ft north, 1,000 west, 400 up
+
+
+def film(earth: Earth, noise_in: float, seed: int, count: int = 1) -> list[Job]:
+    """Every tenth frame of 40 seconds, of five landmarks; the camera flies 20,000 ft or more."""
+    plan = Plan(
+        Errors(reading_in=noise_in), landmarks=5, jobs=count, frames=160,
+        decimals=3 if noise_in else None, earth=earth, acceleration_ft_s2=1.0,
+    )  # fmt: skip
+    films = simulate(plan, seed)
+    jobs = [replace(job_of(films, k), return_group=13) for k in range(count)]
+    return [replace(job, readings=job.readings.take(np.arange(5, 160, 10))) for job in jobs]
+
+
+def hidden(job: Job, number: int) -> tuple[Job, Floats]:
+    """The job with the landmark elsewhere, and where it is."""
+    truth = coordinates_of(job, number)
+    return with_coordinates(job, number, truth + OFF), truth
+
+
+EARTHS = pytest.mark.parametrize(("earth", "chosen"), [(WGS84, ALL), (SPHERE_1974, NO_FIXES)])
+
+
+def joint(job: Job, number: int, chosen: Fixes) -> tuple[Floats, Floats]:
+    """Coordinates by the joint solution, and their covariance."""
+    made = locate_feature(job, number, chosen, "film.dat").adjustment
+    return np.array([one.after for one in made.parameters]), made.covariance
+
+
+@EARTHS
+def test_both_find_the_feature_of_a_film_without_noise(earth: Earth, chosen: Fixes) -> None:
+    for drawn in film(earth, 0.0, 5, 3):
+        job, truth = hidden(drawn, 12)
+        after, _ = joint(job, 12, chosen)
+        trials = search_feature(job, 12, chosen, "film.dat")
+        assert trials.stands
+        assert (np.abs(trials.coordinates - after) < trials.last_step).all()
+        for found in (after, trials.coordinates):
+            assert (np.abs(found - truth) * FEET).max() < within("feature without noise")
+
+
+@EARTHS
+def test_both_find_the_feature_of_a_noisy_film(earth: Earth, chosen: Fixes) -> None:
+    """Trials within half a standard deviation of the joint solution, that within its own region."""
+    for drawn in film(earth, 0.003, 6, 6):
+        job, truth = hidden(drawn, 14)
+        after, covariance = joint(job, 14, chosen)
+        trials = search_feature(job, 14, chosen, "film.dat")
+        assert (np.abs(trials.coordinates - after) < 0.5 * np.sqrt(np.diag(covariance))).all()
+        off = after - truth
+        assert off @ np.linalg.solve(covariance, off) < chdtri(3, 0.001)
+
+
+def test_the_region_of_the_joint_solution_holds_the_truth() -> None:
+    """Its chi-square over 25 films is 75, as three coordinates of each have it."""
+    total, jobs = 0.0, film(WGS84, 0.003, 7, 25)
+    for job in jobs:
+        after, covariance = joint(job, 11, ALL)
+        off = after - coordinates_of(job, 11)
+        total += off @ np.linalg.solve(covariance, off)
+    assert chdtri(3 * len(jobs), 0.9995) < total < chdtri(3 * len(jobs), 0.0005)
+
+
+def test_the_hidden_feature_of_a_demo_is_found() -> None:
+    """24 of 1,200 frames of its film, by the program as it was; readings to .001 in."""
+    (demo,) = make(DemoPlan(frames=1200, landmarks=6, noise_in=0.0, seed=3))[0]
+    demo = replace(demo, readings=demo.readings.take(np.arange(0, 1200, 50)), return_group=13)
+    number = int(np.bincount(demo.readings.points.landmark).argmax())
+    job, truth = hidden(demo, number)
+    after, covariance = joint(job, number, NO_FIXES)
+    trials = search_feature(job, number, NO_FIXES)
+    assert trials.stands
+    assert (np.abs(trials.coordinates - after) < 0.5 * np.sqrt(np.diag(covariance))).all()
+    assert (np.abs(after - truth) < 4.0 * np.sqrt(np.diag(covariance))).all()
+
+
+# The stacked deck
+
+
+@cache
+def searched() -> tuple[Job, FeatureTrials]:
+    job, _ = hidden(film(SPHERE_1974, 0.003, 8)[0], 13)
+    return job, search_feature(job, 13, NO_FIXES)
+
+
+def test_the_stack_is_a_deck_whose_run_has_the_differences(tmp_path: Path) -> None:
+    """The first job has the known landmarks alone, each other one the feature where it is said."""
+    _, trials = searched()
+    deck = tmp_path / "stack.dat"
+    deck.write_text(vopd.write_deck(trials.jobs))
+    jobs = vopd.run(vopd.read_deck(deck))
+    assert len(jobs) == len(trials.jobs) == len(trials.trials)
+    assert [one.job.return_group for one in jobs] == [9] * (len(jobs) - 1) + [13]
+    known = jobs[0]
+    assert not known.points.used[known.points.landmark == 13].any()
+    for one, trial in zip(jobs[1:], trials.trials[1:], strict=True):
+        assert one.points.used.all()
+        at = coordinates_of(replace(one.job, landmarks=one.job.landmarks), 13)
+        assert (at == trial.coordinates).all()
+        turned = (one.vehicle_deg - known.vehicle_deg + 180.0) % 360.0 - 180.0
+        rms = np.sqrt((turned**2).mean(axis=0))
+        assert np.abs(rms - trial.difference_deg).max() < within("solved angle")
+
+
+def test_a_search_is_rounds_of_latitudes_longitudes_altitudes() -> None:
+    """Nine trials a series, one coordinate moved by even steps; the best one is marked."""
+    _, found = searched()
+    first = found.trials[0]
+    assert (first.job, first.varied, first.best) == (1, "known landmarks", False)
+    assert found.trials[-1].varied == "found"
+    rounding = np.abs(found.trials[-1].coordinates - found.coordinates)
+    assert (rounding <= within("coordinates on cards") / [60.0, 60.0, 1e-4]).all()
+    rows = found.trials[1:-1]
+    for k, name in enumerate(("latitude", "longitude", "altitude")):
+        series = [one for one in rows if one.round == 1 and one.varied == name]
+        assert len(series) % 9 == 0
+        last = series[-9:]
+        assert sum(one.best for one in last) == 1 and not last[0].best and not last[-1].best
+        assert min(last, key=lambda one: one.apart_in).best
+        steps = np.diff([one.coordinates for one in last], axis=0)
+        off = np.abs(steps * [60.0, 60.0, 1e-4] - np.eye(3)[k] * [0.1, 0.1, 0.05])
+        assert off.max() < 2.0 * within("coordinates on cards")
+    assert [one.job for one in found.trials] == list(range(1, len(found.trials) + 1))
+
+
+# The card of the landmark
+
+
+def test_only_the_card_of_the_landmark_changes() -> None:
+    content = (DECKS / "appendix_h" / "case1.dat").read_bytes()
+    (job,) = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")
+    moved = with_coordinates(job, 66, np.array([32.8383333, -106.0, 12345.678]))
+    before = content.replace(b"\n", b"\r\n")
+    for old, end in ((content, b"\n"), (before, b"\r\n")):
+        new = deck_with_landmark(old, "case1.dat", moved, 66)
+        lines = list(zip(old.split(end), new.split(end), strict=True))
+        (pair,) = [(a, b) for a, b in lines if a != b]
+        assert pair[0] == b"        66     -106.     -32.7       32.       50.    10000."
+        assert pair[1] == b"        66     -106.        0.       32.      50.3   12345.7"
+    latitude, longitude, altitude = coordinates_of(moved, 66)
+    assert (longitude, altitude) == (-106.0, 12345.7)
+    assert abs(latitude - 32.8383333) * 60.0 < within("coordinates on cards")
+
+
+@pytest.mark.parametrize(
+    ("longitude", "degrees", "minutes"),
+    [
+        (-106.9999999, -106.0, -59.99999),
+        (-107.0, -107.0, 0.0),
+        (-105.5, -106.0, 30.0),
+        (-104.25, -104.0, -15.0),
+        (-106.99999999, -107.0, 0.0),
+    ],
+)
+def test_minutes_stay_below_sixty(longitude: float, degrees: float, minutes: float) -> None:
+    (job,) = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")
+    marks = with_coordinates(job, 66, np.array([32.5, longitude, 100.0])).landmarks
+    assert (marks.longitude_deg[1], marks.longitude_min[1]) == (degrees, minutes)
+    assert (marks.latitude_deg[1], marks.latitude_min[1]) == (32.0, 30.0)
+
+
+@EARTHS
+def test_coordinates_of_a_position_and_back(earth: Earth, chosen: Fixes) -> None:
+    """The position by the Earths of the films, which are apart from the package."""
+    there = np.array([33.1, -106.4, 5432.1])
+    position = earth.place(*there[:, None])[0]
+    found = coordinates_at(position, there + OFF, chosen)
+    assert (np.abs(found - there) * FEET).max() < within("feature without noise")
+    assert np.abs(place_m(found[None], chosen)[0] - position).max() < within("flight position")
+
+
+# What cannot be located
+
+
+def case1() -> Job:
+    (job,) = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")
+    return job
+
+
+def one_frame(job: Job) -> Job:
+    return replace(job, readings=job.readings.take(np.array([0])))
+
+
+def ignored(job: Job, *numbers: int) -> Job:
+    everywhere = np.zeros_like(job.ignored.everywhere)
+    everywhere[: len(numbers)] = numbers
+    return replace(job, ignored=replace(job.ignored, everywhere=everywhere))
+
+
+def twice(job: Job) -> Job:
+    marks = job.landmarks
+    rows = np.append(np.arange(len(marks.number)), 1)
+    columns = {name: getattr(marks, name)[rows] for name in vars(marks)}
+    return replace(job, landmarks=replace(marks, **columns))
+
+
+def test_what_cannot_be_located_says_what_to_do() -> None:
+    job = film(WGS84, 0.003, 9)[0]
+    still = np.tile(job.trajectory.position_ft[:1], (len(job.trajectory.time_s), 1))
+    unread = replace(job, readings=job.readings.take(np.arange(0)))
+    for wrong, number in (
+        (job, 99),
+        (twice(job), 12),
+        (unread, 12),
+        (one_frame(job), 12),
+        (ignored(job, 11, 13, 14, 15), 12),
+        (replace(job, trajectory=replace(job.trajectory, position_ft=still)), 12),
+    ):
+        with refused(VopdError):
+            locate_feature(wrong, number, ALL, "film.dat")
+        with refused(VopdError):
+            search_feature(wrong, number, ALL, "film.dat")
+
+
+def test_a_deck_of_several_jobs_is_refused() -> None:
+    with refused(VopdError):
+        only_job(vopd.read_deck(DECKS / "appendix_h" / "cases_1_2_3.dat"))
+
+
+def test_one_frame_holds_a_landmark_across_its_line_of_sight_alone() -> None:
+    """What is stated stays along it, and the note says so."""
+    job = film(WGS84, 0.003, 9)[0]
+    found = locate_feature(one_frame(job), 12, ALL, "film.dat", 1000.0)
+    assert 950.0 < found.sigma_ft[0] < 1000.1
+    assert found.sigma_ft[1] < 100.0
+    assert not any(one.held for one in found.adjustment.parameters)
+    assert_approved(found.notes)
