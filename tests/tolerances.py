@@ -430,6 +430,10 @@ TOLERANCES = {
         "1", 1e-5, "the vertical is that of the frame's place; the derivative's that of the row's"
     ),
     "joint algebra": Tolerance("1", 1e-9, "of the largest; scaled equations of condition 1E5"),
+    "updated prediction": Tolerance(
+        "px", 0.05, "second order of a step of .1 degree, places of 2 m"
+    ),
+    "updated gain": Tolerance("1", 0.2, "second order of a step, of gains to 15"),
     "joint minimum": Tolerance("sigma", 1e-7, "the solve ends at steps of 1E-8 sigma"),
     "joint cost": Tolerance("1", 1e-8, "sums of squares of 100, residuals to 1E-10"),
     "joint residual": Tolerance("1", 1e-7, "residuals of 3 by marginal weights of condition 1E6"),

@@ -39,6 +39,7 @@ from tests.kit.coverage import (
     share,
 )
 from tests.kit.flag_trials import TRIALS, Rates, Trial, rates
+from tests.kit.flight_blunders import BLUNDER_ROWS, BlunderRow, blunders_named
 from tests.kit.flight_coverage import FLIGHT_ROWS, FlightRow, flight_counted
 from tests.kit.flight_mistakes import MISTAKE_ROWS, MistakeRow, mistakes_named
 from tools.made_page import between
@@ -49,8 +50,8 @@ FILM_95, BEYOND_68 = (0.93, 0.97), (-0.013, 0.017)
 CONFIDENCE = 0.999
 SEED = 12
 
-AnyRow = Row | FlightRow | MistakeRow | Trial
-ALL_ROWS: tuple[AnyRow, ...] = (*FLIGHT_ROWS, *MISTAKE_ROWS, *ROWS, *TRIALS)
+AnyRow = Row | FlightRow | MistakeRow | BlunderRow | Trial
+ALL_ROWS: tuple[AnyRow, ...] = (*FLIGHT_ROWS, *MISTAKE_ROWS, *BLUNDER_ROWS, *ROWS, *TRIALS)
 Cell = dict[str, Any]
 """What is kept of a counted cell: name, landmarks, seed, jobs, and its shares or rates."""
 
@@ -106,7 +107,8 @@ class Line(NamedTuple):
 
 
 def _jobs(row: AnyRow, part: float) -> int:
-    number = row.plan.flights if isinstance(row, FlightRow | MistakeRow) else row.plan.jobs
+    flights = isinstance(row, FlightRow | MistakeRow | BlunderRow)
+    number = row.plan.flights if flights else row.plan.jobs
     return max(8, round(number * part))
 
 
@@ -131,6 +133,8 @@ def count(row: AnyRow, landmarks: int, seed: int, part: float) -> Cell:
     if isinstance(row, MistakeRow):
         named = [mistakes_named(row, size, own, jobs) for size in row.sizes]
         return cell | {"named": [dict(one._asdict()) for one in named]}
+    if isinstance(row, BlunderRow):
+        return cell | {"named": [dict(blunders_named(row, own, jobs)._asdict())]}
     parts = (
         flight_counted(row, landmarks, own, jobs)
         if isinstance(row, FlightRow)
@@ -209,7 +213,7 @@ def columns_of(row: AnyRow) -> tuple[int, ...]:
     """List the numbers of landmarks with which a row is counted."""
     if isinstance(row, FlightRow):
         return row.columns
-    return (row.plan.landmarks,) if isinstance(row, MistakeRow) else LANDMARKS
+    return (row.plan.landmarks,) if isinstance(row, MistakeRow | BlunderRow) else LANDMARKS
 
 
 # Tables
@@ -296,6 +300,19 @@ def mistake_lines(cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator
             yield Line(row.name, f"| {row.name} | {text} | {shares} | {cell['jobs']} |")
 
 
+def blunder_lines(cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator[Line]:
+    """Write how often leaving out names blunders, per cent."""
+    yield Line("", "| blunder | named | alone | another | flights |")
+    yield Line("", "|---" * 5 + "|")
+    for row in BLUNDER_ROWS:
+        cell = cells.get(_key(row, row.plan.landmarks, asked.seed, asked.part))
+        if cell is None:
+            yield Line(row.name, "")
+            continue
+        shares = " | ".join(f"{100 * share:.1f}" for share in cell["named"][0].values())
+        yield Line(row.name, f"| {row.name} | {shares} | {cell['jobs']} |")
+
+
 def page_with(page: str, mark: str, lines: Iterator[Line]) -> str:
     """Write a table where a page has its mark; rows that are not counted stay as they are.
 
@@ -333,6 +350,7 @@ def main() -> None:
     cells = counted_cells(rows, asked)
     made = {table.mark: table_lines(table, cells, asked) for table in TABLES}
     made["mistakes"] = mistake_lines(cells, asked)
+    made["blunders"] = blunder_lines(cells, asked)
     made["flags"] = flag_lines(cells, asked)
     page = PAGE.read_text(encoding="utf-8")
     for mark, lines in made.items():

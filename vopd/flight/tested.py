@@ -41,6 +41,7 @@ from vopd.geometry.linear import norm
 
 ROUNDS = 12  # of solving without what is named
 ALIKE = 6.0  # in twice the log likelihood: what explains the residuals as well
+MOST_GONE = 0.3  # of the picks: where more do not fit, the fault is not theirs
 FAR_RAD = 0.01  # that a frame turns without a pick: the square is half a per cent of it
 MOST_SOLVED = 30  # of such picks
 NO_PRIOR = 1e3  # standard deviations of a fix that is left out
@@ -121,6 +122,7 @@ def tested_flight(result: FlightResult) -> TestedFlight:
     flight, estimates = result.read, result.estimates
     used = estimates.solved.used
     out = gross_picks(flight) & used
+    out &= out.sum() < MOST_GONE * used.sum()  # more are no gross picks: the flight misfits
     named: list[Named] = []
     tests = None
     for _ in range(ROUNDS):
@@ -135,6 +137,8 @@ def tested_flight(result: FlightResult) -> TestedFlight:
         named = [_as_time(one, estimates.joint) for one in named]
         tests = leave_out(estimates.joint, estimates.reading, out)
         more = _significant(tests, named, estimates)
+        if (_gone([*named, *more], flight) & used).sum() > MOST_GONE * used.sum():
+            break
         named += more
         gone = _gone(named, flight)
         if not more and not (out & ~gone).any():
@@ -291,8 +295,7 @@ def _as_time(one: Named, joint: JointSolution) -> Named:
     time_s = float(speed @ weight @ off_m / (speed @ weight @ speed))
     across = off_m - speed * time_s
     left = float(across @ weight @ across)
-    along = float(off_m @ weight @ off_m) - left
-    if not chdtrc(2.0, left) > SIGNIFICANCE > chdtrc(1.0, along):
+    if not chdtrc(2.0, left) > SIGNIFICANCE:
         others = np.flatnonzero(tests.kind != TIME)
         return replace(one, tests=tests.take(others))
     order = np.concatenate([[own], np.flatnonzero(np.arange(len(tests.kind)) != own)])

@@ -1,0 +1,72 @@
+"""What leaving out names of a flight, and what it predicts; many flights are in tools.coverage."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vopd
+from tests.kit.flight_blunders import BLUNDER_ROWS, BlunderRow, blunders_named
+from tests.kit.simulated_flights import LensErrors, write_flight
+from tests.tolerances import assert_close
+from vopd.flight import tested
+from vopd.flight.joint import solve_jointly
+from vopd.flight.leave_out import PICK, leave_out
+from vopd.flight.read import read_flight
+from vopd.flight.result import solve_flight_read
+from vopd.flight.tested import Prediction, predicted
+
+SEED = 11
+
+
+@pytest.mark.parametrize("row", BLUNDER_ROWS, ids=lambda row: str(row.name))
+def test_a_blunder_of_five_times_the_noticeable_size_is_named(row: BlunderRow) -> None:
+    found = blunders_named(row, SEED, 2)
+    assert found.named == bool(row.blunder) and found.other == 0.0
+
+
+def test_picks_are_predicted_as_by_solving_without_them(tmp_path: Path) -> None:
+    """Of a real solve: an update leaves out the second order of its step.
+
+    A frame of six picks of 1 px turns by .1 degree at most, .002, of which the square moves an
+    image by 1500 times 4E-6 px.
+    """
+    plan = BlunderRow("", 2.0).plan._replace(frames=4)
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    estimates = vopd.solve_flight(tmp_path / "flight.toml").estimates
+    joint = estimates.joint
+    assert joint is not None and estimates.reading is not None
+    tests = leave_out(joint, estimates.reading)
+    model = joint.model
+    for k in np.flatnonzero(tests.kind == PICK):
+        used = np.arange(len(model.flight.picks.frame)) != tests.pick[k]
+        one = solve_jointly(model.flight, model.priors, used, joint.state)
+        for rows in model.rows(one.state):
+            here = model.pick[rows.picks] == tests.pick[k]
+            if here.any():
+                off_px = rows.residual[here][0] * model.flight.picks.sigma_px[tests.pick[k]]
+                assert_close("updated prediction", tests.off_px[k], off_px)
+        gain = joint.normal.cost - one.normal.cost
+        assert_close("updated gain", tests.gain[k], gain)
+
+
+def test_freeing_a_wrong_focal_length_helps_the_prediction(tmp_path: Path) -> None:
+    plan = BlunderRow("", 0.02).plan
+    plan = plan._replace(errors=plan.errors._replace(lens=LensErrors(focal_rel=0.02)))
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    flight = read_flight(str(tmp_path / "flight.toml"))
+    free = replace(flight, options=replace(flight.options, free=("focal",)))
+    stated, freed = (tested.tested_flight(solve_flight_read(one)) for one in (flight, free))
+    found = predicted(stated, freed)
+    assert found.helps and found.median_px[1] < found.median_px[0]
+    assert found.frames == plan.frames
+
+
+def test_the_chance_of_a_prediction_is_that_of_a_sign_test() -> None:
+    """Of ten frames nine are better: 11 of 1024 on either side."""
+    assert Prediction(60, (2.0, 1.0), (2.0, 1.0), 9, 10).chance == 22 / 1024
+    assert Prediction(60, (1.0, 2.0), (1.0, 2.0), 1, 10).helps is False
+    assert Prediction(60, (1.0, 2.0), (1.0, 2.0), 4, 10).helps is None
