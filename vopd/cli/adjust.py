@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from vopd.cli.adjust_deck import adjusted_deck, searched_deck
 from vopd.cli.console import Messages, Progress
-from vopd.cli.options import FILE_NAME, quiet_option
-from vopd.findings import VopdError, count_text
+from vopd.cli.options import FILE_NAME, above_zero, fix_options, quiet_option
+from vopd.errata import Fixes
+from vopd.findings import count_text
 from vopd.pipeline import is_flight
 
 if TYPE_CHECKING:
@@ -59,6 +61,27 @@ SHOWN = 0.3  # correlation in a text: the other formats have all
     show_default=True,
     help="Of the table; with --test the CSV is of the tests.",
 )
+@click.option(
+    "-o",
+    "--output",
+    type=FILE_NAME,
+    metavar="DECK",
+    help="Of a deck: write it with the landmark in group 9; with --trials the stacked deck.",
+)
+@click.option(
+    "--trials",
+    is_flag=True,
+    help="Of a deck: locate the landmark by the report's stacked jobs of trial coordinates.",
+)
+@click.option(
+    "--landmark-sigma",
+    type=float,
+    metavar="FT",
+    callback=above_zero,
+    help="Of a deck: standard deviation of the landmark's coordinates in group 9, along each "
+    "axis.  [default: none]",
+)
+@fix_options
 @quiet_option
 @click.pass_context
 def command(
@@ -68,11 +91,15 @@ def command(
     correlations: bool,
     test: bool,
     form: str,
+    output: str | None,
+    trials: bool,
+    landmark_sigma: float | None,
+    fixes: Fixes,
     quiet: bool,
 ) -> None:
     """Solve for lens, clock and landmarks with all frames of a flight together.
 
-    SOURCE is a flight project, whose name ends in .toml. A frame alone knows its
+    SOURCE is a flight project, whose name ends in .toml, or a deck. A frame alone knows its
     three angles; all frames together know the focal length or the clock as well.
     The table has each parameter before and after, with standard deviations, and says
     which the picks hold. One that they do not hold is kept as it is stated, and said
@@ -87,6 +114,10 @@ def command(
         landmarks landmark:NAME            listed; those with a sigma_m are solved
                                            for in any case
 
+    Of a deck one landmark of group 9 is located, by --free landmark:NUMBER: by least
+    squares of all readings, or with --trials by the report's stacked jobs of trial
+    latitudes, longitudes and altitudes. All else that the cards state is exact.
+
     A parameter starts from the standard deviation that the project states, as
     [uncertainty] focal_rel; without one it is known by the picks alone.
     docs/adjust.md says what may be freed when.
@@ -97,20 +128,26 @@ def command(
         vopd adjust flight.toml --free focal,k1,clock --correlations
         vopd adjust flight.toml --free landmark:tower --format csv
         vopd adjust flight.toml --test                   nothing free, tests alone
+        vopd adjust film.dat --free landmark:66 --fix all -o located.dat
+        vopd adjust film.dat --free landmark:66 --trials -o stack.dat
 
     Exit status: 0 the table is printed (also if a parameter is not held); 1 the
     source could not be read or solved; 2 wrong usage; 3 the table is printed, but
-    some frame did not converge, or the flight misfits.
+    some frame did not converge, the flight misfits, or trials do not stand.
     """
     names = [name for some in free for name in some.replace(",", " ").split()]
     if free and not names:
         raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
-    if not is_flight(source):
-        raise VopdError(
-            f"{source}: vopd adjust takes a flight project, whose name ends in .toml; "
-            "vopd new --deck makes one of a deck"
-        )
-    made = _adjusted(source, names, test)
+    deck = not is_flight(source)
+    _check_options(deck, test, output, trials, landmark_sigma, fixes)
+    if trials:
+        ctx.exit(searched_deck(source, names, fixes, output, form, quiet))
+    if deck:
+        if not names and not test:
+            raise click.UsageError("name the landmark to be located: --free landmark:NUMBER.")
+        made = adjusted_deck(source, names, fixes, landmark_sigma, output, quiet)
+    else:
+        made = _adjusted(source, names, test)
     messages = Messages(quiet)
     for finding in made.result.findings:
         messages(finding)
@@ -125,6 +162,23 @@ def command(
         click.echo(f"\n{tests}" if tests is not None else "", nl=False)
     converged = made.result.estimates.solved.attitudes.converged | ~made.result.solved
     ctx.exit(0 if converged.all() and not made.result.misfits else 3)
+
+
+def _check_options(
+    deck: bool, test: bool, output: str | None, trials: bool, sigma: float | None, fixes: Fixes
+) -> None:
+    """Refuse options that a flight does not have, and those that do not go together."""
+    given = {"-o": output is not None, "--trials": trials, "--landmark-sigma": sigma is not None}
+    for name in () if deck else (one for one, there in {**given, "--fix": fixes}.items() if there):
+        why = {
+            "--trials": "trials are a search of decks; --free solves for all that is free at once",
+            "--landmark-sigma": "state sigma_m in [landmarks] or in the landmark's row",
+        }
+        raise click.UsageError(f"{name} is for decks: {why.get(name, 'leave it out')}.")
+    if trials and sigma is not None:
+        raise click.UsageError("--landmark-sigma is not for --trials, which weigh no prior.")
+    if trials and test:
+        raise click.UsageError("--test is not for --trials: test the deck by itself.")
 
 
 def _adjusted(source: str, names: Sequence[str], test: bool) -> Adjustment:

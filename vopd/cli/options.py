@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from vopd.errata import fixes
+from vopd.errata import Fixes, fixes
 from vopd.findings import VopdError
 from vopd.geometry.ellipsoids import ELLIPSOIDS
 
@@ -74,7 +74,8 @@ _SIGMAS = (
 """Option, field of `Sigmas`, meaning; of two units the first is a deck's, the second a flight's."""
 
 
-def _above_zero(ctx: click.Context, option: click.Parameter, value: float | None) -> float | None:
+def above_zero(ctx: click.Context, option: click.Parameter, value: float | None) -> float | None:
+    """Refuse a number that is not above 0: a callback of options."""
     if value is not None and not value > 0.0:
         raise click.UsageError(f"{option.opts[0]}: {value:g} is not above 0.")
     return value
@@ -86,7 +87,7 @@ _OF_HISTORY = {
         "max_rate_deg_s",
         type=float,
         metavar="DEG/S",
-        callback=_above_zero,
+        callback=above_zero,
         help="Flag frames that turn faster than this.",
     ),
     "vertical": click.option(
@@ -107,6 +108,25 @@ def _with(
     return command
 
 
+def _chosen_fixes(names: tuple[str, ...], ellipsoid: str | None) -> Fixes:
+    if ellipsoid and not {"earth", "all"} & set(names):
+        raise click.UsageError("--ellipsoid is only for --fix earth or --fix all.")
+    try:
+        return fixes(*names, ellipsoid=ellipsoid or "wgs84")
+    except VopdError as error:
+        raise click.UsageError(f"--fix: {error}.") from error
+
+
+def fix_options(function: AnyCommand) -> AnyCommand:
+    """Add --fix and --ellipsoid; the command is given one argument, `fixes`."""
+
+    @wraps(function)
+    def with_fixes(*, fix: tuple[str, ...], ellipsoid: str | None, **others: Any) -> Any:
+        return function(**others, fixes=_chosen_fixes(fix, ellipsoid))
+
+    return _with(_SOLVE_OPTIONS[:2], with_fixes)
+
+
 def solve_options(function: AnyCommand) -> AnyCommand:
     """Add the options of a solve; the command is given one argument, `solve`."""
 
@@ -122,14 +142,9 @@ def solve_options(function: AnyCommand) -> AnyCommand:
     ) -> Any:
         from vopd.pipeline import SolveOptions
 
-        if ellipsoid and not {"earth", "all"} & set(fix):
-            raise click.UsageError("--ellipsoid is only for --fix earth or --fix all.")
+        chosen = _chosen_fixes(fix, ellipsoid)
         if compare_initial and initial == "deck":
             raise click.UsageError("--compare-initial is only for --initial closed-form.")
-        try:
-            chosen = fixes(*fix, ellipsoid=ellipsoid or "wgs84")
-        except VopdError as error:
-            raise click.UsageError(f"--fix: {error}.") from error
         return function(**others, solve=SolveOptions(chosen, initial, compare_initial, limits_1974))
 
     return _with(_SOLVE_OPTIONS, with_solve)
