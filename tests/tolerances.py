@@ -438,6 +438,12 @@ TOLERANCES = {
     "joint cost": Tolerance("1", 1e-8, "sums of squares of 100, residuals to 1E-10"),
     "joint residual": Tolerance("1", 1e-7, "residuals of 3 by marginal weights of condition 1E6"),
     "joint log determinant": Tolerance("1", 1e-9, "sums of some 60 logarithms, condition 1E6"),
+    "propagated by solving anew": Tolerance(
+        "1", 0.02, "a change of one standard deviation is linear to 1 in 100"
+    ),
+    "residual as solved": Tolerance(
+        "px", 1e-3, "sums of 192 residuals; the lines of sight are traced anew, to 1E-6 px"
+    ),
     "scipy's minimum": Tolerance("sigma", 3e-6, "by slopes of differences over .01 sigma"),
     "robust minimum": Tolerance("sigma", 1e-4, "the same; scipy closes in slowly on a robust loss"),
     "sigma by differences": Tolerance("sigma", 1e-6, "slopes by differences over .01 sigma"),

@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
 from tests.kit.joint_flights import (
-    LENS,
-    NED_FROM_ENU,
     Dense,
-    LensTruth,
-    at_frames,
-    axes,
     drone,
     flight_of,
     random_problem,
+    residuals_by_hand,
     scaled_close,
-    turned_out,
 )
 from tests.tolerances import assert_close, within
 from vopd.arrays import Bools, Floats
@@ -44,7 +37,7 @@ from vopd.flight.sizes import (
     sigma_freedom,
     size_of_residuals,
 )
-from vopd.flight.solve import CAUCHY, HUBER, LOSSES, solve
+from vopd.flight.solve import LOSSES, solve
 
 NAMES = ("least-squares", "huber", "cauchy")
 
@@ -191,53 +184,6 @@ def drawn_problem(seed: int) -> tuple[Flight, Priors]:
     if loss != "least-squares":
         flight.picks.pixel[0] += [20.0, -30.0]
     return flight, priors
-
-
-def residuals_by_hand(solution: JointSolution) -> Callable[[Floats], Floats]:
-    """Residuals of picks and priors, by steps from the solution in turns, fixes, common errors."""
-    flight, priors, state = solution.model.flight, solution.model.priors, solution.state
-    picks, marks, names = flight.picks, flight.landmarks.position_m, solution.model.names
-    frames, free = len(flight.frame), solution.model.free
-    camera_axes, mark_axes = axes(flight.path.position_m), axes(marks[free])
-    line = marks[picks.landmark] - flight.path.position_m[picks.frame]
-    prior = [] if priors.fixes is None else [priors.fixes.sigma_m.ravel()]
-    prior += [np.array(list(priors.parameter.values()))]
-    prior += [] if priors.landmark_m is None else [priors.landmark_m[free].ravel()]
-    sigma = np.concatenate(prior)
-    found = [state.fix_m.ravel(), state.parameter, state.landmark_m[free].ravel()]
-    error = np.concatenate(found)
-    cuts = np.cumsum([3 * frames, state.fix_m.size, len(names)])
-
-    def residual(step: Floats) -> Floats:
-        wrong = error + step[3 * frames :]
-        turn, *_ = np.split(step, cuts)
-        _, fix, values, mark = np.split(np.concatenate([turn, wrong]), cuts)
-        by = dict(zip(names, values.tolist(), strict=True))
-        rotation = Rotation.from_rotvec(turn.reshape(-1, 3)).as_matrix() @ state.rotation
-        moved = np.tile([by.get(name, 0.0) for name in ("east", "north", "up")], (frames, 1))
-        assert flight.path.velocity_m_s is not None
-        moved += flight.path.velocity_m_s @ NED_FROM_ENU * by.get("clock", 0.0)
-        if priors.fixes is not None:
-            moved += at_frames(priors.fixes, fix.reshape(-1, 3))
-        moved = turned_out(camera_axes, moved)
-        own, away = axes(flight.path.position_m + moved), line - moved[picks.frame]
-        further = np.zeros_like(marks)
-        further[free] = turned_out(mark_axes, mark.reshape(-1, 3))
-        away += further[picks.landmark]
-        ray = np.einsum("pij,pjk,pk->pi", rotation[picks.frame], own[picks.frame], away)
-        lens = LensTruth()
-        lens = lens._replace(**{n: getattr(lens, n) + by[n] for n in LENS if n in by})
-        off = (picks.pixel - lens.image(ray)) / picks.sigma_px[:, None]
-        z = (off**2).sum(axis=1)
-        if flight.options.loss == "huber":
-            off *= np.sqrt(np.where(z < HUBER**2, z, 2 * HUBER * np.sqrt(z) - HUBER**2) / z)[
-                :, None
-            ]
-        if flight.options.loss == "cauchy":
-            off *= np.sqrt(CAUCHY**2 * np.log1p(z / CAUCHY**2) / z)[:, None]
-        return np.concatenate([off.ravel(), wrong / sigma])
-
-    return residual
 
 
 @pytest.mark.parametrize("seed", range(10))

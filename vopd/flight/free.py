@@ -212,7 +212,7 @@ def as_solved(flight: Flight, joint: JointSolution) -> Flight:
         velocity = velocity + path.acceleration_m_s2 * late_s
     bias = path.bias_sigma_m
     if set(SHIFT) & set(freed):
-        bias = np.array([after[name] for name in SHIFT])
+        bias = np.array([after.get(name, own) for name, own in zip(SHIFT, bias, strict=True)])
     sigma = dict(flight.options.parameter_sigma)
     sigma |= {name: after[name] for name in freed if name not in SHIFT}
     solved = replace(
@@ -273,8 +273,15 @@ def unit_factor(flight: Flight, parameter: str) -> float:
     return FACTOR.get(parameter, 1.0)
 
 
-def shown_name(parameter: str) -> str:
-    """Name a parameter as tables do."""
+def shown_name(parameter: str, stands: bool = False) -> str:
+    """Name a parameter as tables do.
+
+    Args:
+        parameter: of `vopd.flight.equations`
+        stands: whether the camera does
+    """
+    if stands and parameter in SHIFT:
+        return f"position {parameter}"
     return SHOWN_NAME.get(parameter, parameter)
 
 

@@ -155,6 +155,8 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
             excess = float(np.sqrt(part / (1.0 - part)) / HALF_WIDTH)
         if excess > worst:
             trades = _trades(model, with_angles[:, k], between[k], k)
+            if not trades and not np.isfinite(model.sigma[k]):
+                trades = (ANGLES[int(with_angles[:, k].argmax())],)
             worst, found = excess, NotHeld(name, float(left[k]), trades)
     return found
 
@@ -174,7 +176,9 @@ def _trades(model: Model, with_angles: Floats, between: Floats, own: int) -> tup
     """Name angles and parameters that make the same images as a parameter."""
     names = [ANGLES[k] for k in np.flatnonzero(with_angles > TRADES)]
     names += [
-        shown_name(name) for k, name in enumerate(model.names) if k != own and between[k] > TRADES
+        shown_name(name, model.flight.path.stands)
+        for k, name in enumerate(model.names)
+        if k != own and between[k] > TRADES
     ]
     marks = between[len(model.names) :].reshape(-1, 3).max(axis=1)
     labels = model.flight.landmarks.name

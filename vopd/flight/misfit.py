@@ -404,7 +404,9 @@ def sizes_text(flight: Flight) -> str:
     """
     priors = priors_of(flight)
     first = solve_jointly(flight, priors)
-    there = {"reading", *first.model.component}
+    model = first.model
+    known = np.isfinite(model.common_sigma).tolist()
+    there = {"reading", *(c for c, one in zip(model.component, known, strict=True) if one)}
     there |= {"position"} if priors.fixes is not None else set()
     found = {name: size_spoken_for(first, name) for name in SIZES if name in there}
     best = max(gain for _, gain in found.values())
@@ -422,7 +424,8 @@ def _metres(joint: JointSolution, alike: list[str], found: dict[str, tuple[float
         own = priors.fixes.sigma_m
         own = own if priors.fixes.between is None else own[~priors.fixes.between]
     elif alike == ["position"]:
-        own = np.array([[priors.parameter[name] for name in SHIFT]])
+        place = [priors.parameter.get(name, np.inf) for name in SHIFT]
+        own = np.array([[one for one in place if np.isfinite(one)]])
     elif alike == ["landmark"] and priors.landmark_m is not None:
         own = priors.landmark_m[joint.model.free]
     else:
@@ -469,9 +472,10 @@ def _squares(solution: JointSolution, component: str) -> tuple[float, float]:
     common = np.concatenate([state.parameter, state.landmark_m[model.free].ravel()])
     own = [one == component for one in model.component]
     squares = float(((common / model.common_sigma)[own] ** 2).sum())
+    free = int((~np.isfinite(model.common_sigma))[own].sum())
     if component == "position":
         squares += float(((state.fix_m / model.fix_sigma_m) ** 2).sum())
-    return squares, explained(solution).get(component, 0.0)
+    return squares, explained(solution).get(component, 0.0) - free
 
 
 def log_likelihood(solution: JointSolution) -> float:

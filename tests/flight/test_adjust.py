@@ -1,0 +1,211 @@
+"""Parameters of a flight solved with all its frames: values, what is held, what is propagated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+import vopd
+from tests.kit.joint_flights import FOCAL, Dense, drone, flight_of, residuals_by_hand
+from tests.tolerances import assert_close, within
+from vopd.findings import VopdError
+from vopd.flight.adjust import Adjustment, Parameter, adjust
+from vopd.flight.equations import Priors
+from vopd.flight.flight import CameraPath, Flight, FlightOptions, TrackFixes
+from vopd.flight.result import solve_flight_read
+
+SIGMA = {"focal": 4.0, "centre_u": 3.0, "centre_v": 4.0, "k1": 0.05, "k2": 0.05, "clock": 0.08}
+NAMES = {"centre": ("centre_u", "centre_v"), "track-offset": ("east", "north", "up")}
+
+
+def drawn(
+    seed: int, free: tuple[str, ...], stated: dict[str, float], frames: int = 12,
+    landmarks: int = 8, fix_m: float = 0.0, mark_m: float = 0.0, velocity_m_s: float = 4.0,
+) -> Flight:  # fmt: skip
+    """A drone with picks of 1 px, its lens and clock wrong by what is stated."""
+    rng = np.random.default_rng(seed)
+    fixes, marks = None, None
+    if fix_m:
+        each = np.full((frames, 3), fix_m)
+        fixes = TrackFixes(np.arange(frames), np.ones((frames, 1)), each)
+    if mark_m:
+        marks = np.full((landmarks, 3), mark_m)
+    speed = (0.6 * velocity_m_s, 0.8 * velocity_m_s, 0.0)
+    priors = Priors(fixes, marks, stated)
+    flight = flight_of(rng, drone(rng, frames, landmarks), 1.0, priors, velocity_m_s=speed)
+    return replace(
+        flight,
+        picks=replace(flight.picks, stated=True),
+        path=replace(flight.path, bias_sigma_m=np.zeros(3)),
+        options=FlightOptions(free=free, parameter_sigma=stated, not_stated=("bias",)),
+    )
+
+
+def by_name(made: Adjustment) -> dict[str, Parameter]:
+    return {one.name: one for one in made.parameters}
+
+
+# Values and standard deviations
+
+WITHOUT_ONE = ("focal", "k1", "clock", "centre")
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_table_is_that_of_scipys_dense_least_squares(seed: int) -> None:
+    """All unknowns at once, with a geometry of the tests; of some nothing is stated."""
+    rng = np.random.default_rng(seed + 500)
+    names = tuple(rng.permutation([*WITHOUT_ONE, "k2"])[: 1 + seed % 4].tolist())
+    wrong = [p for name in names for p in NAMES.get(name, (name,))]
+    stated = {p: SIGMA[p] for p in wrong if rng.random() < 0.6}
+    flight = drawn(
+        seed, names, stated, int(rng.integers(3, 6)), 8,
+        float(rng.choice([0.0, 0.5])), float(rng.choice([0.0, 0.3])),
+    )  # fmt: skip
+    made = adjust(flight, names)
+    joint = made.result.estimates.joint
+    assert joint is not None
+    residual, inverse = residuals_by_hand(joint), Dense(joint).inverse
+    sigma, step = np.sqrt(np.diag(inverse)), 1e-2
+
+    def by_unknowns(at: np.ndarray) -> np.ndarray:
+        moves = step * np.eye(len(at))
+        both = [residual(sigma * (at + e)) - residual(sigma * (at - e)) for e in moves]
+        return np.stack(both, axis=1) / (2.0 * step)
+
+    start = rng.normal(0.0, 0.3, len(sigma))
+    found = least_squares(
+        lambda at: residual(sigma * at), start, by_unknowns, method="lm", xtol=1e-12, ftol=1e-15
+    )
+    assert np.abs(found.x).max() < within("scipy's minimum")
+    common = Dense(joint).common
+    kept = {one.name for one in made.result.read.options.kept}
+    assert [p for p in wrong if p not in kept] or not joint.model.names
+    for name in joint.model.names:
+        k = joint.model.names.index(name)
+        row = by_name(made)[name]
+        assert row.held
+        assert_close("table value", row.after - row.before, joint.state.parameter[k])
+        own = float(sigma[common + k])
+        if not kept:
+            assert_close("sigma by differences", row.sigma_after / own, 1.0)
+        else:  # what is kept with its standard deviation adds to it
+            assert row.sigma_after > own * (1.0 - 1e-12)
+
+
+def test_errors_that_are_not_solved_for_count() -> None:
+    """The focal length with k1 uncertain: its own variance, and what k1's error moves it by."""
+    flight = drawn(1, ("focal",), {"k1": 0.02})
+    row = by_name(adjust(flight, ["focal"]))["focal"]
+    known = replace(flight, options=replace(flight.options, parameter_sigma={"k1": 0.0}))
+    alone = by_name(adjust(known, ["focal"]))["focal"]
+    wrong = replace(flight.lens, k=flight.lens.k + 0.02 * (np.arange(12) == 0))
+    moved = by_name(adjust(replace(known, lens=wrong), ["focal"]))["focal"]
+    assert row.after == alone.after
+    expected = np.hypot(alone.sigma_after, moved.after - alone.after)
+    assert abs(row.sigma_after / expected - 1.0) < within("propagated by solving anew")
+
+
+def test_the_lens_and_the_residuals_are_as_solved() -> None:
+    flight = drawn(2, ("focal", "k1", "clock"), {"clock": 0.08}, fix_m=0.3)
+    made = adjust(flight, ["focal", "k1", "clock"])
+    rows, result = by_name(made), made.result
+    joint = result.estimates.joint
+    assert joint is not None and all(row.held for row in made.parameters)
+    lens = result.flight.lens
+    assert_close("table value", lens.focal_px, [rows["focal"].after] * 2)
+    assert_close("table value", lens.k[0], rows["k1"].after)
+    assert result.read.lens is flight.lens and result.flight.options.free == ()
+    residual = result.estimate.residual  # x to the left: minus u
+    expected = joint.normal.residual / joint.model.scale[:, None]
+    assert_close("residual as solved", np.abs(residual).sum(), np.abs(expected).sum())
+    late_m = np.array([2.4, 3.2, 0.0]) * rows["clock"].after
+    own_m = joint.state.fix_m + late_m
+    assert_close("table value", joint.moved_m, own_m)
+
+
+def test_a_project_that_frees_is_that_adjustment() -> None:
+    flight = drawn(3, (), {"focal": 4.0}, frames=6)
+    free = replace(flight, options=replace(flight.options, free=("focal", "k1")))
+    one, other = adjust(flight, ["focal", "k1"]).result, solve_flight_read(free)
+    assert np.array_equal(one.camera_deg, other.camera_deg)
+    assert one.estimates.words.conventions == other.estimates.words.conventions
+    assert "solved for" in one.estimates.words.conventions
+
+
+# Held, or not
+
+
+def test_what_the_picks_do_not_hold_changes_nothing() -> None:
+    """A k1 that is stated ten times better than the picks know it stays, and is propagated."""
+    flight = drawn(4, ("k1",), {"k1": 1e-5}, frames=4)
+    made = adjust(flight, ["k1"])
+    (row,) = made.parameters
+    assert not row.held and row.after == row.before and row.sigma_after == row.sigma_before
+    plain = solve_flight_read(replace(flight, options=replace(flight.options, free=())))
+    assert np.array_equal(made.result.camera_deg, plain.camera_deg)
+    ours, theirs = made.result.history(), plain.history()
+    assert np.array_equal(ours.uncertainty.total, theirs.uncertainty.total)
+    assert [one.message for one in made.result.findings] != [one.message for one in plain.findings]
+
+
+def test_a_clock_and_the_offset_of_a_straight_track_are_one() -> None:
+    """Along the track a second is four metres, exactly; across it the offset is known."""
+    flight = drawn(5, ("clock", "track-offset"), {})
+    made = adjust(flight, ["clock", "track-offset"])
+    first = made.result.read.options.kept[0]
+    assert first.name in ("clock", "east", "north") and np.isinf(first.sigma)
+    others = {"clock", "track-offset east", "track-offset north"}
+    assert others & set(first.trades_with)
+
+
+def test_the_centre_of_a_narrow_lens_is_yaw_and_pitch() -> None:
+    """A lens four times as long: the images of a shift and of a turn differ by a hundredth."""
+    flight = drawn(6, ("centre",), {})
+    lens = replace(flight.lens, focal_px=flight.lens.focal_px * 4.0)
+    pixel = flight.lens.centre_px + 4.0 * (flight.picks.pixel - flight.lens.centre_px)
+    picks = replace(flight.picks, pixel=pixel)
+    made = adjust(replace(flight, lens=lens, picks=picks), ["centre"])
+    rows = by_name(made)
+    assert not rows["centre_u"].held and rows["centre_u"].trades_with == ("yaw",)
+    assert not rows["centre_v"].held and rows["centre_v"].trades_with == ("pitch",)
+
+
+def test_a_focal_length_that_is_a_height_is_said_so() -> None:
+    """A camera that stands at a place known to 100 m, above level ground."""
+    rng = np.random.default_rng(7)
+    scene = drone(rng, 1, 10, tilt_deg=0.0)
+    flight = flight_of(rng, scene, 0.3, Priors())
+    flight = replace(
+        flight,
+        path=CameraPath(flight.path.position_m, bias_sigma_m=np.full(3, 100.0)),
+        picks=replace(flight.picks, stated=True),
+        options=FlightOptions(parameter_sigma={}),
+    )
+    (row,) = adjust(flight, ["focal"]).parameters
+    assert row.held or "position up" in row.trades_with
+
+
+# What cannot be freed
+
+
+def test_more_unknowns_than_the_picks_leave_are_refused() -> None:
+    flight = drawn(8, (), {}, frames=1, landmarks=3)
+    with pytest.raises(VopdError, match="state standard deviations"):
+        adjust(flight, ["focal", "aspect", "k1", "k2"])
+
+
+def test_a_clock_that_moves_nothing_is_refused() -> None:
+    flight = drawn(9, (), {})
+    still = replace(flight, path=replace(flight.path, velocity_m_s=None))
+    for name in ("clock", "clock-rate"):
+        with pytest.raises(VopdError, match=f"leave {name} out"):
+            adjust(still, [name])
+
+
+def test_the_library_takes_a_project() -> None:
+    made = vopd.adjust("examples/summits/flight.toml", ["focal"])
+    (row,) = made.parameters
+    assert row.held and abs(row.after - 3900.0) < FOCAL * 1e-3
