@@ -122,6 +122,7 @@ COMPONENTS = (
     "focal",  # of the focal length
     "time",  # of the times of the frames
     "readout",  # of the readout of a rolling shutter
+    "adjusted",  # of what was solved for before, with one covariance
     "mount",  # of the camera's mounting in the vehicle
     "velocity",  # of the velocity, in the angles of attack
     "wind",  # of the wind, in the angles of attack
@@ -136,6 +137,7 @@ INPUTS = (
 
 COMMON = (
     "principal_point", "distortion", "landmark", "focal", "time", "readout", "mount", "refraction",
+    "adjusted",
 )  # fmt: skip
 """Components whose error is the same in all frames; a mean over frames does not reduce it."""
 

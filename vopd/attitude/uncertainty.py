@@ -242,7 +242,11 @@ def _uncertainty(
             one for part, one in effects.items() if part.endswith(COMMON_PART)
         ),
         covariance_factor_95=_region_factor(
-            covariance, gains.covariance_deg2([effects["reading"]]), reading_freedom
+            covariance,
+            gains.covariance_deg2(
+                one for part, one in effects.items() if part.removesuffix(COMMON_PART) == "reading"
+            ),
+            reading_freedom,
         ),
         free_turn=gains.free_turn,
         reading=reading,

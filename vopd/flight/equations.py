@@ -207,6 +207,7 @@ class Model:
         common_sigma: prior standard deviations of the K unknowns in common: the parameters,
             then east, north, up of each free landmark
         component: the component of the uncertainty of each of those, (K,)
+        since_s: times of the frames since their middle, by which the clock's rate counts, (F,)
     """
 
     def __init__(
@@ -245,7 +246,7 @@ class Model:
         self.velocity_m_s = self._enu(flight.path.velocity_m_s)
         self.acceleration_m_s2 = self._enu(flight.path.acceleration_m_s2)
         middle = np.nanmean(flight.time_s) if np.isfinite(flight.time_s).any() else 0.0
-        self._since_s = np.nan_to_num(flight.time_s - middle)
+        self.since_s = np.nan_to_num(flight.time_s - middle)
 
     def with_priors(self, priors: Priors) -> Model:
         """Take the same picks with other unknowns.
@@ -281,7 +282,7 @@ class Model:
     def late_s(self, state: State) -> Floats:
         """Add up the errors of the frames' times (F,)."""
         rate = self.value(state, "clock_rate")
-        return np.asarray(self.value(state, "clock") + rate * self._since_s)
+        return np.asarray(self.value(state, "clock") + rate * self.since_s)
 
     def moved_m(self, state: State) -> Floats:
         """Add up how far each camera is from its stated place, its east, north, up (F, 3)."""
@@ -304,7 +305,7 @@ class Model:
             if name in SHIFT:
                 out[:, SHIFT.index(name), column] = 1.0
             elif name in ("clock", "clock_rate"):
-                since = self._since_s[frames, None] if name == "clock_rate" else 1.0
+                since = self.since_s[frames, None] if name == "clock_rate" else 1.0
                 out[:, :, column] = self.velocity_m_s[frames] * since
         return out
 
@@ -438,7 +439,7 @@ class Model:
             if name in SHIFT:
                 out[..., column] = by_place[..., SHIFT.index(name)]
             elif name in ("clock", "clock_rate"):
-                own = speed * (self._since_s[frames, None] if name == "clock_rate" else 1.0)
+                own = speed * (self.since_s[frames, None] if name == "clock_rate" else 1.0)
                 out[..., column] = (by_place @ own[:, None, :, None])[..., 0]
             elif name == "refraction":
                 out[..., column] = by_refraction[..., 0]

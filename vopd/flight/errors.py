@@ -8,12 +8,14 @@ refraction are not, unless `[solve] free` names them: one standard deviation of 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import COMMON_PART
+from vopd.findings import VopdError
 from vopd.flight.equations import COMPONENT, LEAST_SIGMA_M, SHIFT, Priors
 from vopd.flight.flight import CameraPath, Flight, TrackFixes
 from vopd.flight.free import free_parameters, prior_sigma
@@ -55,6 +57,11 @@ def with_sigmas(flight: Flight, sigmas: Sigmas) -> Flight:
     path, marks, options = flight.path, flight.landmarks, flight.options
     if sigmas.reading is None and not any(getattr(sigmas, name) for name in SOLVED_WITH):
         return flight
+    if options.held is not None:
+        raise VopdError(
+            f"{flight.source}: standard deviations in the place of stated ones are for the project "
+            f"that was adjusted: what {options.held.file} names is held, with its own covariance"
+        )
     if sigmas.landmark > 0.0:
         marks = replace(marks, sigma_m=np.full_like(marks.sigma_m, sigmas.landmark))
     if sigmas.position > 0.0:
@@ -92,30 +99,97 @@ def stated_changes(solution: JointSolution) -> dict[str, Floats]:
         Changes of the computed images by one standard deviation of each, in standard deviations
         of the picks, (P, 2, C), by component; P picks take part.
     """
-    model, state = solution.model, solution.state
-    stated = model.flight.options.parameter_sigma.items()
-    sigma = {name: one for name, one in stated if one > 0.0 and name not in model.names}
-    if not sigma:
-        return {}
-    more = replace(model.priors, parameter={**model.priors.parameter, **sigma})
-    full = model.with_priors(more)
-    none = np.zeros(len(sigma))
-    start = state._replace(parameter=np.concatenate([state.parameter, none]))
-    change = np.zeros((len(model.pick), 2, len(sigma)))
-    for rows in full.rows(start):
-        change[rows.picks] = rows.by_parameter[..., len(model.names) :]
-    change *= list(sigma.values())
+    sigma, change = stated_changes_by_name(solution)
     component = [COMPONENT[name] for name in sigma]
     return {
         name: change[..., [one == name for one in component]] for name in dict.fromkeys(component)
     }
 
 
-def turns_by_errors(solution: JointSolution) -> dict[str, Floats]:
+def stated_changes_by_name(solution: JointSolution) -> tuple[dict[str, float], Floats]:
+    """Differentiate the images by the parameters that are stated and not solved for.
+
+    Args:
+        solution: of the flight
+
+    Returns:
+        Their standard deviations, by name, and changes as those of `stated_changes`, (P, 2, C).
+    """
+    model, state = solution.model, solution.state
+    stated = model.flight.options.parameter_sigma.items()
+    sigma = {name: one for name, one in stated if one > 0.0 and name not in model.names}
+    change = np.zeros((len(model.pick), 2, len(sigma)))
+    if not sigma:
+        return sigma, change
+    more = replace(model.priors, parameter={**model.priors.parameter, **sigma})
+    full = model.with_priors(more)
+    none = np.zeros(len(sigma))
+    start = state._replace(parameter=np.concatenate([state.parameter, none]))
+    for rows in full.rows(start):
+        change[rows.picks] = rows.by_parameter[..., len(model.names) :]
+    return sigma, change * list(sigma.values())
+
+
+class HeldEffects(NamedTuple):
+    """What the errors of held parameters do in F frames: C columns of one standard deviation."""
+
+    turn: Floats  # (F, 3, C) about the camera's axes, radians
+    place: Floats  # (F, 3, C) east, north, up, m
+    late_s: Floats  # (F, C) of the frames' times
+    component: dict[str, slice]  # the columns of each
+
+
+ADJUSTED = "adjusted"
+"""The component of errors of held parameters, but for those by the picks that they came from."""
+
+
+def held_effects(solution: JointSolution) -> HeldEffects | None:
+    """Propagate the errors of held parameters; None where none is held.
+
+    With their errors c the turns are u + du/dc c: their covariance is the one with c known and
+    du/dc Cov(c, c) (du/dc)', which is that of the solve in which c was found by the same picks.
+
+    Args:
+        solution: of the flight
+    """
+    model, held = solution.model, solution.model.flight.options.held
+    if held is None:
+        return None
+    own_m = np.zeros((len(model.flight.landmarks.name), 3))
+    own_m[held.landmark] = 1.0
+    parameter = {**model.priors.parameter, **dict.fromkeys(held.parameter, 1.0)}
+    full = model.with_priors(replace(model.priors, parameter=parameter, landmark_m=own_m))
+    first, count, causes = len(model.names), len(held.parameter), held.root.shape[1]
+    start = np.concatenate([solution.state.parameter, np.zeros(count)])
+    by_mark = np.zeros((len(own_m), 3, causes))
+    by_mark[held.landmark] = held.root[count:].reshape(len(held.landmark), 3, causes)
+    change = np.zeros((len(model.pick), 2, causes))
+    for rows in full.rows(solution.state._replace(parameter=start)):
+        own = rows.by_parameter[..., first:] @ held.root[:count]
+        if len(held.landmark):
+            own = own + rows.by_landmark @ by_mark[model.landmark[rows.picks]]
+        change[rows.picks] = own
+    weighted = -change * solution.normal.weight[:, None, None]
+    turn, fix, _ = solution.factored.solve(solution.normal.right_side(weighted))
+    by_common = full.place_by_common(np.arange(model.frames))
+    place = by_common[:, :, first : first + count] @ held.root[:count]
+    if model.priors.fixes is not None:
+        place = place + model.priors.fixes.at_frames(fix)
+    late_s = np.zeros((model.frames, causes))
+    for name, own in zip(held.parameter, held.root[:count], strict=True):
+        if name in ("clock", "clock_rate"):
+            since_s = full.since_s if name == "clock_rate" else np.ones(model.frames)
+            late_s += since_s[:, None] * own
+    component = {"reading": slice(held.by_picks), ADJUSTED: slice(held.by_picks, None)}
+    return HeldEffects(turn, place, late_s, component)
+
+
+def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) -> dict[str, Floats]:
     """Estimate how errors of one standard deviation turn the cameras, by component.
 
     Args:
         solution: of the flight, in which places or landmarks were solved for
+        held: effects of held parameters
 
     Returns:
         Turns about the camera's axes, radians, (F, 3, C); those of errors that are common to the
@@ -126,6 +200,8 @@ def turns_by_errors(solution: JointSolution) -> dict[str, Floats]:
         part = name + COMMON_PART
         solved_for = [found[part]] if part in found else []
         found[part] = np.concatenate([*solved_for, propagated(solution, change)[0]], axis=2)
+    if held is not None:
+        found |= {name + COMMON_PART: held.turn[..., own] for name, own in held.component.items()}
     return found
 
 
@@ -144,12 +220,15 @@ def covariance_of_common(solution: JointSolution) -> Floats:
     return total
 
 
-def errors_of_sums(solution: JointSolution, weight: Floats) -> dict[str, Floats]:
+def errors_of_sums(
+    solution: JointSolution, weight: Floats, held: HeldEffects | None = None
+) -> dict[str, Floats]:
     """Estimate the covariances of k sums over frames, by component, radians squared, (k, k).
 
     Args:
         solution: of the flight
         weight: what a turn of each frame about the camera's axes adds to the sums, (F, 3, k)
+        held: effects of held parameters
     """
     found: dict[str, Floats] = {}
     for part, own in covariance_of_sums(solution, weight)[1].items():
@@ -158,6 +237,10 @@ def errors_of_sums(solution: JointSolution, weight: Floats) -> dict[str, Floats]
     for name, change in stated_changes(solution).items():
         moved = np.einsum("fik,fic->kc", weight, propagated(solution, change)[0])
         found[name] = found.get(name, 0.0) + moved @ moved.T
+    if held is not None:
+        for name, columns in held.component.items():
+            moved = np.einsum("fik,fic->kc", weight, held.turn[..., columns])
+            found[name] = found.get(name, 0.0) + moved @ moved.T
     return found
 
 

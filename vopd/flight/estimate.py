@@ -25,8 +25,10 @@ from vopd.estimate import (
 )
 from vopd.findings import count_text
 from vopd.flight.errors import (
+    HeldEffects,
     covariance_of_common,
     errors_of_sums,
+    held_effects,
     stated_changes,
     turns_by_errors,
 )
@@ -410,27 +412,41 @@ class FlightEstimates:
             one,
             further={name: np.where(here[..., None], own, 0.0) for name, own in further.items()},
         )
-        if not joint.passes:
+        if joint.passes:
+            one = self._with_stated_residual(one, part, joint)
+        elif self._held is None:
             return one
-        residual = -slots.coordinates(self._stated_residual[part.picks])
-        left_out = ~slots.spread(np.isin(part.picks, joint.model.pick)) & one.used
-        if left_out.any():
-            residual = np.where(np.tile(left_out, 2), self._residual_beside(one, part), residual)
-        one = replace(one, test_residual=np.where(here, residual, 0.0))
         if self.reading is None:
             return one
         known = np.isfinite(self.solved.camera_m[part.frames])
         place_m2 = joint.covariance.place_m2[part.frames]
+        late_s = {}
+        if self._held is not None:
+            place = self._held.place[part.frames]
+            place_m2 = place_m2 + place @ place.swapaxes(1, 2)
+            late_s = {n: self._held.late_s[:, own] for n, own in self._held.component.items()}
+        clock_is_free = "clock" in joint.model.names
         return replace(
             one,
             errors=input_errors(
-                self.solved.part(part), one, self._turns, part.frames, "clock" in joint.model.names
+                self.solved.part(part), one, self._turns, part.frames, clock_is_free, late_s
             ),
             moved=np.where(known, joint.moved_m[part.frames], np.nan),
             position_sigma=np.sqrt(np.einsum("fii->fi", place_m2)),
             position_ratio=self._position_ratio[part.frames],
             other_solution_deg=self._other_solutions_deg[part.frames],
         )
+
+    def _with_stated_residual(
+        self, one: Estimate, part: FlightPart, joint: JointSolution
+    ) -> Estimate:
+        """Add residuals at the stated places, for tests."""
+        slots, here = _slots(part), np.tile(one.used, 2)
+        residual = -slots.coordinates(self._stated_residual[part.picks])
+        left_out = ~slots.spread(np.isin(part.picks, joint.model.pick)) & one.used
+        if left_out.any():
+            residual = np.where(np.tile(left_out, 2), self._residual_beside(one, part), residual)
+        return replace(one, test_residual=np.where(here, residual, 0.0))
 
     def _residual_beside(self, one: Estimate, part: FlightPart) -> Floats:
         """Calculate residuals at the stated positions of picks that took no part, (F, 2L)."""
@@ -475,7 +491,12 @@ class FlightEstimates:
     @cached_property
     def _turns(self) -> dict[str, Floats]:
         assert self.joint is not None
-        return turns_by_errors(self.joint)
+        return turns_by_errors(self.joint, self._held)
+
+    @cached_property
+    def _held(self) -> HeldEffects | None:
+        assert self.joint is not None
+        return held_effects(self.joint)
 
     def sum_errors(self, weight: Floats) -> dict[str, Floats]:
         """Estimate the covariances of k sums over frames, by component, radians squared, (k, k).
@@ -485,7 +506,7 @@ class FlightEstimates:
                 adds to the sums, (F, 3, k)
         """
         assert self.joint is not None and self.reading is not None
-        found = errors_of_sums(self.joint, self.flight.mount.T @ weight)
+        found = errors_of_sums(self.joint, self.flight.mount.T @ weight, self._held)
         if not self.joint.passes:  # it was not solved again with the reading sigma in force
             scale = self.reading.sigma / self.joint.model.flight.picks.one_sigma_px
             found["reading"] = found["reading"] * scale**2
@@ -574,7 +595,7 @@ def attack_angles(solved: SolvedFlight) -> AttackAngles:
 
 def input_errors(
     solved: SolvedFlight, estimate: Estimate, turns: Mapping[str, Floats], frames: Ints,
-    clock_is_free: bool = False,
+    clock_is_free: bool = False, late_s: Mapping[str, Floats] | None = None,
 ) -> dict[str, InputErrors]:  # fmt: skip
     """Convert turns of the camera by errors of the inputs to those of its angles and of the body.
 
@@ -584,6 +605,7 @@ def input_errors(
         turns: of all frames, about the camera's axes, (F, 3, C) each
         frames: the indices of these among all
         clock_is_free: what is left of its error is not among the columns of the turns
+        late_s: of the times of all frames, by errors of held parameters, (F, C) each
     """
     by_turns = angles_by_turns(np.radians(estimate.camera_deg)) @ IMAGE_FROM_CAMERA
     found = {}
@@ -596,6 +618,9 @@ def input_errors(
         if late:
             sigma_s = solved.flight.options.parameter_sigma.get("clock", 0.0)
             attack[:, :, 0] = estimate.responses.attack_by_time * sigma_s
+        elif late_s and name.endswith(COMMON_PART) and name.removesuffix(COMMON_PART) in late_s:
+            late_by = late_s[name.removesuffix(COMMON_PART)][frames, None]
+            attack = estimate.responses.attack_by_time[:, :, None] * late_by
         found[name] = InputErrors(-by_turns @ own, -solved.flight.mount @ own, attack)
     return found
 

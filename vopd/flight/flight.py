@@ -188,6 +188,36 @@ class NotHeld(NamedTuple):
     trades_with: tuple[str, ...]  # what would make the same images
 
 
+@dataclass(frozen=True, eq=False)
+class HeldParameters:
+    """What `vopd adjust` solved for before: it is held, and its errors have one covariance.
+
+    Args:
+        file: the covariance file, as the project names it
+        parameter: names of `vopd.flight.equations.COMPONENT`
+        landmark: indices of landmarks, (N,)
+        root: times its transpose it is the covariance of the parameters, then of east, north, up
+            of each of those landmarks, in their units, m and s, (K, C)
+        by_picks: how many of its columns, the first ones, are errors of the picks
+        sigma_px: standard deviation of a pick with which all was solved
+        reading_sigma_px: the reading sigma in force then
+        freedom: its degrees of freedom; infinite where it was stated
+        source: one of `vopd.attitude.reading_sigma.SOURCES`
+        unknowns: how many of the parameters had no standard deviation before
+    """
+
+    file: str
+    parameter: tuple[str, ...]
+    landmark: Ints
+    root: Floats
+    by_picks: int
+    sigma_px: float
+    reading_sigma_px: float
+    freedom: float
+    source: str
+    unknowns: int
+
+
 @dataclass(frozen=True)
 class FlightOptions:
     """How a flight is solved, and what is uncertain besides picks, landmarks and positions.
@@ -206,6 +236,7 @@ class FlightOptions:
         reading_sigma_px: of one pick, where the user gives it; 0 leaves it out
         free: parameters that are solved for, by the names of `vopd.flight.free.FREE`
         kept: those of them that the picks do not hold
+        held: what was solved for by `vopd adjust` before; None: nothing was
     """
 
     loss: str = "least-squares"
@@ -217,6 +248,7 @@ class FlightOptions:
     reading_sigma_px: float | None = None
     free: tuple[str, ...] = ()
     kept: tuple[NotHeld, ...] = ()
+    held: HeldParameters | None = None
 
 
 @dataclass(frozen=True, eq=False)

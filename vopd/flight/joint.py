@@ -322,6 +322,27 @@ def _by_component(model: Model, by_common: Floats) -> dict[str, Floats]:
     return found
 
 
+def covariance_of_common(solution: JointSolution) -> tuple[Floats, Floats]:
+    """Estimate the covariance of what is common to the frames, and its part by the picks, (K, K).
+
+    With a robust loss a pick of weight w has the variance w^2, as in `covariance`.
+
+    Args:
+        solution: of the flight
+    """
+    model, total = solution.model, np.asarray(solution.factored.common)
+    if not len(total):
+        return total, total
+    scale = 1.0 + 1j * DERIVATIVE
+    varied = Factored(solution.normal, fix_scale=scale, common_scale=scale).common
+    given = -varied.imag / DERIVATIVE
+    if model.loss is LOSSES["least-squares"]:
+        return total, np.asarray(total - given)
+    varied = Factored(Normal(model, solution.state, carry=1j * DERIVATIVE)).common
+    by_picks = np.asarray(-varied.imag / DERIVATIVE)
+    return given + by_picks, by_picks
+
+
 def marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
     """Estimate covariances of turns, places, both (F, 3, 3), of turns and what is common (F, 3, K).
 

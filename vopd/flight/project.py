@@ -229,6 +229,10 @@ KEYS: tuple[Key, ...] = (
         "standard deviation of the rate of the frames' clock, parts per million"),
     Key("uncertainty", "readout_ms", "sigma", "1.0", "of a rolling shutter's readout",
         "standard deviation of the readout of a rolling shutter, milliseconds"),
+    Key("uncertainty", "covariance", "file", '"covariance.json"', "what vopd adjust -o has written",
+        "the file that `vopd adjust -o` writes: what it names is held in the solve, and its errors "
+        "are propagated with their covariance. It speaks of the picks and the track that there "
+        "were: with others it is refused"),
 )  # fmt: skip
 """In the order of a new project, a section's keys together."""
 ROWS = {(key.section, key.name): key for key in KEYS}
@@ -504,7 +508,8 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
     lines = [f"# {line}".rstrip() for line in head.splitlines()]
     section = ""
     for row in KEYS:
-        if row.section in left_out or not row.example:
+        given = (row.section, row.name) in values
+        if row.section in left_out or not (row.example or given):
             continue
         said = any(name == row.section for name, _ in [*values, *needed])
         if row.section != section:

@@ -13,6 +13,7 @@ from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.estimate import MapGrid
 from vopd.files import reason
 from vopd.findings import Finding, count_text
+from vopd.flight.adjusted import with_held
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.files import did_you_mean, read_by_content, shown
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction, Shutter
@@ -382,7 +383,7 @@ def flight_of(project: Project) -> Flight:
         findings=tuple(findings),
     )
     check_free(flight)
-    return flight
+    return with_held(project, flight)
 
 
 def _all_as_one(project: Project) -> bool:

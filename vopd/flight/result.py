@@ -25,7 +25,7 @@ from vopd.flight.estimate import (
     camera_angles,
     vehicle_angles,
 )
-from vopd.flight.flight import Flight, frame_label, pick_label
+from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
 from vopd.flight.free import as_solved, free_parameters, not_held_findings, without_parameter
 from vopd.flight.held import least_held, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
@@ -310,6 +310,9 @@ def settled(
         before: the solution with fewer picks left out
         first: its rotations with everything as it is stated
     """
+    held = flight.options.held
+    if held is not None and flight.options.reading_sigma_px is None:
+        return _settled_before(flight, left_out, held, before)
     priors, robust = priors_of(flight), flight.options.loss != "least-squares"
     start = before.state if before is not None and before.passes else None
     same = first
@@ -329,6 +332,23 @@ def settled(
             scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))
             joint = solve_jointly(scaled, priors, ~left_out, start, first=same)
     return FlightEstimates(replace(joint.solved, flight=as_solved(flight, joint)), joint, reading)
+
+
+def _settled_before(
+    flight: Flight, left_out: Bools, held: HeldParameters, before: JointSolution | None
+) -> FlightEstimates:
+    """Solve a flight with the reading sigma that `vopd adjust` found with what is held now.
+
+    The residuals are less than those of other picks would be: what is held was fitted to them.
+    """
+    start = before.state if before is not None and before.passes else None
+    scaled = replace(flight, picks=flight.picks.with_sigma(held.sigma_px))
+    joint = solve_jointly(scaled, priors_of(flight), ~left_out, start)
+    estimates = FlightEstimates(replace(joint.solved, flight=flight), joint)
+    sigmas = Sigmas(reading=held.sigma_px)
+    found = sampled_reading_sigma(estimates.layout, estimates.of, sigmas)
+    reading = replace(found, sigma=held.reading_sigma_px, freedom=held.freedom, source=held.source)
+    return FlightEstimates(estimates.solved, joint, reading)
 
 
 def estimates_of(joint: JointSolution) -> FlightEstimates:

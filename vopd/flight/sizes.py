@@ -100,7 +100,8 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     model = solution.model
     picks = np.bincount(model.flight.picks.frame[model.pick], minlength=model.frames)
     count = frames & (picks >= 2)
-    free = float((~np.isfinite(model.common_sigma)).sum())
+    free, held = float((~np.isfinite(model.common_sigma)).sum()), model.flight.options.held
+    free += 0.0 if held is None else held.unknowns
     freedom = float((2.0 * picks - 3.0)[count].sum()) - free
     cost = float(solution.normal.frame_cost[count].sum())
     if not freedom > 0.0:
