@@ -465,6 +465,10 @@ TOLERANCES = {
     "mean of one frame": Tolerance("1", 1e-6, "of its covariance; the reading sigma to .1 %"),
     "mean of propagated turns": Tolerance("1", 3e-3, "axes of frames .1 degree from the mean's"),
     "mean of one frame, deg": Tolerance("deg", 1e-9, "rotations of 1E-16, by their angles"),
+    "part of a sigma": Tolerance(
+        "1", 0.01, "an adjusted project gives the joint solution's angles and sigmas to that"
+    ),
+    "moved position": Tolerance("m", 1e-6, "six decimals are written; 6E6 m in between"),
     "ratio of positions": Tolerance("1", 1e-6, "an eigenvalue of scipy's; near 1 to 1E-7"),
     "degrees of freedom": Tolerance("1", 1e-8, "sums of 60 shares of condition 1E6"),
     "approved deg": Tolerance(

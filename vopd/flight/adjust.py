@@ -9,6 +9,8 @@ from os import PathLike
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.findings import Finding, VopdError
+from vopd.flight.adjusted import adjusted_from
 from vopd.flight.errors import covariance_of_common
 from vopd.flight.flight import Flight
 from vopd.flight.free import (
@@ -24,7 +26,8 @@ from vopd.flight.free import (
 )
 from vopd.flight.held import MOST_LEFT, trading
 from vopd.flight.joint import JointSolution
-from vopd.flight.read import read_flight
+from vopd.flight.project import read_project
+from vopd.flight.read import flight_of, read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
 
 
@@ -104,11 +107,28 @@ def adjust(
         VopdError: where a file cannot be read, a name is not known, or the flight has no such
             parameter
     """
-    flight = source if isinstance(source, Flight) else read_flight(str(source))
+    flight = source if isinstance(source, Flight) else _flight_to_adjust(str(source))
     names = tuple(dict.fromkeys(free))
     freed = replace(flight, options=replace(flight.options, free=names, kept=()))
     check_free(freed)
     return adjustment_of(solve_flight_read(freed, tell))
+
+
+def _flight_to_adjust(name: str) -> Flight:
+    """Read a flight; of a project that is adjusted already, that of the one it came from."""
+    project = read_project(name)
+    before = adjusted_from(project)
+    if before is None:
+        return flight_of(project)
+    try:
+        flight = read_flight(before)
+    except VopdError as error:
+        raise VopdError(
+            f"{name}: it is adjusted already, and its priors are in {before}, which cannot be "
+            f"read: {error}"
+        ) from error
+    told = f"is adjusted already: it starts again from what {before} states"
+    return replace(flight, findings=(*flight.findings, Finding(told, name, severity="warning")))
 
 
 def adjustment_of(result: FlightResult) -> Adjustment:

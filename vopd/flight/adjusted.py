@@ -31,8 +31,8 @@ from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
 
 VERSION = 1
 FIELDS = (
-    "version", "adjusted_from", "free", "names", "units", "values", "covariance", "by_picks", "unknowns",
-    "sigma_px", "reading_sigma_px", "degrees_of_freedom", "reading_sigma_by", "sha256",
+    "version", "adjusted_from", "free", "names", "units", "values", "covariance", "by_picks",
+    "unknowns", "sigma_px", "reading_sigma_px", "degrees_of_freedom", "reading_sigma_by", "sha256",
 )  # fmt: skip
 MATRICES = ("covariance", "by_picks")
 MOST_NAMES = 3_000
@@ -143,15 +143,16 @@ def adjusted_from(project: Project) -> str | None:
     Raises:
         VopdError: where the covariance file is not as it should be
     """
-    found = read_covariance(project)
+    found = read_covariance(project, same_files=False)
     return None if found is None else (project.folder / found.adjusted_from).as_posix()
 
 
-def read_covariance(project: Project) -> CovarianceFile | None:
+def read_covariance(project: Project, same_files: bool = True) -> CovarianceFile | None:
     """Read the covariance file of a project; None where it names none.
 
     Args:
         project: the project
+        same_files: whether the files must be those of which it speaks
 
     Raises:
         VopdError: where it is not as `vopd adjust -o` writes it, or speaks of other files
@@ -167,7 +168,8 @@ def read_covariance(project: Project) -> CovarianceFile | None:
         )  # fmt: skip
     file = project.open("uncertainty", "covariance")
     found = _checked(file, _fields(file))
-    _refuse_changed(project, section, file, found)
+    if same_files:
+        _refuse_changed(project, section, file, found)
     return found
 
 
@@ -290,7 +292,8 @@ def _covariance(file: InputFile, key: str, name: Sequence[str], rows: Any) -> Fl
         raise file.error(message, column=key)
     scale = np.sqrt(np.where(variance > 0.0, variance, 1.0))
     correlation = matrix / scale / scale[:, None]
-    gap = np.abs(correlation - correlation.T)
+    size = np.maximum(np.abs(correlation), np.abs(correlation.T))
+    gap = np.abs(correlation - correlation.T) / np.maximum(size, 1.0)
     if not gap.max() <= ROUNDING:
         row, column = (int(one) for one in np.unravel_index(gap.argmax(), gap.shape))
         raise file.error(

@@ -1,0 +1,337 @@
+"""Adjusted projects: what was solved for is held, and gives the angles of the joint solution."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from tests.approved.texts import refused
+from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
+from tests.tolerances import assert_close
+from vopd.attitude.history import History
+from vopd.attitude.mean import mean_attitude
+from vopd.attitude.sigmas import Sigmas
+from vopd.cli.new import write_project
+from vopd.flight.adjust import Adjustment, adjust
+from vopd.flight.adjusted_project import (
+    adjusted_project,
+    moved_coordinates,
+    opencv_text,
+    toml_value,
+)
+from vopd.flight.coordinates import HeightDatum, earth_centred_positions
+from vopd.flight.files import InputFile
+from vopd.flight.formats.lens import LensQuestion, read_opencv
+from vopd.flight.project import read_project
+from vopd.flight.read import flight_of
+from vopd.flight.result import FlightResult, solve_flight
+from vopd.geometry.lenses import Lens, LensKind
+
+LENS = LensErrors(focal_rel=0.003, k1=0.01)
+DRONE = Plan(
+    Errors(landmark_m=(0.3,), fix_m=((1.0, 1.0, 2.0),), clock_s=0.1, lens=LENS),
+    frames=24, landmarks=6, fix_hz=1.0, weave_m=8.0, speed_m_s=8.0,
+)  # fmt: skip
+LOOSE = DRONE._replace(
+    errors=DRONE.errors._replace(bias_m=(1.0, 1.0, 1.0), lens=LENS._replace(u_px=3.0, v_px=3.0)),
+    swing_deg=5.0,
+)
+FISHEYE = DRONE._replace(fisheye=True, focal_px=600.0)
+TRIPOD = Plan(
+    Errors(landmark_m=(0.3,), bias_m=(1.0, 1.0, 1.0), lens=LENS), frames=12, landmarks=6,
+    stands=True,
+)  # fmt: skip
+EXACT = DRONE._replace(errors=Errors(lens=LENS), fix_hz=0.0)
+"""Nothing is solved for besides the rotations once the lens is held."""
+
+
+class Both(NamedTuple):
+    """A flight solved with free parameters, and its adjusted project."""
+
+    joint: Adjustment
+    again: FlightResult
+    folder: Path
+
+
+def adjusted(folder: Path, plan: Plan, *free: str, more: str = "", seed: int = 1) -> Both:
+    source = folder / "source"
+    source.mkdir()
+    write_flight(source, plan, np.random.default_rng(seed))
+    file = source / "flight.toml"
+    file.write_text(file.read_text(encoding="utf-8") + more, encoding="utf-8")
+    return again(folder, file, *free)
+
+
+def again(folder: Path, file: Path, *free: str) -> Both:
+    project = read_project(str(file))
+    joint = adjust(flight_of(project), free)
+    new = folder / "new"
+    write_project(new, adjusted_project(project, joint, new))
+    return Both(joint, solve_flight(new / "flight.toml"), new)
+
+
+@pytest.fixture(scope="module")
+def drone(tmp_path_factory: pytest.TempPathFactory) -> Both:
+    return adjusted(tmp_path_factory.mktemp("drone"), DRONE, "focal", "k1", "clock", "landmarks")
+
+
+@pytest.fixture
+def copied(drone: Both, tmp_path: Path) -> Path:
+    """The folder of an adjusted project, whose files may be spoiled."""
+    shutil.copytree(drone.folder.parent, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "new"
+
+
+# Angles and standard deviations
+
+
+def assert_alike(both: Both) -> None:
+    """Within a hundredth of a standard deviation, each of them and their covariance."""
+    joint, held = both.joint.result.history(), both.again.history()
+    sigma = joint.uncertainty.total[:, :6]
+    for name in ("vehicle_deg", "camera_deg"):
+        own = np.s_[:, 3:] if name == "vehicle_deg" else np.s_[:, :3]
+        away = getattr(held.estimate, name) - getattr(joint.estimate, name)
+        assert_close("part of a sigma", (((away + 180.0) % 360.0) - 180.0) / sigma[own], 0.0)
+    assert_close("part of a sigma", held.uncertainty.total[:, :6] / sigma, 1.0)
+    size = np.sqrt(np.einsum("fii->fi", joint.uncertainty.covariance_deg2))
+    gap = held.uncertainty.covariance_deg2 - joint.uncertainty.covariance_deg2
+    assert_close("part of a sigma", gap / (size[:, :, None] * size[:, None]), 0.0)
+    half = held.uncertainty.half_width_95[:, :6] / joint.uncertainty.half_width_95[:, :6]
+    assert_close("part of a sigma", half, 1.0)
+    means = mean_attitude(held), mean_attitude(joint)
+    assert_close("part of a sigma", means[0].total / means[1].total, 1.0)
+    assert_close("part of a sigma", means[0].half_width_95 / means[1].half_width_95, 1.0)
+
+
+def test_a_drone(drone: Both) -> None:
+    assert_alike(drone)
+    assert "adjusted" in drone.again.history().uncertainty.components
+
+
+@pytest.mark.parametrize(
+    ("plan", "free", "more"),
+    [
+        (LOOSE, ("focal", "aspect", "centre", "k1", "clock", "clock-rate", "track-offset"), ""),
+        (FISHEYE, ("focal", "k1", "clock"), ""),
+        (TRIPOD, ("focal", "k1"), ""),
+        (EXACT, ("focal", "k1"), ""),
+        (DRONE, ("focal", "clock"), '[solve]\nloss = "huber"\n'),
+        (DRONE, ("focal", "clock"), '[solve]\nposition = "fixed"\n'),
+        (DRONE._replace(sigma_px=True), ("k1",), ""),
+    ],
+    ids=["all", "fisheye", "tripod", "exact", "huber", "fixed", "stated"],
+)
+def test_angles_and_sigmas_are_those_of_the_joint_solution(
+    tmp_path: Path, plan: Plan, free: tuple[str, ...], more: str
+) -> None:
+    assert_alike(adjusted(tmp_path, plan, *free, more=more))
+
+
+def history_with(folder: Path, change: Callable[[dict[str, Any]], None]) -> History:
+    file = folder / "covariance.json"
+    values = json.loads(file.read_text(encoding="utf-8"))
+    change(values)
+    file.write_text(json.dumps(values), encoding="utf-8")
+    return solve_flight(folder / "flight.toml").history()
+
+
+def test_twice_the_stated_errors_are_twice_their_component(drone: Both, copied: Path) -> None:
+    """The angles stay: what is named is held."""
+
+    def quadrupled(values: dict[str, Any]) -> None:
+        for key in ("covariance", "by_picks"):
+            values[key] = (4.0 * np.array(values[key])).tolist()
+
+    before, after = drone.again.history(), history_with(copied, quadrupled)
+    assert_close("part of a sigma", after.estimate.vehicle_deg - before.estimate.vehicle_deg, 0.0)
+    ratio = after.uncertainty.components["adjusted"] / before.uncertainty.components["adjusted"]
+    assert_close("part of a sigma", ratio, 2.0)
+
+
+def test_other_standard_deviations_are_for_the_project_that_was_adjusted(drone: Both) -> None:
+    with refused():
+        drone.again.history(Sigmas(landmark=1.0))
+    assert drone.again.history(Sigmas(mount_deg=1.0)).uncertainty.components["mount"].any()
+
+
+# Files
+
+
+def test_unchanged_files_stay_where_they_are(drone: Both) -> None:
+    project = tomllib.loads((drone.folder / "flight.toml").read_text(encoding="utf-8"))
+    assert project["picks"]["file"] == "../source/picks.csv"
+    assert project["track"]["file"] == "../source/track.csv"
+    assert sorted(one.name for one in drone.folder.iterdir()) == [
+        "covariance.json", "flight.toml", "landmarks.csv", "lens.json",
+    ]  # fmt: skip
+
+
+def test_the_files_have_what_was_solved_for(drone: Both) -> None:
+    flight = flight_of(read_project(str(drone.folder / "flight.toml")))
+    joint = drone.joint.result.estimates.joint
+    assert joint is not None
+    value = {one.name: one.after for one in drone.joint.parameters}
+    assert_close("flight pixel", flight.lens.focal_px.mean(), value["focal"])
+    moved = joint.model.flight.landmarks.position_m + joint.model.landmark_by_m(joint.state)
+    assert_close("moved position", flight.landmarks.position_m, moved)
+    held = json.loads((drone.folder / "covariance.json").read_text(encoding="utf-8"))
+    sigma = dict(zip(held["names"], np.sqrt(np.diag(held["covariance"])), strict=True))
+    for one in drone.joint.parameters:
+        # what is only stated, the refraction, adds a little
+        assert sigma[one.name] == pytest.approx(one.sigma_after, rel=0.02)
+
+
+def test_a_project_that_is_there_is_not_overwritten(drone: Both) -> None:
+    source = drone.folder.parent / "source" / "flight.toml"
+    project = read_project(str(source))
+    new = adjusted_project(project, drone.joint, drone.folder)
+    with refused():
+        write_project(drone.folder, new)
+
+
+@pytest.mark.parametrize("name", ["source/picks.csv", "source/track.csv", "new/landmarks.csv"])
+def test_changed_files_are_refused(copied: Path, name: str) -> None:
+    file = copied.parent / name
+    file.write_text(file.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    with pytest.raises(
+        VopdError, match=f"{file.name} .* has changed since covariance.json"
+    ) as told:
+        solve_flight(copied / "flight.toml")
+    assert "vopd adjust ../source/flight.toml --free focal,k1,clock,landmarks" in str(told.value)
+
+
+def test_free_parameters_of_an_adjusted_project_are_refused(copied: Path) -> None:
+    file = copied / "flight.toml"
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace("[uncertainty]", '[solve]\nfree = ["k1"]\n\n[uncertainty]'))
+    with refused():
+        solve_flight(file)
+
+
+# A damaged covariance file
+
+
+def put(*path: Any, value: Any) -> Callable[[dict[str, Any]], None]:
+    def change(values: dict[str, Any]) -> None:
+        where: Any = values
+        for one in path[:-1]:
+            where = where[one]
+        where[path[-1]] = value
+
+    return change
+
+
+def shortened(values: dict[str, Any]) -> None:
+    del values["covariance"][2]
+
+
+def larger(values: dict[str, Any]) -> None:
+    values["by_picks"] = (2.0 * np.array(values["covariance"])).tolist()
+
+
+def crooked(values: dict[str, Any]) -> None:
+    values["covariance"][0][1], values["covariance"][1][0] = 1.0, 2.0
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        crooked,
+        shortened,
+        larger,
+        put("covariance", 0, 0, value=-1.0),
+        put("by_picks", 1, 1, value=1e-30),
+        put("covariance", 0, 1, value=float("nan")),
+        put("covariance", value=1.0),
+        put("values", 2, value=1e999),
+        put("values", 2, value=10**400),
+        put("values", 2, value="0"),
+        put("names", 1, value="focal"),
+        put("names", 1, value="k7"),
+        put("names", 1, value="readout"),
+        put("names", -1, value="landmark:m0 uq"),
+        put("names", 1, value=7),
+        put("names", value=[]),
+        put("units", 0, value="mm"),
+        put("units", value=["px"]),
+        put("sigma_px", value=0),
+        put("degrees_of_freedom", value=True),
+        put("reading_sigma_by", value="guess"),
+        put("unknowns", value=-1),
+        put("adjusted_from", value=""),
+        put("sha256", value=[]),
+        put("version", value=2),
+        lambda values: values.pop("units"),
+        lambda values: [values[key].pop() for key in ("names", "units", "values")],
+    ],
+)
+def test_a_damaged_covariance_file_is_refused(
+    copied: Path, change: Callable[[dict[str, Any]], None]
+) -> None:
+    with refused():
+        history_with(copied, change)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[" * 100_000, "[]", '"a"'])
+def test_a_covariance_file_that_is_no_table_is_refused(copied: Path, text: str) -> None:
+    (copied / "covariance.json").write_text(text, encoding="utf-8")
+    with refused():
+        solve_flight(copied / "flight.toml")
+
+
+def test_a_landmark_has_three_coordinates(copied: Path) -> None:
+    def without_last(values: dict[str, Any]) -> None:
+        for key in ("names", "units", "values", "covariance", "by_picks"):
+            del values[key][-1]
+        for key in ("covariance", "by_picks"):
+            values[key] = [row[:-1] for row in values[key]]
+
+    with refused():
+        history_with(copied, without_last)
+
+
+# Parts
+
+
+def test_lenses_go_through_opencv() -> None:
+    k = np.array([-0.1, 0.02, 1e-3, -2e-3, 3e-3, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    focal, centre = np.array([1500.0, 1490.0]), np.array([962.3, 534.8])
+    for lens in (
+        Lens(LensKind.BROWN, (1920, 1080), focal, centre, k, 0.0),
+        Lens(LensKind.BROWN, (1920, 1080), focal, centre, k * (np.arange(12) < 1), 0.0),
+        Lens(LensKind.FISHEYE, (1920, 1080), focal, centre, k[:4], 0.0),
+    ):
+        found = read_opencv(InputFile("lens.json", Path(), opencv_text(lens)), LensQuestion()).lens
+        assert found.kind == lens.kind
+        assert found.size_px == lens.size_px
+        assert_close("flight pixel", np.r_[found.focal_px, found.centre_px], np.r_[focal, centre])
+        assert found.k.tolist() == lens.k.tolist()
+
+
+def test_values_are_written_as_toml_has_them() -> None:
+    text = 'a = 1\nb = [1.5, "x\\"y"]\nc = { d = true, e = [[1, 2]] }\nf = 2026-05-01T11:58:42Z\n'
+    values = tomllib.loads(text)
+    lines = "".join(f"{key} = {toml_value(value)}\n" for key, value in values.items())
+    assert tomllib.loads(lines) == values
+
+
+@pytest.mark.parametrize("crs", ["EPSG:32633", None])
+def test_coordinates_are_moved_in_their_own_system(crs: str | None) -> None:
+    before = np.array([[15.0, 48.0, 300.0], [15.1, 48.1, 900.0]])
+    if crs is not None:
+        before = np.array([[500000.0, 5316000.0, 300.0], [507000.0, 5327000.0, 900.0]])
+
+    def positions(coordinate: np.ndarray) -> np.ndarray:
+        return earth_centred_positions(coordinate, crs is None, crs, HeightDatum("ellipsoid"), "x")
+
+    wanted = positions(before) + np.array([[3.0, -40.0, 7.0], [-0.5, 0.25, 100.0]])
+    found = moved_coordinates(before, crs is None, wanted, positions)
+    assert_close("moved position", positions(found), wanted)
