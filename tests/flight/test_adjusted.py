@@ -201,11 +201,8 @@ def test_a_project_that_is_there_is_not_overwritten(drone: Both) -> None:
 def test_changed_files_are_refused(copied: Path, name: str) -> None:
     file = copied.parent / name
     file.write_text(file.read_text(encoding="utf-8") + "\n", encoding="utf-8")
-    with pytest.raises(
-        VopdError, match=f"{file.name} .* has changed since covariance.json"
-    ) as told:
+    with refused():
         solve_flight(copied / "flight.toml")
-    assert "vopd adjust ../source/flight.toml --free focal,k1,clock,landmarks" in str(told.value)
 
 
 def test_free_parameters_of_an_adjusted_project_are_refused(copied: Path) -> None:

@@ -7,6 +7,7 @@ there were: with other picks or another track the same parameters would come out
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -144,7 +145,12 @@ def adjusted_from(project: Project) -> str | None:
         VopdError: where the covariance file is not as it should be
     """
     found = read_covariance(project, same_files=False)
-    return None if found is None else (project.folder / found.adjusted_from).as_posix()
+    return None if found is None else _from_here(project, found)
+
+
+def _from_here(project: Project, found: CovarianceFile) -> str:
+    """Name the project that was adjusted as the command line takes it."""
+    return Path(os.path.normpath(project.folder / found.adjusted_from)).as_posix()
 
 
 def read_covariance(project: Project, same_files: bool = True) -> CovarianceFile | None:
@@ -327,9 +333,8 @@ def _refuse_changed(
         raise section.error(
             "covariance",
             f"{what} since {file.name} was written, which speaks of the files that there were. "
-            f"Adjust again with what is new: vopd adjust {found.adjusted_from} --free "
-            f"{','.join(found.free) or 'NAME'} -o DIR ({found.adjusted_from} is relative to "
-            f"{project.folder.as_posix()})",
+            f"Adjust again with what is new: vopd adjust {_from_here(project, found)} --free "
+            f"{','.join(found.free) or 'NAME'} -o DIR",
         )
 
 
@@ -353,7 +358,7 @@ def with_held(project: Project, flight: Flight) -> Flight:
         raise project.section("solve").error(
             "free",
             "this project is adjusted already, and [uncertainty] covariance holds what it was "
-            f"solved for: leave the key out, or take {found.adjusted_from}",
+            f"solved for: leave the key out, or take {_from_here(project, found)}",
         )
     file = project.open("uncertainty", "covariance")
     place = "position" if flight.path.stands else "track-offset"
