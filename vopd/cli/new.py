@@ -69,7 +69,7 @@ def command(
         raise click.UsageError("--deck has everything: leave the other files out.")
     if job is not None and deck is None:
         raise click.UsageError("--job is for --deck.")
-    _refuse_existing(Path(folder), [NAME])
+    refuse_existing(Path(folder), [NAME])
     if deck is not None:
         new = _of_deck(deck, job)
     else:
@@ -105,17 +105,21 @@ for _option, _key, _help in _FILES:
     command = click.option(_option, _key, type=FILE_NAME, metavar=_metavar, help=_help)(command)
 
 
-def write_project(folder: Path, new: NewProject) -> None:
+def write_project(
+    folder: Path, new: NewProject, to_errors: bool = False, quiet: bool = False
+) -> None:
     """Write the files of a project, all of them or none, and say what is in them.
 
     Args:
         folder: where to; it is made where it is not there
         new: what to write
+        to_errors: whether it is said on standard error
+        quiet: whether nothing is said
 
     Raises:
         OutputError: where a file is there already, or cannot be written
     """
-    _refuse_existing(folder, list(new.contents))
+    refuse_existing(folder, list(new.contents))
     made: list[Path] = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -129,16 +133,24 @@ def write_project(folder: Path, new: NewProject) -> None:
         if len(made) < len(new.contents):
             for path in made:
                 path.unlink()
-    for sentence in new.said:
-        click.echo(sentence)
     project = (folder / "flight.toml").as_posix()
-    click.echo(f"{project}: written")
-    for (section, key), why in new.needed.items():
-        click.echo(f"needed: [{section}] {key} ({why})")
-    click.echo(f"next: vopd {'check' if new.needed else 'attitude'} {project}")
+    said = [*new.said, f"{project}: written"]
+    said += [f"needed: [{section}] {key} ({why})" for (section, key), why in new.needed.items()]
+    said.append(f"next: vopd {'check' if new.needed else 'attitude'} {project}")
+    for sentence in [] if quiet else said:
+        click.echo(sentence, err=to_errors)
 
 
-def _refuse_existing(folder: Path, names: list[str]) -> None:
+def refuse_existing(folder: Path, names: list[str]) -> None:
+    """Refuse to overwrite files.
+
+    Args:
+        folder: of them
+        names: of the files
+
+    Raises:
+        OutputError: where one is there already
+    """
     for name in names:
         if (folder / name).exists():
             raise OutputError(f"{folder / name}: is there already; name another folder")

@@ -26,8 +26,8 @@ from vopd.flight.free import (
 )
 from vopd.flight.held import MOST_LEFT, trading
 from vopd.flight.joint import JointSolution
-from vopd.flight.project import read_project
-from vopd.flight.read import flight_of, read_flight
+from vopd.flight.project import Project, read_project
+from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult, solve_flight_read
 
 
@@ -107,28 +107,40 @@ def adjust(
         VopdError: where a file cannot be read, a name is not known, or the flight has no such
             parameter
     """
-    flight = source if isinstance(source, Flight) else _flight_to_adjust(str(source))
+    flight = source if isinstance(source, Flight) else flight_to_adjust(str(source))[0]
     names = tuple(dict.fromkeys(free))
     freed = replace(flight, options=replace(flight.options, free=names, kept=()))
     check_free(freed)
     return adjustment_of(solve_flight_read(freed, tell))
 
 
-def _flight_to_adjust(name: str) -> Flight:
-    """Read a flight; of a project that is adjusted already, that of the one it came from."""
+def flight_to_adjust(name: str) -> tuple[Flight, Project]:
+    """Read a flight; of a project that is adjusted already, that of the one it came from.
+
+    Args:
+        name: the path of the project file
+
+    Returns:
+        The flight, and the project that it is of.
+
+    Raises:
+        VopdError: where a file cannot be read
+    """
     project = read_project(name)
     before = adjusted_from(project)
     if before is None:
-        return flight_of(project)
+        return flight_of(project), project
     try:
-        flight = read_flight(before)
+        project = read_project(before)
+        flight = flight_of(project)
     except VopdError as error:
         raise VopdError(
             f"{name}: it is adjusted already, and its priors are in {before}, which cannot be "
             f"read: {error}"
         ) from error
     told = f"is adjusted already: it starts again from what {before} states"
-    return replace(flight, findings=(*flight.findings, Finding(told, name, severity="warning")))
+    finding = Finding(told, name, severity="warning")
+    return replace(flight, findings=(*flight.findings, finding)), project
 
 
 def adjustment_of(result: FlightResult) -> Adjustment:

@@ -23,7 +23,7 @@ from vopd.flight.errors import stated_changes_by_name
 from vopd.flight.files import read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
 from vopd.flight.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
-from vopd.flight.joint import JointSolution, covariance_of_common
+from vopd.flight.joint import JointSolution, covariance_by_picks, propagated
 from vopd.flight.new import NAME, NewProject
 from vopd.flight.project import ROWS, Project, project_text, toml_text
 from vopd.flight.read import landmark_crs
@@ -198,7 +198,7 @@ def _write_landmarks(
     free, coordinate = model.free, rows.coordinate.copy()
     coordinate[free] = moved_coordinates(coordinate[free], rows.geodetic, wanted[free], positions)
     sigma_m, first = marks.sigma_m.copy(), len(model.names)
-    after = np.sqrt(np.diag(covariance_of_common(joint)[0])[first:])
+    after = np.sqrt(np.diag(covariance_by_picks(joint)[0])[first:])
     sigma_m[model.free] = np.minimum(after.reshape(-1, 3), sigma_m[model.free])
     columns = ("lat_deg", "lon_deg", "h_m") if rows.geodetic else ("x_m", "y_m", "z_m")
     order, digits = ([1, 0, 2], (11, 11, 6)) if rows.geodetic else ([0, 1, 2], (6, 6, 6))
@@ -314,10 +314,9 @@ def common_with_stated(joint: JointSolution) -> tuple[Floats, Floats, list[str]]
         The covariance of the parameters of the solution, those that are only stated, and the
         landmarks of the solution; its part by the picks; and the names of the second ones.
     """
-    first, (solved, own_picks) = len(joint.model.names), covariance_of_common(joint)
+    first, (solved, own_picks) = len(joint.model.names), covariance_by_picks(joint)
     sigma, change = stated_changes_by_name(joint)
-    weighted = -change * joint.normal.weight[:, None, None]
-    moved = joint.factored.solve(joint.normal.right_side(weighted))[2]  # by one sigma of each
+    moved = propagated(joint, change)[1]  # by one sigma of each
     own = np.diag(list(sigma.values())) if sigma else np.zeros((0, 0))
     by = np.concatenate([moved[:first], own, moved[first:]])
     total, by_picks = by @ by.T, np.zeros((len(by), len(by)))

@@ -322,7 +322,7 @@ def _by_component(model: Model, by_common: Floats) -> dict[str, Floats]:
     return found
 
 
-def covariance_of_common(solution: JointSolution) -> tuple[Floats, Floats]:
+def covariance_by_picks(solution: JointSolution) -> tuple[Floats, Floats]:
     """Estimate the covariance of what is common to the frames, and its part by the picks, (K, K).
 
     With a robust loss a pick of weight w has the variance w^2, as in `covariance`.
