@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
+from tests.kit.command import vopd
 from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
@@ -210,6 +211,19 @@ def test_free_parameters_of_an_adjusted_project_are_refused(copied: Path) -> Non
     file.write_text(text.replace("[uncertainty]", '[solve]\nfree = ["k1"]\n\n[uncertainty]'))
     with refused():
         solve_flight(file)
+
+
+def test_the_command_writes_a_project_and_starts_from_the_priors_of_the_first(
+    drone: Both, tmp_path: Path
+) -> None:
+    source, new = drone.folder.parent / "source" / "flight.toml", tmp_path / "new"
+    done = vopd("adjust", source, "--free", "focal", "--format", "csv", "-o", new)
+    assert done.status == 0
+    assert vopd("attitude", new / "flight.toml", "-q").status == 0
+    assert vopd("adjust", source, "--free", "focal", "-o", new).status == 1
+    once_more = vopd("adjust", new / "flight.toml", "--free", "focal", "--format", "csv")
+    assert once_more.stdout == done.stdout
+    assert_approved(once_more.stderr.splitlines()[0], parts=[source.as_posix()])
 
 
 # A damaged covariance file

@@ -7,12 +7,14 @@ import io
 import json
 from collections.abc import Sequence
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from vopd.cli.adjust_deck import adjusted_deck, searched_deck
 from vopd.cli.console import Messages, Progress
+from vopd.cli.new import refuse_existing, write_project
 from vopd.cli.options import FILE_NAME, above_zero, fix_options, quiet_option
 from vopd.errata import Fixes
 from vopd.findings import count_text
@@ -20,6 +22,7 @@ from vopd.pipeline import is_flight
 
 if TYPE_CHECKING:
     from vopd.flight.adjust import Adjustment, Parameter
+    from vopd.flight.project import Project
 
 COLUMNS = (
     "parameter",
@@ -34,6 +37,7 @@ COLUMNS = (
 )
 """Of the table as CSV and JSON; the text has blanks for underscores."""
 NOT_STATED = "none"
+NAME, COVARIANCE = "flight.toml", "covariance.json"
 SHOWN = 0.3  # correlation in a text: the other formats have all
 
 
@@ -65,8 +69,9 @@ SHOWN = 0.3  # correlation in a text: the other formats have all
     "-o",
     "--output",
     type=FILE_NAME,
-    metavar="DECK",
-    help="Of a deck: write it with the landmark in group 9; with --trials the stacked deck.",
+    metavar="DIR|DECK",
+    help="Of a flight: write a project with what was solved for, and its covariance. Of a deck: "
+    "write it with the landmark in group 9; with --trials the stacked deck.",
 )
 @click.option(
     "--trials",
@@ -122,24 +127,31 @@ def command(
     [uncertainty] focal_rel; without one it is known by the picks alone.
     docs/adjust.md says what may be freed when.
 
+    -o DIR writes a project whose lens, landmarks and offsets are as solved. Its
+    covariance.json has their covariance: vopd attitude, plot and report hold them, and
+    propagate it, so that the same picks do not count twice.
+
     \b
     Examples:
         vopd adjust flight.toml --free focal
         vopd adjust flight.toml --free focal,k1,clock --correlations
         vopd adjust flight.toml --free landmark:tower --format csv
         vopd adjust flight.toml --test                   nothing free, tests alone
+        vopd adjust flight.toml --free focal -o adjusted
+        vopd attitude adjusted/flight.toml
         vopd adjust film.dat --free landmark:66 --fix all -o located.dat
         vopd adjust film.dat --free landmark:66 --trials -o stack.dat
 
     Exit status: 0 the table is printed (also if a parameter is not held); 1 the
-    source could not be read or solved; 2 wrong usage; 3 the table is printed, but
-    some frame did not converge, the flight misfits, or trials do not stand.
+    source could not be read or solved, or the output not written; 2 wrong usage; 3
+    the table is printed, but some frame did not converge, the flight misfits, or
+    trials do not stand.
     """
     names = [name for some in free for name in some.replace(",", " ").split()]
     if free and not names:
         raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
     deck = not is_flight(source)
-    _check_options(deck, test, output, trials, landmark_sigma, fixes)
+    _check_options(deck, test, trials, landmark_sigma, fixes)
     if trials:
         ctx.exit(searched_deck(source, names, fixes, output, form, quiet))
     if deck:
@@ -147,7 +159,11 @@ def command(
             raise click.UsageError("name the landmark to be located: --free landmark:NUMBER.")
         made = adjusted_deck(source, names, fixes, landmark_sigma, output, quiet)
     else:
-        made = _adjusted(source, names, test)
+        if output is not None:
+            refuse_existing(Path(output), [NAME, COVARIANCE])
+        made, project = _adjusted(source, names, test)
+        if output is not None:
+            _write_project(project, made, Path(output), quiet)
     messages = Messages(quiet)
     for finding in made.result.findings:
         messages(finding)
@@ -164,11 +180,9 @@ def command(
     ctx.exit(0 if converged.all() and not made.result.misfits else 3)
 
 
-def _check_options(
-    deck: bool, test: bool, output: str | None, trials: bool, sigma: float | None, fixes: Fixes
-) -> None:
+def _check_options(deck: bool, test: bool, trials: bool, sigma: float | None, fixes: Fixes) -> None:
     """Refuse options that a flight does not have, and those that do not go together."""
-    given = {"-o": output is not None, "--trials": trials, "--landmark-sigma": sigma is not None}
+    given = {"--trials": trials, "--landmark-sigma": sigma is not None}
     for name in () if deck else (one for one, there in {**given, "--fix": fixes}.items() if there):
         why = {
             "--trials": "trials are a search of decks; --free solves for all that is free at once",
@@ -181,12 +195,11 @@ def _check_options(
         raise click.UsageError("--test is not for --trials: test the deck by itself.")
 
 
-def _adjusted(source: str, names: Sequence[str], test: bool) -> Adjustment:
+def _adjusted(source: str, names: Sequence[str], test: bool) -> tuple[Adjustment, Project]:
     """Read and solve a flight, with a line of progress on a terminal."""
-    from vopd.flight.adjust import adjust
-    from vopd.flight.read import read_flight
+    from vopd.flight.adjust import adjust, flight_to_adjust
 
-    flight = read_flight(source)
+    flight, project = flight_to_adjust(source)
     names = names or flight.options.free
     if not names and not test:
         raise click.UsageError(
@@ -194,9 +207,16 @@ def _adjusted(source: str, names: Sequence[str], test: bool) -> Adjustment:
         )
     progress = Progress(f"solves of {count_text(len(flight.frame), 'frame')}")
     try:
-        return adjust(flight, names, lambda: progress.add(1))
+        return adjust(flight, names, lambda: progress.add(1)), project
     finally:
         progress.close()
+
+
+def _write_project(project: Project, made: Adjustment, folder: Path, quiet: bool) -> None:
+    """Write the adjusted project, and say so beside the table."""
+    from vopd.flight.adjusted_project import adjusted_project
+
+    write_project(folder, adjusted_project(project, made, folder), to_errors=True, quiet=quiet)
 
 
 def _tests_of(made: Adjustment, form: str) -> Any:
