@@ -224,6 +224,7 @@ def _tests_of(made: Adjustment, form: str) -> Any:
     from dataclasses import replace
 
     from vopd.flight import tested_table
+    from vopd.flight.free import FREE
     from vopd.flight.result import solve_flight_read
     from vopd.flight.tested import predicted, tested_flight
 
@@ -239,7 +240,9 @@ def _tests_of(made: Adjustment, form: str) -> Any:
         return tested_table.as_dict(tested, prediction)
     if form == "csv":
         return tested_table.as_csv(tested)
-    return tested_table.as_text(tested, prediction, flight.options.free)
+    kept = {one.name for one in flight.options.kept}
+    names = [n for n in flight.options.free if n not in FREE or not kept >= {*FREE[n].parameters}]
+    return tested_table.as_text(tested, prediction, names)
 
 
 # The table

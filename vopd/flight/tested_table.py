@@ -28,6 +28,7 @@ from vopd.geometry.linear import norm
 
 SHOWN = 10  # tests in a text besides what is named, the least chances first
 MOST_LANDMARKS = 12  # that a text has all of
+LEAST_CHANCE = 1e-99  # that is written
 COUNTED = {
     LANDMARK: ("landmark", "landmarks"),
     FRAME: ("frame", "frames"),
@@ -162,6 +163,7 @@ def as_dict(tested: TestedFlight, prediction: Prediction | None) -> dict[str, ob
 
 
 WAYS = ("stated", "freed")
+IN_FORCE = "all else is tested without; what is solved has it still: correct it or take it out"
 
 
 def _median(values: np.ndarray) -> float:
@@ -198,6 +200,7 @@ def as_text(tested: TestedFlight, prediction: Prediction | None, free: Sequence[
     if tested.named:
         lines += [f"does not fit (chance below {limit}):"]
         lines += [f"  {named_text(one, tested)}" for one in tested.named]
+        lines += [IN_FORCE]
     else:
         k = int(tests.evidence.argmax())
         lines += [
@@ -244,6 +247,8 @@ def _fits(tests: LeftOut, k: int) -> str:
 
 
 def _chance(value: float) -> str:
+    if value < LEAST_CHANCE:
+        return f"<{LEAST_CHANCE:.0e}"
     return f"{value:.2g}".replace("0.", ".", 1) if value >= 0.001 else f"{value:.0e}"
 
 
