@@ -44,7 +44,7 @@ FREE = {
     "readout": FreeName(("readout",), "[uncertainty] readout_ms", "of a rolling shutter, ms"),
     "track-offset": FreeName(SHIFT, "[track] sigma_bias_m", "of the whole track, m"),
 }
-"""By name; `landmarks` and `landmark:NAME` are free already, and are only reported."""
+"""By name. Landmarks are no rows: they are solved for in any case, and only reported."""
 
 SHOWN_NAME = {"clock_rate": "clock-rate"} | {axis: f"track-offset {axis}" for axis in SHIFT}
 """Parameters that a table names otherwise."""
