@@ -87,6 +87,10 @@ def adjusted_deck(
     from vopd.pipeline import read_deck
 
     number = landmark_number(names) if names else 0
+    if output is not None and not names:
+        raise click.UsageError("-o: nothing is located that could be written: give --free.")
+    if output is not None and source == "-":
+        raise click.UsageError("-o: name the file of the deck, of which one card is changed.")
     refuse_to_overwrite((source,), output)
     deck = read_deck(source)
     job = only_job(deck)
