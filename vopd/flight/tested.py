@@ -145,7 +145,10 @@ def tested_flight(result: FlightResult) -> TestedFlight:
             break
         out = gone | (out & bool(more))  # gross picks that are not named fit after all
     if tests is None or not len(tests.kind):
-        raise VopdError(f"{flight.source}: no pick is left over that the others predict")
+        raise VopdError(
+            f"{flight.source}: no pick is left over that the others predict: "
+            "pick three landmarks or more in a frame"
+        )
     rest = tests.take(~_explained(tests, named, flight))
     rest = _solved_without(estimates, rest, len(tests.kind))
     every = LeftOut.concat([*(one.tests.take(slice(1)) for one in named), rest])
