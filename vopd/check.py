@@ -371,7 +371,7 @@ def tables_in_order(job: Job, locations: CardLocations) -> Iterator[Finding]:
         row = _first_out_of_order(table)
         if row is None:
             continue
-        what = f"{table[row]:g} does not exceed {table[row - 1]:g}"
+        what = f"{table[row]:g} after {table[row - 1]:g}, where values must ascend"
         stops = _stops_a_run(job, label)
         words = "the run would stop here" if stops else "no frame uses this table"
         finding = locations.warning(label, row, field, f"{what}: {words}")

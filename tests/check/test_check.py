@@ -128,16 +128,16 @@ def test_case_1_is_questioned_for_its_one_wide_reading() -> None:
 
 MORE: dict[str, Expected] = {
     "trajectory order": Expected(
-        punch(36, 1, "       69."), "error", 36, "1-10", "69 does not exceed 70: the run would stop"
+        punch(36, 1, "       69."), "error", 36, "1-10", "69 after 70, where values must ascend: the"
     ),
     "time order": Expected(
-        punch(33, 1, "    0"), "error", 33, "1-5", "0 does not exceed 0: the run would stop"
+        punch(33, 1, "    0"), "error", 33, "1-5", "0 after 0, where values must ascend: the run"
     ),
     "wind order": Expected(
-        punch(29, 1, "   120000."), "error", 29, "1-10", "120000 does not exceed 130000: the run"
+        punch(29, 1, "   120000."), "error", 29, "1-10", "120000 after 130000, where values must ascend: the"
     ),
     "lens order": Expected(
-        punch(25, 1, "        1."), "error", 25, "1-10", "1 does not exceed 6.8: the run would stop"
+        punch(25, 1, "        1."), "error", 25, "1-10", "1 after 6.8, where values must ascend: the"
     ),
     "time table ends": Expected(
         punch(33, 1, "  730"), "warning", 33, "1-5",
@@ -234,7 +234,7 @@ def test_a_table_out_of_order_is_an_error_where_a_run_stops(
     punch(42, 5, "2")(cards)
     cards[42:42] = DROPPED
     status, seen = check(cards, tmp_path)
-    (finding,) = [one for one in seen if "does not exceed" in one.message]
+    (finding,) = [one for one in seen if "values must ascend" in one.message]
     run = vopd("run", "-q", tmp_path / "deck.dat")
     assert (run.status, status) == ((1, 1) if stops else (0, 0))
     assert ("FTLUP stops the run" in run.stderr) == stops

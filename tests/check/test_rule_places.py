@@ -137,7 +137,7 @@ def test_a_table_out_of_order_that_holds_no_number(name: str) -> None:
     """Both are errors, and nothing else about the deck is lost for them."""
     order, field, card = FIELDS[name]
     found = questioned(order, field, punch(40, 41, "   -50.000"))
-    told = {one.card: one.severity for one in found if "does not exceed" in one.message}
+    told = {one.card: one.severity for one in found if "values must ascend" in one.message}
     assert told == {card: "error"}
     assert [one.severity for one in found if "not a number" in one.message] == ["error"]
     assert [one.severity for one in found if "differ in sign" in one.message] == ["warning"]
@@ -290,10 +290,10 @@ ASKED = {  # the return group, the edit of the second job, the card named there,
     "lens, new table": (1, SHORT_LENS, 25, "lens table is extrapolated"),
     "unused": (9, punch(41, 9, "68"), 41, "landmark 68 is in no frame"),
     "signs": (9, punch(40, 21, "     32.70"), 40, "differ in sign"),
-    "order, lens": (1, punch(25, 1, "        1."), 25, "1 does not exceed 6.8"),
-    "order, wind": (4, punch(29, 1, "   120000."), 29, "120000 does not exceed 130000"),
-    "order, frames": (6, punch(33, 1, "    0"), 33, "0 does not exceed 0"),
-    "order, times": (7, punch(36, 1, "       69."), 36, "69 does not exceed 70"),
+    "order, lens": (1, punch(25, 1, "        1."), 25, "1 after 6.8, where"),
+    "order, wind": (4, punch(29, 1, "   120000."), 29, "120000 after 130000, where"),
+    "order, frames": (6, punch(33, 1, "    0"), 33, "0 after 0, where"),
+    "order, times": (7, punch(36, 1, "       69."), 36, "69 after 70, where"),
     "span, wind": (4, punch(30, 1, "   141000."), 30, "2 frames are outside this table"),
     "span, frames": (6, punch(33, 1, "  730"), 33, "1 frame is outside this table"),
     "span, times": (7, SHORT_PATH, 37, "outside this table"),
@@ -377,7 +377,7 @@ def test_a_table_that_a_later_job_uses() -> None:
     dropped = [*cards[:41], "    2", "  730  100", "  731  100", cards[42], *cards[43:]]
     dropped[44] = "   10" + cards[42][5:]
     found = said([*dropped, "    0", "   13    0    0    0"])
-    told = [(one.card, one.severity) for one in found if "does not exceed" in one.message]
+    told = [(one.card, one.severity) for one in found if "values must ascend" in one.message]
     assert sorted(told) == [(25, "error"), (25, "warning")]
 
 

@@ -183,6 +183,16 @@ def test_the_errors_that_are_included_and_those_that_are_not_are_named() -> None
     assert_approved([included_text(one), left_out_text(one, one.about.words.sigma_keys)])
 
 
+def test_an_error_of_the_angles_of_attack_alone_is_told_by_these() -> None:
+    """A clock may turn the vehicle by next to nothing, and alpha by much."""
+    flight, _ = drawn(Priors(own_fixes(6)))
+    one = solve_flight_read(flight).history()
+    tiny, large = np.full((1, 3), 3e-6), np.array([[0.4, 0.2, 0.1]])
+    own = {"velocity": np.hstack([tiny, tiny, large]), "landmark": np.hstack([tiny, tiny, tiny])}
+    uncertainty = replace(one.uncertainty, components={n: o.repeat(6, 0) for n, o in own.items()})
+    assert_approved([included_text(replace(one, uncertainty=uncertainty))])
+
+
 def test_parts_of_a_long_flight_say_the_same() -> None:
     flight, _ = drawn(Priors(own_fixes(6)))
     result = solve_flight_read(flight)

@@ -84,7 +84,7 @@ def test_a_project_that_fails_costs_no_other_source(tmp_path: Path) -> None:
     bad = write_project(tmp_path / "bad", TOML.replace("10.0", "-10.0"))
     ran = vopd("attitude", bad, good, "-o", tmp_path / "both.csv")
     assert ran.status == 1
-    assert "[picks] frame_rate_hz: -10 is not above 0" in ran.stderr
+    assert "[picks] frame_rate_hz: must be above 0, not -10" in ran.stderr
     assert "F12" not in ran.stderr and (tmp_path / "both.csv").exists()
 
 

@@ -241,7 +241,7 @@ def _kind(one: Estimate, index: int) -> Hashable:
 def check_rate(max_rate_deg_s: float | None) -> None:
     """Refuse a maximum rate that is not above 0 degrees a second."""
     if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
-        raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second is not above 0")
+        raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second, must be above 0")
 
 
 def mark_jumps(one: History, options: HistoryOptions) -> None:

@@ -30,18 +30,35 @@ def included_text(history: History) -> str:
     Args:
         history: of a job, or of its first frames
     """
-    components = history.uncertainty.components
     first = int(history.has_attitude.argmax())
-    some = slice(first, first + 1)
-    each = [f"{label(name)} {_largest_deg(own[some]):.2g}" for name, own in components.items()]
-    frame = history.estimate.frame_label(first)
-    return f"{', '.join(each)} degree, the largest of yaw, pitch and roll, frame {frame}"
+    sizes: dict[str, list[str]] = {"yaw, pitch and roll": [], "alpha, beta and eta": []}
+    for name, own in history.uncertainty.components.items():
+        angles, size_deg = _largest(own[first])
+        size = f"below {LEAST_DEG}" if size_deg < LEAST_DEG else f"{size_deg:.2g}"
+        sizes[angles].append(f"{label(name)} {size}")
+    each = [
+        f"{', '.join(some)} degree, the largest of {angles}"
+        for angles, some in sizes.items()
+        if some
+    ]
+    return f"{'; '.join(each)}; frame {history.estimate.frame_label(first)}"
 
 
-def _largest_deg(angles_deg: Floats) -> float:
-    """Take the largest of the vehicle's angles in a frame, else of the angles of attack."""
-    vehicle, attack = angles_deg[0, 3:6], angles_deg[0, 6:9]
-    return float((vehicle if np.nan_to_num(vehicle).any() else attack).max())
+LEAST_DEG = 0.0001  # smaller errors are told without their size
+OF_ATTACK = 100.0  # times the vehicle's: an error of the angles of attack
+
+
+def _largest(angles_deg: Floats) -> tuple[str, float]:
+    """Take the largest of a frame's vehicle angles, or of its angles of attack if they alone move.
+
+    Args:
+        angles_deg: of camera, vehicle and attack, (9,)
+    """
+    known = np.nan_to_num(angles_deg, posinf=np.inf)
+    vehicle, attack = float(known[3:6].max()), float(known[6:9].max())
+    if attack > OF_ATTACK * vehicle:
+        return "alpha, beta and eta", attack
+    return "yaw, pitch and roll", vehicle
 
 
 def left_out_text(history: History, where: Mapping[str, str]) -> str:
@@ -115,8 +132,8 @@ def usual_effects(estimate: Estimate, names: Collection[str]) -> dict[str, str]:
         of_one = given_components(estimate, type(force)(**none | {field: size}))
         own = [gains.effect(one).angles_deg for one in of_one if one.name == name]
         if own:
-            degrees = _largest_deg(np.sqrt(sum((one**2).sum(axis=2) for one in own)))
-            if np.isfinite(degrees):
+            _, degrees = _largest(np.sqrt(sum((one**2).sum(axis=2) for one in own))[0])
+            if 0.0 < degrees < np.inf:
                 found[name] = f"{text} is {degrees:.2g} degree"
     return found
 

@@ -176,7 +176,8 @@ def _left_out(heads: Sequence[History]) -> list[str]:
         left = left_out_text(one, keys or SIGMA_OPTIONS)
         told = f"the sigmas do not include errors of: {left}"
         if keys:
-            told = f"the sigmas include errors of: {included_text(one)}" + f"; {told}" * bool(left)
+            told = f"the sigmas include errors of: {included_text(one)}"
+            told += f"; not included: {left}" * bool(left)
         if left or keys:
             sources.setdefault(told, {})[one.about.source] = None
     return [

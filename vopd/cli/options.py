@@ -77,7 +77,7 @@ _SIGMAS = (
 def above_zero(ctx: click.Context, option: click.Parameter, value: float | None) -> float | None:
     """Refuse a number that is not above 0: a callback of options."""
     if value is not None and not value > 0.0:
-        raise click.UsageError(f"{option.opts[0]}: {value:g} is not above 0.")
+        raise click.UsageError(f"{option.opts[0]}: must be above 0, not {value:g}.")
     return value
 
 

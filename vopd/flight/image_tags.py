@@ -133,7 +133,8 @@ def sigma_of_tags(gps: dict[int, Any], xmp: str) -> tuple[tuple[float, float, fl
     """Read sigmas east, north, up of the position, m, and the tags that have them; NaN if none.
 
     XMP's own come before EXIF's horizontal error, and that before the dilution of precision.
-    EXIF has nothing for the height: upward it is taken as 5/3 of the horizontal one.
+    EXIF has nothing for the height: upward it is taken as 5/3 of the horizontal one, the ratio of
+    `USUAL_SIGMA_M`, which is an assumption of ours.
     """
     for names in ACCURACIES:
         east, north, up = (xmp_number(xmp, (name,)) for name in names)

@@ -259,7 +259,7 @@ def _with_another_offset(project: Project, flight: Flight, estimate: Estimate) -
     for time_s, found in _fitted(  # frames that are later see the track earlier
         estimate, lambda one: one.responses.time, lambda t: _with_offset(project, -t), limits
     ):
-        yield found, (-time_s, given - time_s)
+        yield found, (-time_s, round(given - time_s, 2) + 0.0)  # -0.0 would be written -0.00
 
 
 def _with_another_focal_length(project: Project, flight: Flight, estimate: Estimate) -> Corrected:

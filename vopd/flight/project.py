@@ -148,7 +148,9 @@ KEYS: tuple[Key, ...] = (
     Key("track", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS),
     Key("track.height", "undulation_m", "number", "", _UNDULATION),
     Key("track", "clock", "text", '"utc"', "utc, or gps, which is 18 s ahead",
-        "for a column `t_utc`. GPS time is 18 s ahead of UTC since 2017", choices=("utc", "gps")),
+        "for a column `t_utc`: utc, or gps, which is 18 s ahead since 2017. Files that say it "
+        "themselves need none; `seconds` is the clock of a column `t_s`",
+        choices=("utc", "gps", "seconds")),
     Key("track", "offset_s", "number", "0.0", "added to the track's times", default=0.0),
     Key("track", "sigma_m", "sigma", "[2.0, 2.0, 4.0]",
         f"{_SIGMA}2, 2, 4 by GPS, 0.02, 0.02, 0.04 by RTK",
@@ -389,7 +391,7 @@ class Section:
         if not finite:
             raise self.error(key, f"{shown(value)} is not a finite number")
         if above is not None and not value > above:
-            raise self.error(key, f"{value:g} is not above {above:g}")
+            raise self.error(key, f"must be above {above:g}, not {value:g}")
         return float(value)
 
 

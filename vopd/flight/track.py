@@ -201,9 +201,9 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
     assert rows.time_s is not None
     own = rows.clock
     if own == "utc-column":
-        own = section.text("clock")
+        own = section.text("clock", ("utc", "gps"))
     elif section.has("clock"):
-        own = section.text("clock", ("utc", "gps", "seconds"))
+        own = section.text("clock")
         if own != rows.clock and "seconds" in (own, rows.clock):
             raise section.error("clock", f"the file's times are {rows.clock}")
     if own != "gps":
