@@ -51,7 +51,7 @@ def test_nothing_is_said_of_a_mistake_of_a_third_of_the_noticeable_size(
     [
         ("clock", "offset_s"), ("frame rate", "frame_rate_hz"), ("focal length", "focal length"),
         ("k1", "k1 ="), ("heights", "same level"), ("position", "camera's position"),
-        ("landmark", "m0 "), ("readout", "readout_ms"),
+        ("readout", "readout_ms"),
     ],
 )  # fmt: skip
 def test_a_mistake_of_three_times_the_noticeable_size_is_named(
@@ -59,6 +59,14 @@ def test_a_mistake_of_three_times_the_noticeable_size_is_named(
 ) -> None:
     (text,) = said(solved(tmp_path, mistake))
     assert words in text and text.startswith("the residuals speak for ")
+
+
+def test_a_landmark_that_does_not_fit_in_its_frames_is_named_once(tmp_path: Path) -> None:
+    """As a landmark with wrong coordinates, and not as an error that residuals speak for, too."""
+    result = solved(tmp_path, "landmark")
+    texts = [one.message for one in result.findings]
+    assert sum("m0 does not fit the other landmarks" in text for text in texts) == 1
+    assert not any("speak for" in text and "m0" in text for text in texts)
 
 
 @pytest.mark.parametrize(
@@ -130,9 +138,9 @@ def test_frames_are_drawn_over_the_whole_flight(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     flight = solved(tmp_path).flight
-    assert sampled(flight) is flight
+    assert sampled(flight).flight is flight
     monkeypatch.setattr(misfit, "MOST_PICKS", 60)
-    some = sampled(flight)
+    some = sampled(flight).flight
     assert len(some.picks.frame) == 60 and np.ptp(some.frame) >= 9
 
 

@@ -114,17 +114,17 @@ def _frames_of(picks: Bools, estimates: FlightEstimates) -> Bools:
 
 
 @np.errstate(all="ignore")
-def gross_picks(flight: Flight) -> Bools:
+def gross_picks(solved: SolvedFlight) -> Bools:
     """Find picks so far off that a flight solved with them tells nothing of the others, (P,).
 
     Frames with residuals far larger than most frames have are solved by a robust loss, each by
     itself, and tested by their own residuals alone.
 
     Args:
-        flight: the flight
+        solved: the flight, solved with all picks at its stated places
     """
+    flight = solved.flight
     found = np.zeros(len(flight.picks.frame), bool)
-    solved = solve(flight)
     off_px = np.where(solved.used, pick_distances_px(solved), 0.0)
     size = np.zeros(len(flight.frame))
     np.maximum.at(size, flight.picks.frame, np.nan_to_num(off_px / flight.picks.sigma_px))
@@ -563,6 +563,7 @@ def _shift_counts(
 
 # What is said of them
 
+WRONG = "does not fit the other landmarks"
 KEPT = '[solve] blunders = "drop" leaves it out'
 
 
@@ -588,7 +589,7 @@ def blunder_findings(found: Blunders, flight: Flight) -> list[Finding]:
         if flight.options.drop_blunders:
             done = "it is left out" + f" in {gone} of {seen} frames" * (gone < seen)
         tell.append(
-            f"{name[k]} does not fit the other landmarks over its {seen} frames, it is "
+            f"{name[k]} {WRONG} over its {seen} frames, it is "
             f"{np.median(known):.1f} px off: look at its coordinates{fits}; {done}"
         )
     if found.unclear_landmark.any():

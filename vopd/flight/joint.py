@@ -64,6 +64,22 @@ class JointSolution:
         """The covariances of rotations and places, by component."""
         return covariance(self)
 
+    def with_rotations(self, solved: SolvedFlight, flight: Flight) -> JointSolution:
+        """Take the same places and parameters with other rotations, and the picks of these.
+
+        Args:
+            solved: the flight, its rotations solved at these places
+            flight: the flight of this solution
+        """
+        model, rotation = self.model, solved.attitudes.rotation
+        known = np.isfinite(rotation[:, 0, 0])
+        taken = solved.used & (solved.attitudes.weight > 0.0)
+        own = Model(flight, model.priors, taken, known, flight.picks.sigma_px, loss=model.loss)
+        state = self.state._replace(rotation=np.where(known[:, None, None], rotation, np.eye(3)))
+        camera_m = flight.path.position_m + own.camera_by_m(state)
+        found = replace(solved, flight=flight, camera_m=camera_m, landmark_m=self.solved.landmark_m)
+        return JointSolution(own, state, found, self.passes)
+
     @property
     def beside_free(self) -> State:
         """The errors that were solved for, without those of freed parameters: they are taken as

@@ -27,7 +27,7 @@ from vopd.flight.flight import Flight, Shutter
 from vopd.flight.joint import JointSolution, covariance_of_sums, propagated, solve_jointly
 from vopd.flight.readout import row_parts, turning_rates
 from vopd.flight.sizes import explained, residual_freedom, size_of_residuals
-from vopd.flight.solve import FlightBlocks
+from vopd.flight.solve import FlightBlocks, FlightPart
 
 REJECTED = 1.5  # times the stated standard deviation of a pick
 FEW = 0.1  # of the frames: more of them that misfit are the flight's misfit
@@ -116,6 +116,7 @@ class TriedError(NamedTuple):
 
     columns: tuple[int, ...]
     text: Callable[[Floats], str]  # by its values
+    landmark: int = -1  # index of the one that it is of
 
 
 class Significant(NamedTuple):
@@ -287,7 +288,8 @@ def input_errors(joint: JointSolution) -> tuple[list[TriedError], Floats]:
     errors = [*_common_errors(flight, names)]
     for k, mark in enumerate(marks):
         first = len(names) + 3 * k
-        errors.append(TriedError((first, first + 1, first + 2), _landmark_text(flight, int(mark))))
+        columns = (first, first + 1, first + 2)
+        errors.append(TriedError(columns, _landmark_text(flight, int(mark)), int(mark)))
     return errors, out
 
 
@@ -393,7 +395,7 @@ SIZE_ROUNDS, SIZE_SETTLED = 6, 0.03
 SIZES = {"reading": "picks", "position": "positions", "landmark": "landmarks"}
 
 
-def sizes_text(flight: Flight) -> str:
+def sizes_text(flight: Flight, left_out: Bools | None = None) -> str:
     """Say which errors are larger than stated, where those of one component explain a misfit.
 
     Variance components by restricted maximum likelihood: the one whose size, changed by itself,
@@ -401,9 +403,11 @@ def sizes_text(flight: Flight) -> str:
 
     Args:
         flight: with the standard deviations that are stated
+        left_out: picks that take no part, (P,)
     """
     priors = priors_of(flight)
-    first = solve_jointly(flight, priors)
+    used = None if left_out is None else ~left_out
+    first = solve_jointly(flight, priors, used)
     model = first.model
     known = np.isfinite(model.common_sigma).tolist()
     there = {"reading", *(c for c, one in zip(model.component, known, strict=True) if one)}
@@ -448,7 +452,7 @@ def size_spoken_for(first: JointSolution, component: str) -> tuple[float, float]
     Returns:
         The factor, and the gain in twice the log likelihood.
     """
-    flight, priors = first.model.flight, first.model.priors
+    flight, priors, used = first.model.flight, first.model.priors, first.solved.used
     solution, factor = first, 1.0
     for _ in range(SIZE_ROUNDS):
         squares, left = _squares(solution, component)
@@ -458,7 +462,7 @@ def size_spoken_for(first: JointSolution, component: str) -> tuple[float, float]
         if component == "reading":
             own = replace(flight, picks=flight.picks.with_sigma(flight.picks.one_sigma_px * factor))
         start = solution.state if solution.passes else None
-        solution = solve_jointly(own, scaled, start=start)
+        solution = solve_jointly(own, scaled, used, start=start)
         if abs(np.log(step)) < SIZE_SETTLED:
             break
     return factor, log_likelihood(solution) - log_likelihood(first)
@@ -495,26 +499,30 @@ def log_likelihood(solution: JointSolution) -> float:
 # What is said
 
 
-def sampled(flight: Flight) -> Flight:
+def sampled(flight: Flight) -> FlightPart:
     """Draw frames over a whole flight, those with many landmarks first, up to `MOST_PICKS`."""
-    if len(flight.picks.frame) <= MOST_PICKS:
-        return flight
     blocks = FlightBlocks(flight)
+    if len(flight.picks.frame) <= MOST_PICKS:
+        return blocks.part(np.arange(len(flight.frame)))
     count, runs = blocks.layout.count, 50
     stretch = np.arange(len(count)) * runs // len(count)
     order = np.lexsort((-count, stretch))
     rank = np.arange(len(count)) - np.searchsorted(stretch[order], stretch[order])
     order = order[np.lexsort((stretch[order], rank))]  # the best of each stretch, then the next
     chosen = order[np.cumsum(count[order]) <= MOST_PICKS]
-    return blocks.part(np.sort(chosen)).flight
+    return blocks.part(np.sort(chosen))
 
 
-def flight_findings(flight: Flight, estimates: FlightEstimates) -> tuple[list[Finding], bool]:
+def flight_findings(
+    flight: Flight, estimates: FlightEstimates, left_out: Bools, wrong: Bools
+) -> tuple[list[Finding], bool]:
     """Warn of a flight that misfits, and name errors of its inputs that explain it.
 
     Args:
         flight: as it was read
         estimates: its solution, with the reading sigma in force
+        left_out: picks that take no part in it, as they are named, (P,)
+        wrong: landmarks that are named, which are not named again, (N,)
 
     Returns:
         The warnings, and whether the flight misfits.
@@ -530,7 +538,7 @@ def flight_findings(flight: Flight, estimates: FlightEstimates) -> tuple[list[Fi
     exact = not joint.passes
     if len(joint.model.pick) > MOST_PICKS:
         some = sampled(joint.model.flight)
-        joint = solve_jointly(some, priors_of(some))
+        joint = solve_jointly(some.flight, priors_of(some.flight), ~left_out[some.picks])
     expected_px = USUAL_PX if stated is None else stated
     if misfit:
         from vopd.flight.mistakes import exchanges  # which takes results
@@ -539,11 +547,13 @@ def flight_findings(flight: Flight, estimates: FlightEstimates) -> tuple[list[Fi
     if not texts[-1]:
         larger = reading.sigma / expected_px if misfit and reading.source != "stated" else 1.0
         found = significant_errors(joint, reading.source == "stated", larger)
-        if found:
+        named = np.append(wrong, False)[[one.error.landmark for one in found]]
+        if found and not named.any():
             names = " or ".join(one.error.text(one.value) for one in found)
             chance = max(one.chance for one in found)
             texts.append(f"{SPEAK_FOR} {names} (chance {chance:.1g})")
-        elif misfit and stated is not None and not exact:
-            texts.append(sizes_text(sampled(flight)))
+        elif not found and misfit and stated is not None and not exact:
+            some = sampled(flight)
+            texts.append(sizes_text(some.flight, left_out[some.picks]))
     where = flight.source
     return [Finding(text, where, severity="warning") for text in texts if text], bool(misfit)

@@ -224,9 +224,12 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
         VopdError: where no frame has two landmarks
     """
     require_two_landmarks(flight)
-    gross = gross_picks(flight)
+    first = solve(flight)
+    gross = gross_picks(first)
     read = flight
-    flight, estimates = settled_as_held(read, gross, tell)
+    robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
+    same = None if robust else solve(flight, gross, before=first)
+    flight, estimates = settled_as_held(read, gross, tell, same)
     if read.shutter is not None and read.path.turning_rad_s is None:
         for _ in range(ROUNDS_OF_ROWS):
             read = replace(read, options=flight.options)
@@ -236,18 +239,23 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
     found, without = find_blunders(
         estimates, gross, lambda out, before: _settled_again(flight, out, before, tell)
     )
-    if flight.options.drop_blunders:
-        estimates = without or settled(flight, found.left_out, estimates.joint)
-    elif gross.any():
-        estimates = settled(flight, np.zeros_like(gross), estimates.joint)
-    more = least_held(estimates.joint)
+    apart = found.left_out
+    if not flight.options.drop_blunders:
+        few = found.pick.sum() <= FEW * len(found.pick)
+        apart = found.pick & few
+    if without is None or not np.array_equal(apart, found.left_out):
+        without = settled(flight, apart, estimates.joint)
+    estimates = without
+    if not flight.options.drop_blunders:
+        estimates = with_named_picks(flight, without)
+    more = least_held(without.joint)
     if more is not None:
         return solve_flight_read(without_parameter(read, more), tell)
     solved = estimates.solved
     estimates.mark_outliers(found.pick & solved.used)
     findings = [*not_held_findings(flight), *blunder_findings(found, flight)]
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
-    doubts, misfits = flight_findings(flight, estimates)
+    doubts, misfits = flight_findings(flight, without, apart, found.landmark)
     return FlightResult(estimates, (*flight.findings, *findings, *doubts), misfits)
 
 
@@ -260,7 +268,7 @@ def _settled_again(
 
 
 def settled_as_held(
-    flight: Flight, left_out: Bools, tell: Callable[[], object]
+    flight: Flight, left_out: Bools, tell: Callable[[], object], first: SolvedFlight | None = None
 ) -> tuple[Flight, FlightEstimates]:
     """Solve a flight for those of its free parameters that the picks hold.
 
@@ -271,13 +279,13 @@ def settled_as_held(
         flight: the flight
         left_out: picks that take no part, (P,)
         tell: is called before each solve
+        first: its rotations with everything as it is stated
 
     Returns:
         The flight with the parameters that are kept, and its solution.
     """
-    first = None
     if free_parameters(flight):
-        first = solve(widened(flight, priors_of(flight)), left_out)
+        first = first or solve(widened(flight, priors_of(flight)), left_out)
         while (lost := undetermined(flight, left_out, first)) is not None:
             flight = without_parameter(flight, lost)
     tell()
@@ -289,6 +297,7 @@ def settled_as_held(
     return flight, estimates
 
 
+FEW = 0.1  # of the picks: more that do not fit their frames are a mistake of the flight
 ROUNDS = 12  # of a solve with another reading sigma
 SETTLED = 1e-3  # relative change of the reading sigma that is none
 LEAST_FREEDOM = 0.1  # of a reading sigma of which the residuals say nothing
@@ -359,6 +368,39 @@ def estimates_of(joint: JointSolution) -> FlightEstimates:
     """
     solved = joint.solved
     return FlightEstimates(replace(solved, flight=as_solved(solved.flight, joint)), joint)
+
+
+def with_named_picks(flight: Flight, clean: FlightEstimates) -> FlightEstimates:
+    """Take blunders that are named and used back into their own frames' rotations.
+
+    A pick that is a thousand pixels off would carry away the positions and landmarks of the whole
+    flight: what its frames have in common is solved without it, and stays.
+
+    Args:
+        flight: the flight
+        clean: solved without the blunders
+    """
+    joint = clean.joint
+    assert joint is not None and clean.reading is not None
+    if not joint.passes:
+        return settled(flight, np.zeros(len(flight.picks.frame), bool), joint)
+    scaled, places, marks = joint.model.flight, flight.path, flight.landmarks
+    path = replace(places, position_m=clean.solved.camera_m, lever_arm_m=None)
+    if clean.solved.landmark_m is not None:
+        marks = replace(marks, position_m=clean.solved.landmark_m)
+    own = replace(as_solved(scaled, joint), path=path, landmarks=marks)
+    found = solve(own, before=clean.solved)
+    changed = np.zeros(len(flight.frame), bool)
+    changed[flight.picks.frame[found.used != clean.solved.used]] = True
+    if not changed.any():
+        return clean
+    every = joint.with_rotations(found, scaled)
+    estimates = FlightEstimates(replace(every.solved, flight=as_solved(flight, every)), every)
+    tested = sampled_reading_sigma(
+        estimates.layout, estimates.of, Sigmas(reading=clean.reading.test_sigma)
+    )
+    chance = np.where(changed, tested.chance, clean.reading.chance)
+    return FlightEstimates(estimates.solved, every, replace(clean.reading, chance=chance))
 
 
 def stated_reading(joint: JointSolution) -> JobReadingSigma | None:

@@ -36,7 +36,7 @@ from vopd.flight.leave_out import (
 )
 from vopd.flight.result import FlightResult, settled
 from vopd.flight.sizes import fix_covariances
-from vopd.flight.solve import FlightBlocks
+from vopd.flight.solve import FlightBlocks, solve
 from vopd.geometry.linear import norm
 
 ROUNDS = 12  # of solving without what is named
@@ -121,7 +121,7 @@ def tested_flight(result: FlightResult) -> TestedFlight:
     """
     flight, estimates = result.read, result.estimates
     used = estimates.solved.used
-    out = gross_picks(flight) & used
+    out = gross_picks(solve(flight)) & used
     out &= out.sum() < MOST_GONE * used.sum()  # more are no gross picks: the flight misfits
     named: list[Named] = []
     tests = None
