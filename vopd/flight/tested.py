@@ -123,6 +123,9 @@ def tested_flight(result: FlightResult) -> TestedFlight:
     used = estimates.solved.used
     out = gross_picks(solve(flight)) & used
     out &= out.sum() < MOST_GONE * used.sum()  # more are no gross picks: the flight misfits
+    if estimates.joint is not None and estimates.joint.passes and not out.any():
+        # blunders that are named turn their frames alone there: tests are of a least cost
+        estimates = settled(flight, ~used, estimates.joint)
     named: list[Named] = []
     tests = None
     for _ in range(ROUNDS):
