@@ -128,16 +128,16 @@ def test_case_1_is_questioned_for_its_one_wide_reading() -> None:
 
 MORE: dict[str, Expected] = {
     "trajectory order": Expected(
-        punch(36, 1, "       69."), "error", 36, "1-10", "69 after 70, where values must ascend: the"
+        punch(36, 1, "       69."), "error", 36, "1-10", "69 after 70, where values must ascend"
     ),
     "time order": Expected(
-        punch(33, 1, "    0"), "error", 33, "1-5", "0 after 0, where values must ascend: the run"
+        punch(33, 1, "    0"), "error", 33, "1-5", "0 after 0, where values must ascend"
     ),
     "wind order": Expected(
-        punch(29, 1, "   120000."), "error", 29, "1-10", "120000 after 130000, where values must ascend: the"
+        punch(29, 1, "   120000."), "error", 29, "1-10", "120000 after 130000, where values must ascend"
     ),
     "lens order": Expected(
-        punch(25, 1, "        1."), "error", 25, "1-10", "1 after 6.8, where values must ascend: the"
+        punch(25, 1, "        1."), "error", 25, "1-10", "1 after 6.8, where values must ascend"
     ),
     "time table ends": Expected(
         punch(33, 1, "  730"), "warning", 33, "1-5",
