@@ -134,7 +134,7 @@ MORE: dict[str, Expected] = {
         punch(33, 1, "    0"), "error", 33, "1-5", "0 after 0, where values must ascend"
     ),
     "wind order": Expected(
-        punch(29, 1, "   120000."), "error", 29, "1-10", "120000 after 130000, where values must ascend"
+        punch(29, 1, "   120000."), "error", 29, "1-10", "120000 after 130000, where values must"
     ),
     "lens order": Expected(
         punch(25, 1, "        1."), "error", 25, "1-10", "1 after 6.8, where values must ascend"
