@@ -351,13 +351,18 @@ NO_ATTACK = (
 )
 
 
-def _has_attack(histories: Sequence[History]) -> bool:
+def has_attack(histories: Sequence[History]) -> bool:
+    """Tell whether some frame has angles of attack.
+
+    Args:
+        histories: of the jobs
+    """
     return any(np.isfinite(h.estimate.attack_deg).any() for h in histories)
 
 
 def attack(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
     """Draw the angles of attack alpha, beta and eta, or say why there are none."""
-    if not _has_attack(histories):
+    if not has_attack(histories):
         figure.text(0.5, 0.5, NO_ATTACK, ha="center", va="center", wrap=True)
         return caption(histories)
     axes = figure.subplots(4, 1, sharex=True, height_ratios=(1, 1, 1, 0.7))
@@ -736,7 +741,7 @@ def draw(
         raise VopdError("no frame has an attitude")
     names = list(FIGURES) if name == "all" else [name]
     drawn, left_out = drawn_jobs(histories), left_out_text(histories)
-    if name == "attack" and not _has_attack(drawn):
+    if name == "attack" and not has_attack(drawn):
         raise VopdError(NO_ATTACK)
     heights = [FIGURES[one].size_in[1] for one in names]
     with style():

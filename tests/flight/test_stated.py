@@ -214,3 +214,13 @@ def test_an_empty_cell_without_a_key_is_named_by_its_line(tmp_path: Path) -> Non
     (tmp_path / "landmarks.csv").write_text("\n".join([f"{head},sigma_m", *cells]))
     with refused(VopdError, parts=["line 2"]):
         read_flight(str(project))
+
+
+@pytest.mark.parametrize("size", [1e-10, 1e10, 1e300])
+def test_a_size_that_nobody_means_is_refused(size: float) -> None:
+    own = OWN.copy()
+    own[1, 2] = size
+    with refused():
+        chosen(own, sigma_m=1)
+    with refused():
+        chosen(OWN, sigma_m=size)

@@ -353,3 +353,14 @@ def test_the_page_of_a_batch(failed: int) -> None:
     assert (f"<strong>{failed} of 3 sources failed.</strong>" in text) == (failed > 0)
     assert ("failed.</strong>" in text) == (failed > 0)
     assert "<title>Batch of 3 sources</title>" in text
+
+
+def test_a_flight_without_velocity_has_no_figure_of_attack(monkeypatch: pytest.MonkeyPatch) -> None:
+    (one,) = flight()
+    known = replace(one.estimate, attack_deg=np.full_like(one.estimate.attack_deg, np.nan))
+    monkeypatch.setattr(report_module, "draw", lambda name, _: name)
+    monkeypatch.setattr(report_module, "svg", str)
+    names = [name for name, *_ in report_module.embedded_figures([history(known)])]
+    assert names == [name for name in report_module.FIGURES if name != "attack"]
+    with_it = [name for name, *_ in report_module.embedded_figures([one])]
+    assert with_it == list(report_module.FIGURES)

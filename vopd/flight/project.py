@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from math import isfinite
@@ -251,6 +251,21 @@ def keys_of(section: str) -> list[str]:
 
 # A project file that has been read
 
+LEAST_SIGMA, MOST_SIGMA = 1e-9, 1e9  # their squares and inverses are numbers still
+
+
+def beyond_sigmas(values: Iterable[float]) -> str | None:
+    """Describe the first standard deviation that is too small or too large to be meant.
+
+    Args:
+        values: standard deviations; NaN is none
+    """
+    for value in values:
+        if 0.0 < value < LEAST_SIGMA or value > MOST_SIGMA:
+            limits = f"between {LEAST_SIGMA:g} and {MOST_SIGMA:g}, or 0"
+            return f"{value:g}: a standard deviation must be {limits}"
+    return None
+
 
 @dataclass(frozen=True)
 class Section:
@@ -322,6 +337,8 @@ class Section:
             found = (self._number(key, value),) * row.size
         if min(found) < 0.0:
             raise self.error(key, f"{min(found):g}: a standard deviation is not below 0")
+        if (beyond := beyond_sigmas(found)) is not None:
+            raise self.error(key, beyond)
         return found
 
     def numbers(self, key: str) -> tuple[float, ...]:

@@ -12,7 +12,15 @@ from vopd.findings import VopdError
 from vopd.flight.equations import COMPONENT, LENS_COEFFICIENTS
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.formats.lens import LensRead
-from vopd.flight.project import ROWS, WIDTH, Project, Section
+from vopd.flight.project import (
+    LEAST_SIGMA,
+    MOST_SIGMA,
+    ROWS,
+    WIDTH,
+    Project,
+    Section,
+    beyond_sigmas,
+)
 from vopd.geometry.lenses import LensKind
 
 
@@ -56,6 +64,9 @@ def row_sigmas(section: Section, key: str, rows: RowSigmas, notes: Notes) -> Flo
     """
     stated = section.sigma(key)
     own = np.full((rows.total, 3), np.nan) if rows.own is None else rows.own
+    for k in np.flatnonzero(((own > 0.0) & (own < LEAST_SIGMA) | (own > MOST_SIGMA)).any(axis=1)):
+        where = f"line {rows.line[k]}" if len(rows.line) else f"position {k + 1}"
+        raise VopdError(f"{rows.file}: {where}: {beyond_sigmas(own[k].tolist())}")
     lacking: Bools = np.asarray(np.isnan(own).any(axis=1))
     without = int(lacking.sum())
     if without < rows.total:

@@ -21,7 +21,7 @@ from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table import column_name, columns_of
 from vopd.attitude.uncertainty import ANGLES
 from vopd.export.tables import table_text
-from vopd.figures import FIGURES, draw, left_out_text, ready, svg
+from vopd.figures import FIGURES, draw, drawn_jobs, has_attack, left_out_text, ready, svg
 from vopd.files import optional_package
 from vopd.findings import VopdError, count_text
 
@@ -470,9 +470,14 @@ CAPTIONS = {
 
 
 def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, str]]:
-    """Draw every figure of `FIGURES`: its name, title, caption, and its SVG as a data URI."""
+    """Draw every figure of `FIGURES`: its name, title, caption, and its SVG as a data URI.
+
+    Angles of attack are left out where no frame has them.
+    """
     figures = []
     for name, kind in FIGURES.items():
+        if name == "attack" and not has_attack(drawn_jobs(histories)):
+            continue
         picture = base64.b64encode(svg(draw(name, histories)).encode()).decode()
         figures.append((name, kind.title, CAPTIONS[name], f"data:image/svg+xml;base64,{picture}"))
     return figures
