@@ -158,7 +158,8 @@ def significant_errors(joint: JointSolution, known: bool, larger: float = 1.0) -
     free = (~np.isfinite(model.common_sigma)).sum()
     freedom = 2.0 * len(model.pick) - 3.0 * model.solved - free
     power = (trial**2).sum(axis=(0, 1))
-    found = []
+    picks, found = model.flight.picks, []
+    least = (picks.least_sigma_px / picks.one_sigma_px) ** 2  # less is rounding of the picks
     for one in errors:
         index = list(one.columns)
         count, own = len(index), square[np.ix_(index, index)]
@@ -172,7 +173,7 @@ def significant_errors(joint: JointSolution, known: bool, larger: float = 1.0) -
             continue
         value = np.linalg.solve(scaled, right[index] / scale) / scale
         gain = float(right[index] @ value)
-        rest = max((cost - gain) / left, 1e-12)
+        rest = max((cost - gain) / left, least)
         if known and rest < REJECTED**2:
             chance, rest = float(chdtrc(count, gain)), 1.0
         else:
