@@ -46,7 +46,8 @@ def test_errata_are_parted_by_an_empty_line_and_json_is_indented() -> None:
     assert_approved(ran.stderr)
     ran = vopd("zzzz")
     names = (
-        "run, cards, diff, errata, demo, new, punch, check, attitude, plot, report, batch, stars"
+        "run, cards, diff, errata, demo, new, punch, check, attitude, adjust, plot, report, "
+        "batch, stars"
     )
     assert_approved(ran.stderr, parts=[names])
 

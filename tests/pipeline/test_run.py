@@ -229,9 +229,9 @@ def test_options_of_a_run_reach_its_table(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_what_the_package_offers() -> None:
     names = [
-        "Deck", "DeckError", "Finding", "FlightResult", "InputError", "Job", "Results", "Run",
-        "Sigmas", "VopdError", "__version__", "listing_text", "read_deck", "run", "solve_flight",
-        "write_deck",
+        "Adjustment", "Deck", "DeckError", "Finding", "FlightResult", "InputError", "Job",
+        "Results", "Run", "Sigmas", "VopdError", "__version__", "adjust", "listing_text",
+        "read_deck", "run", "solve_flight", "write_deck",
     ]  # fmt: skip
     assert vopd.__all__ == dir(vopd) == names
     for name in names:
