@@ -64,7 +64,8 @@ def row_sigmas(section: Section, key: str, rows: RowSigmas, notes: Notes) -> Flo
     """
     stated = section.sigma(key)
     own = np.full((rows.total, 3), np.nan) if rows.own is None else rows.own
-    for k in np.flatnonzero(((own > 0.0) & (own < LEAST_SIGMA) | (own > MOST_SIGMA)).any(axis=1)):
+    beyond = ((own > 0.0) & (own < LEAST_SIGMA)) | (own > MOST_SIGMA)
+    for k in np.flatnonzero(beyond.any(axis=1)).tolist():
         where = f"line {rows.line[k]}" if len(rows.line) else f"position {k + 1}"
         raise VopdError(f"{rows.file}: {where}: {beyond_sigmas(own[k].tolist())}")
     lacking: Bools = np.asarray(np.isnan(own).any(axis=1))
