@@ -28,7 +28,7 @@ class BlunderRow(NamedTuple):
     @property
     def name(self) -> str:
         """What stands in the table."""
-        return f"{self.blunder or 'none'}, positions {self.fix_m:g} m"
+        return MistakeRow(self.blunder, self.fix_m).name
 
     @property
     def plan(self) -> Plan:

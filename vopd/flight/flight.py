@@ -87,6 +87,11 @@ class TrackFixes:
         """Take the parts that some of the frames have in the fixes, by their indices."""
         return replace(self, first=self.first[frames], weight=self.weight[frames])
 
+    def frames_of(self, fix: int) -> Ints:
+        """List the frames that depend on a fix, by their indices."""
+        slot = fix - self.first[:, None] == np.arange(self.weight.shape[1])
+        return np.flatnonzero((slot & (self.weight > 0.0)).any(axis=1))
+
     @property
     def frame_sigma_m(self) -> Floats:
         """Standard deviations of the frames' positions, east, north, up, (F, 3)."""

@@ -328,15 +328,29 @@ def settled(
     same = first
     if before is not None and not before.passes:
         same = solve(flight, left_out, before=before.solved)
-    joint = solve_jointly(flight, priors, ~left_out, start, first=same)
+    begun = flight
+    unknown = flight.options.reading_sigma_px is None and not flight.picks.stated
+    if unknown and before is not None and before.passes:  # its sigma is nearer than any
+        begun = replace(
+            flight, picks=flight.picks.with_sigma(before.model.flight.picks.one_sigma_px)
+        )
+    joint = solve_jointly(begun, priors, ~left_out, start, first=same)
     reading = stated_reading(joint)
     if reading is None:
+        said: JobReadingSigma | None
+        tried = np.zeros(0)
         for _ in range(ROUNDS):
+            said = reading
             reading = residual_reading(joint)
             sigma = joint.model.flight.picks.one_sigma_px
             weighs = joint.passes > 0 or robust
             if not weighs or abs(reading.sigma / sigma - 1.0) < SETTLED:
                 break
+            back = (np.abs(reading.sigma / tried - 1.0) < SETTLED).any()
+            if said is not None and back and reading.sigma < sigma:
+                reading = said  # one makes the other, back and forth: the larger stays
+                break
+            tried = np.append(tried, sigma)
             start = joint.state if joint.passes else None
             same = joint.solved if joint.passes and not robust else None
             scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))

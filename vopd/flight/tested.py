@@ -273,8 +273,7 @@ def _frame_alone(fix: int, flight: Flight) -> int:
     """Find the frame that depends on a fix and on no other, if it is the only one; else -1."""
     fixes = flight.path.fixes
     assert fixes is not None
-    slot = fix - fixes.first[:, None] == np.arange(fixes.weight.shape[1])
-    own = np.flatnonzero((slot & (fixes.weight > 0.0)).any(axis=1))
+    own = fixes.frames_of(fix)
     alone = len(own) == 1 and (fixes.weight[own[0]] > 0.0).sum() == 1
     return int(own[0]) if alone else -1
 

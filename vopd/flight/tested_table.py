@@ -68,8 +68,7 @@ def _fix_label(fix: int, flight: Flight) -> str:
     """Name a fix by the frames that depend on it."""
     fixes = flight.path.fixes
     assert fixes is not None
-    slot = fix - fixes.first[:, None] == np.arange(fixes.weight.shape[1])
-    own = np.flatnonzero((slot & (fixes.weight > 0.0)).any(axis=1))
+    own = fixes.frames_of(fix)
     if not len(own):
         return f"fix {fix + 1}"
     first, last = (frame_label(flight, int(k)) for k in own[[0, -1]])
@@ -238,7 +237,7 @@ def named_text(one: Named, tested: TestedFlight) -> str:
 def _fits(tests: LeftOut, k: int) -> str:
     """Say how far something is off."""
     if np.isfinite(tests.off_px[k, 0]):
-        return f", {np.hypot(*tests.off_px[k]):.3g} px off"
+        return f", {_off(tests, k)} off"
     if np.isnan(tests.error[k, 0]):
         return ""
     if tests.kind[k] == TIME:
