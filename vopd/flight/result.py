@@ -242,8 +242,7 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
     apart = found.left_out
     if not flight.options.drop_blunders:
         few = found.pick.sum() <= FEW * len(found.pick)
-        # free parameters are solved for with all picks; vopd adjust --test names those to leave out
-        apart = found.pick & (few and not flight.options.free)
+        apart = found.pick & few
     if without is None or not np.array_equal(apart, found.left_out):
         without = settled(flight, apart, estimates.joint)
     estimates = without
