@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import least_squares
 
 import vopd
+from tests.approved.texts import assert_approved
 from tests.kit.joint_flights import FOCAL, Dense, drone, flight_of, residuals_by_hand
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
@@ -209,3 +210,46 @@ def test_the_library_takes_a_project() -> None:
     made = vopd.adjust("examples/summits/flight.toml", ["focal"])
     (row,) = made.parameters
     assert row.held and abs(row.after - 3900.0) < FOCAL * 1e-3
+
+
+# Solved, and doubtful
+
+
+def said(made: Adjustment) -> list[str]:
+    return [one.message for one in made.result.findings if one.message.startswith("free")]
+
+
+def test_a_clock_beyond_the_track_is_said() -> None:
+    """The first frame comes before the first row, and all are moved past the next one."""
+    flight = drawn(2, ("clock",), {"clock": 0.08})
+    row_s = np.arange(flight.time_s[0] - 0.02, flight.time_s[-1] + 0.01, 0.02)
+    flight = replace(flight, path=replace(flight.path, row_s=row_s))
+    for text in said(adjust(flight, ["clock"])):
+        assert_approved(text)
+
+
+def test_a_landmark_on_one_line_of_sight_is_said() -> None:
+    """Seen in one frame, with 100 m that nobody knows; the others are held by their .3 m."""
+    flight = drawn(5, (), {}, mark_m=0.3)
+    picks, sigma_m = flight.picks, flight.landmarks.sigma_m.copy()
+    sigma_m[2] = 100.0
+    kept = (picks.landmark != 2) | (picks.frame == picks.frame[picks.landmark == 2][0])
+    own = {name: getattr(picks, name)[kept] for name in ("frame", "landmark", "pixel", "sigma_px")}
+    marks = replace(flight.landmarks, sigma_m=sigma_m)
+    flight = replace(flight, picks=replace(picks, **own), landmarks=marks)
+    (text,) = said(adjust(flight, [f"landmark:{marks.name[2]}"]))
+    assert_approved(text)
+
+
+def test_a_named_blunder_moves_no_free_parameter() -> None:
+    """The focal length is that without the pick, which 300 px would have carried away."""
+    flight = drawn(6, (), {})
+    picks, pixel = flight.picks, flight.picks.pixel.copy()
+    pixel[10] += 300.0
+    kept = np.arange(len(pixel)) != 10
+    own = {name: getattr(picks, name)[kept] for name in ("frame", "landmark", "pixel", "sigma_px")}
+    without = adjust(replace(flight, picks=replace(picks, **own)), ["focal"])
+    made = adjust(replace(flight, picks=replace(picks, pixel=pixel)), ["focal"])
+    assert_close("table value", made.parameters[0].after, without.parameters[0].after)
+    (text,) = said(made)
+    assert_approved(text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import tomllib
 from collections.abc import Callable
@@ -181,6 +182,8 @@ def test_the_files_have_what_was_solved_for(drone: Both) -> None:
     assert joint is not None
     value = {one.name: one.after for one in drone.joint.parameters}
     assert_close("flight pixel", flight.lens.focal_px.mean(), value["focal"])
+    project = tomllib.loads((drone.folder / "flight.toml").read_text(encoding="utf-8"))
+    assert_close("table value", project["track"]["offset_s"], -value["clock"])
     moved = joint.model.flight.landmarks.position_m + joint.model.landmark_by_m(joint.state)
     assert_close("moved position", flight.landmarks.position_m, moved)
     held = json.loads((drone.folder / "covariance.json").read_text(encoding="utf-8"))
@@ -203,6 +206,14 @@ def test_changed_files_are_refused(copied: Path, name: str) -> None:
     file.write_text(file.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     with refused():
         solve_flight(copied / "flight.toml")
+
+
+def test_another_offset_of_the_clock_is_refused(copied: Path) -> None:
+    file = copied / "flight.toml"
+    text = file.read_text(encoding="utf-8")
+    file.write_text(re.sub("\noffset_s = [-.0-9e]+", "\noffset_s = 0.5", text))
+    with refused():
+        solve_flight(file)
 
 
 def test_free_parameters_of_an_adjusted_project_are_refused(copied: Path) -> None:

@@ -33,17 +33,13 @@ from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
 VERSION = 1
 FIELDS = (
     "version", "adjusted_from", "free", "names", "units", "values", "covariance", "by_picks",
-    "unknowns", "sigma_px", "reading_sigma_px", "degrees_of_freedom", "reading_sigma_by", "sha256",
+    "unknowns", "offset_s_before", "sigma_px", "reading_sigma_px", "degrees_of_freedom", "reading_sigma_by", "sha256",
 )  # fmt: skip
 MATRICES = ("covariance", "by_picks")
 MOST_NAMES = 3_000
 MOST_BYTES = 400_000_000
-ADDED = ("clock", "clock_rate", *SHIFT)
-"""Parameters of which no other file of the project has the value: it is added as the file has it.
-
-A camera that stands has its place in the project.
-"""
 ROUNDING = 1e-6  # of a correlation
+SAME_S = 1e-6  # between offsets of a clock
 SPEAKS_OF = (
     ("picks", "file"), ("picks", "times"), ("track", "file"), ("camera", "lens"),
     ("landmarks", "file"),
@@ -64,6 +60,7 @@ class CovarianceFile:
     covariance: Floats  # (K, K) in those units
     by_picks: Floats  # (K, K) the part of it that comes from errors of the picks
     unknowns: int  # how many of them had no standard deviation before
+    offset_before_s: float | None  # [track] offset_s as stated, where that has the clock now
     sigma_px: float  # standard deviation of a pick with which all was solved
     reading_sigma_px: float  # the reading sigma that came out
     freedom: float
@@ -80,6 +77,7 @@ class CovarianceFile:
             "units": list(self.unit),
             "values": self.value.tolist(),
             "unknowns": self.unknowns,
+            "offset_s_before": self.offset_before_s,
             "sigma_px": self.sigma_px,
             "reading_sigma_px": self.reading_sigma_px,
             "degrees_of_freedom": self.freedom if isfinite(self.freedom) else None,
@@ -172,11 +170,39 @@ def read_covariance(project: Project, same_files: bool = True) -> CovarianceFile
             "covariance", f"{path.name} has more than {MOST_BYTES // 1_000_000} MB: it is not of "
             f"{MOST_NAMES} parameters or fewer"
         )  # fmt: skip
-    file = project.open("uncertainty", "covariance")
-    found = _checked(file, _fields(file))
+    file, key = project.open("uncertainty", "covariance"), ("uncertainty", path.name)
+    if key not in project.held:
+        project.held[key] = _checked(file, _fields(file))
+    found: CovarianceFile = project.held[key]
     if same_files:
         _refuse_changed(project, section, file, found)
     return found
+
+
+def with_stated_offset(project: Project) -> Project:
+    """Take `[track] offset_s` as it was before `vopd adjust` wrote the clock that it found there.
+
+    Positions belong to the times that were stated: the clock moves the cameras from there, by
+    velocity and acceleration, as in the solve in which it was found.
+
+    Args:
+        project: the project
+
+    Raises:
+        VopdError: where the key has another value than was written
+    """
+    found = read_covariance(project, same_files=False)
+    if found is None or found.offset_before_s is None:
+        return project
+    section = project.section("track")
+    written = found.offset_before_s - float(found.value[found.name.index("clock")])
+    if abs(section.number("offset_s") - written) > SAME_S:
+        raise section.error(
+            "offset_s",
+            f"has changed since {section.project} was adjusted, which wrote {written:.6f}: write "
+            f"that again, or change it in {_from_here(project, found)} and adjust that",
+        )
+    return project.changed("track", "offset_s", found.offset_before_s)
 
 
 def _fields(file: InputFile) -> dict[str, Any]:
@@ -223,7 +249,9 @@ def _checked(file: InputFile, values: dict[str, Any]) -> CovarianceFile:
     whence = values["adjusted_from"]
     if not isinstance(whence, str) or not whence:
         raise file.error(f"{shown(whence)} is not the name of a project", column="adjusted_from")
-    freedom = values["degrees_of_freedom"]
+    freedom, before_s = values["degrees_of_freedom"], values["offset_s_before"]
+    if before_s is not None and "clock" not in name:
+        raise file.error(f"is there without a clock{AGAIN}", column="offset_s_before")
     whole, by_picks = (_covariance(file, key, name, values[key]) for key in MATRICES)
     scale = np.sqrt(np.maximum(np.diag(whole), np.finfo(float).tiny))
     if np.linalg.eigvalsh((whole - by_picks) / np.outer(scale, scale))[0] < -ROUNDING * len(name):
@@ -237,6 +265,7 @@ def _checked(file: InputFile, values: dict[str, Any]) -> CovarianceFile:
         whole,
         by_picks,
         unknowns,
+        None if before_s is None else float(_numbers(file, "offset_s_before", [before_s], 1)[0]),
         _positive(file, "sigma_px", values["sigma_px"]),
         _positive(file, "reading_sigma_px", values["reading_sigma_px"]),
         inf if freedom is None else _positive(file, "degrees_of_freedom", freedom),

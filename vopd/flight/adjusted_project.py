@@ -66,9 +66,13 @@ def adjusted_project(project: Project, adjustment: Adjustment, folder: Path) -> 
         _move_position(changes, project, joint)
     if "readout" in names and solved.shutter is not None:
         changes["camera", "readout_ms"] = repr(solved.shutter.readout_s * 1e3)
+    before_s = None
+    if "clock" in names and flight.path.row_s is not None:
+        before_s = project.section("track").number("offset_s")
+        changes["track", "offset_s"] = repr(before_s - joint.model.value(joint.state, "clock"))
     source = _from_folder(Path(project.folder) / Path(project.name).name, folder)
     free = flight.options.free
-    file = _covariance_file(adjustment, source, free, project, new, changes)
+    file = _covariance_file(adjustment, source, free, before_s, project, new, changes)
     new.contents[COVARIANCE] = file.text().encode()
     changes["uncertainty", "covariance"] = toml_text(COVARIANCE)
     head = HEAD.format(covariance=COVARIANCE, source=f"{source} --free {','.join(free)} -o DIR")
@@ -266,8 +270,8 @@ def moved_coordinates(
 
 
 def _covariance_file(
-    adjustment: Adjustment, source: str, free: Sequence[str], project: Project, new: NewProject,
-    changes: Changes,
+    adjustment: Adjustment, source: str, free: Sequence[str], before_s: float | None,
+    project: Project, new: NewProject, changes: Changes,
 ) -> CovarianceFile:  # fmt: skip
     """Collect parameters, their covariance, and the digests of the new project's files."""
     joint, reading = adjustment.result.estimates.joint, adjustment.result.estimates.reading
@@ -296,7 +300,7 @@ def _covariance_file(
     return CovarianceFile(
         source, tuple(free), tuple(name), tuple(unit), np.array(value),
         common * np.outer(scale, scale), by_picks * np.outer(scale, scale),
-        int((~np.isfinite(model.common_sigma)).sum()),
+        int((~np.isfinite(model.common_sigma)).sum()), before_s,
         flight.picks.one_sigma_px, reading.sigma, reading.freedom, reading.source,
         _digests(project, new, changes),
     )  # fmt: skip

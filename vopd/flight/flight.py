@@ -157,6 +157,7 @@ class CameraPath:
 
     NaN where no other frame is near enough; None before a first solve.
     """
+    row_s: Floats | None = None  # (T,) a track's times on the frames' clock; None: it has none
 
     @property
     def stands(self) -> bool:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError, count_text, frames_text
 from vopd.flight.equations import LEAST_SIGMA_M, Model, Priors, with_parameters
 from vopd.flight.errors import covariance_of_common, priors_of
 from vopd.flight.flight import Flight, NotHeld, TrackFixes
-from vopd.flight.free import free_parameters, shown_name
+from vopd.flight.free import LANDMARK, free_landmarks, free_parameters, joined, shown_name
 from vopd.flight.joint import Covariance, JointSolution, marginals, no_solution, solve_jointly
 from vopd.flight.normal import Factored, Normal
 from vopd.flight.solve import LOSSES, FlightBlocks, SolvedFlight
@@ -237,7 +237,81 @@ def _check_enough(model: Model, unknown: int) -> None:
         source = model.flight.source
         raise VopdError(
             f"{source}: {unknown} free parameters have no standard deviation, and the picks leave "
-            f"{max(observed - turns, 0)} numbers beside the angles ({observed} coordinates, "
+            f"{count_text(max(observed - turns, 0), 'number')} beside the angles ({observed} coordinates, "
             f"{turns} angles): pick more landmarks a frame, or state standard deviations under "
             "[uncertainty]"
         )
+
+
+# Landmarks and clocks as solved: what a table does not say of them
+
+ONE_LINE_DEG = 5.0  # between the lines of sight of a landmark: less, and it is as if seen from one
+NAMED = 5  # landmarks of a sentence
+
+
+def solved_findings(joint: JointSolution | None) -> list[Finding]:
+    """Warn of landmarks on one line of sight, and of a clock that moves frames far or off the track.
+
+    Args:
+        joint: the solution of a flight
+    """
+    if joint is None or not joint.model.flight.options.free:
+        return []
+    texts = [*_one_line_texts(joint), *_clock_texts(joint)]
+    return [Finding(text, joint.model.flight.source, severity="warning") for text in texts]
+
+
+def _one_line_texts(joint: JointSolution) -> list[str]:
+    """Name the free landmarks that the picks do not hold along their one line of sight."""
+    model, common = joint.model, covariance_of_common(joint)
+    flight, free, loose = model.flight, model.free.tolist(), []
+    for k in (k for k in free_landmarks(flight) if k in free):
+        where = len(model.names) + 3 * free.index(k) + np.arange(3)
+        prior_m = np.maximum(flight.landmarks.sigma_m[k], LEAST_SIGMA_M)
+        left, axes = np.linalg.eigh(common[np.ix_(where, where)] / np.outer(prior_m, prior_m))
+        frames = flight.picks.frame[model.pick[model.landmark == k]]
+        away = flight.landmarks.position_m[k] - flight.path.position_m[frames]
+        away /= np.linalg.norm(away, axis=1)[:, None]
+        middle = away.mean(axis=0) / np.linalg.norm(away.mean(axis=0))
+        apart = float(np.degrees(np.arccos(np.clip(away @ middle, -1.0, 1.0))).max())
+        if left[-1] > MOST_LEFT**2 and apart < ONE_LINE_DEG:
+            loose.append((flight.landmarks.name[k], prior_m * axes[:, -1]))
+    if not loose:
+        return []
+    names = [name for name, _ in loose]
+    shown = joined(names if len(names) <= NAMED else [*names[:3], f"{len(names) - 3} more"])
+    one = len(loose) == 1
+    sigma = f", {np.linalg.norm(loose[0][1]):.3g} m" if one else ""
+    return [
+        f"free {LANDMARK if one else 'landmarks '}{shown}: the frames see "
+        f"{'it' if one else 'each'} along nearly one line, and on that line "
+        f"{'it is' if one else 'they are'} as free as sigma_m states{sigma}. Pick "
+        f"{'it' if one else 'them'} in frames that look from elsewhere, or state how well "
+        f"{'it is' if one else 'they are'} known"
+    ]
+
+
+def _clock_texts(joint: JointSolution) -> list[str]:
+    """Say where a clock moves frames beyond the track's rows, or past the next one."""
+    model, row_s = joint.model, joint.model.flight.path.row_s
+    late_s = model.late_s(joint.state)
+    if row_s is None or not {"clock", "clock_rate"} & set(model.names):
+        return []
+    flight, known = model.flight, np.isfinite(model.flight.path.position_m[:, 0])
+    far = float(late_s[known][np.abs(late_s[known]).argmax()])
+    at_s, texts = flight.time_s + late_s, []
+    beyond = np.flatnonzero(known & ((at_s < row_s[0]) | (at_s > row_s[-1])))
+    if len(beyond):
+        labels = [flight.image_name[k] if flight.image_name else str(flight.frame[k]) for k in beyond]
+        texts.append(
+            f"free clock: as solved it puts {frames_text(labels)} beyond the track, which has "
+            f"{row_s[0]:.7g} to {row_s[-1]:.7g} s: places there continue its ends. Give a longer "
+            "track, or leave out what it does not cover"
+        )
+    if abs(far) > float(np.median(np.diff(row_s))):
+        texts.append(
+            f"free clock: it comes out {far:+.3g} s, more than the {np.median(np.diff(row_s)):.3g} "
+            f"s between two positions of the track, whose velocity does not reach so far: add {-far:+.3g} to [track] "
+            "offset_s and adjust again"
+        )
+    return texts

@@ -13,7 +13,7 @@ from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.estimate import MapGrid
 from vopd.files import reason
 from vopd.findings import Finding, count_text
-from vopd.flight.adjusted import with_held
+from vopd.flight.adjusted import with_held, with_stated_offset
 from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
 from vopd.flight.files import did_you_mean, read_by_content, shown
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction, Shutter
@@ -346,7 +346,7 @@ def flight_of(project: Project) -> Flight:
     picks = replace(picks, frame=index)
     notes = Notes([], [])
     rows, landmarks = _landmarks(project, notes)
-    path = read_path(project, times)
+    path = read_path(with_stated_offset(project), times)
     times = path.times
     refuse_missing(name, [*notes.missing, *path.missing])
     _one_datum(project)

@@ -17,7 +17,7 @@ from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError, count_text
-from vopd.flight.blunders import blunder_findings, find_blunders, gross_picks
+from vopd.flight.blunders import Blunders, blunder_findings, find_blunders, gross_picks
 from vopd.flight.errors import SOLVED_WITH, priors_of, with_sigmas
 from vopd.flight.estimate import (
     FlightEstimates,
@@ -27,7 +27,7 @@ from vopd.flight.estimate import (
 )
 from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
 from vopd.flight.free import as_solved, free_parameters, not_held_findings, without_parameter
-from vopd.flight.held import least_held, undetermined
+from vopd.flight.held import least_held, solved_findings, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
 from vopd.flight.misfit import flight_findings
 from vopd.flight.read import read_flight
@@ -253,7 +253,9 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
         return solve_flight_read(without_parameter(read, more), tell)
     solved = estimates.solved
     estimates.mark_outliers(found.pick & solved.used)
-    findings = [*not_held_findings(flight), *blunder_findings(found, flight)]
+    findings = [*not_held_findings(flight), *solved_findings(without.joint)]
+    findings += blunder_findings(found, flight)
+    findings += freed_beside_blunders(flight, found, apart)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
     doubts, misfits = flight_findings(flight, without, apart, found.landmark)
     return FlightResult(estimates, (*flight.findings, *findings, *doubts), misfits)
@@ -467,6 +469,28 @@ def require_two_landmarks(flight: Flight) -> None:
             "it stays free, so that of three angles two are tied together and none is known by "
             "itself. Pick a second landmark in each image, the farther from the first the better."
         )
+
+
+def freed_beside_blunders(flight: Flight, found: Blunders, apart: Bools) -> list[Finding]:
+    """Say how picks that are named took part in free parameters.
+
+    Args:
+        flight: as it was solved
+        found: its blunders
+        apart: picks that took no part in what the frames have in common, (P,)
+    """
+    named, free = int(found.pick.sum()), flight.options.free
+    if not free or not named or flight.options.drop_blunders:
+        return []
+    names = ", ".join(free)
+    told = f"free {names}: solved for without {count_text(named, 'pick that does', 'picks that do')} not fit"
+    if not apart.any():
+        told = (
+            f"free {names}: {named} of {len(found.pick)} picks do not fit, too many to be left "
+            "out by themselves, and what was solved for is doubtful: vopd adjust --test names what "
+            "is wrong"
+        )
+    return [Finding(told, flight.source, severity="warning")]
 
 
 def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:

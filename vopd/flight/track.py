@@ -551,6 +551,7 @@ def path_by_time(
         None if of_frames is None else np.where(unknown, np.nan, of_frames),
         np.where(unknown, np.nan, acceleration),
         lever_arm_m=lever_arm(section),
+        row_s=time_s,
     )
 
 
