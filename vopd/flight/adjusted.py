@@ -33,7 +33,8 @@ from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
 VERSION = 1
 FIELDS = (
     "version", "adjusted_from", "free", "names", "units", "values", "covariance", "by_picks",
-    "unknowns", "offset_s_before", "sigma_px", "reading_sigma_px", "degrees_of_freedom", "reading_sigma_by", "sha256",
+    "unknowns", "offset_s_before", "sigma_px", "reading_sigma_px", "degrees_of_freedom",
+    "reading_sigma_by", "sha256",
 )  # fmt: skip
 MATRICES = ("covariance", "by_picks")
 MOST_NAMES = 3_000

@@ -350,8 +350,8 @@ def without_parameter(flight: Flight, lost: NotHeld) -> Flight:
 ADVICE = {
     "focal": "landmarks near and far, or frames from other places, would hold it",
     "aspect": "landmarks all over the image would hold it",
-    "centre_u": "the principal point of a camera that does not turn is yaw and pitch",
-    "centre_v": "the principal point of a camera that does not turn is yaw and pitch",
+    "centre_u": "a moved principal point makes the images of yaw and pitch, but in wide pictures",
+    "centre_v": "a moved principal point makes the images of yaw and pitch, but in wide pictures",
     "k1": "landmarks in the corners of the images as well as in the middle would hold it",
     "k2": "landmarks in the corners of the images as well as in the middle would hold it",
     "p1": "the tangential part is small, and a centre makes nearly the same images",

@@ -234,12 +234,11 @@ def _check_enough(model: Model, unknown: int) -> None:
     """Refuse more unknowns than observations."""
     observed, turns = 2 * len(model.pick), 3 * model.solved
     if observed - turns < unknown:
-        source = model.flight.source
+        source, left = model.flight.source, count_text(max(observed - turns, 0), "number")
         raise VopdError(
             f"{source}: {unknown} free parameters have no standard deviation, and the picks leave "
-            f"{count_text(max(observed - turns, 0), 'number')} beside the angles ({observed} coordinates, "
-            f"{turns} angles): pick more landmarks a frame, or state standard deviations under "
-            "[uncertainty]"
+            f"{left} beside the angles ({observed} coordinates, {turns} angles): pick more "
+            "landmarks a frame, or state standard deviations under [uncertainty]"
         )
 
 
@@ -250,7 +249,7 @@ NAMED = 5  # landmarks of a sentence
 
 
 def solved_findings(joint: JointSolution | None) -> list[Finding]:
-    """Warn of landmarks on one line of sight, and of a clock that moves frames far or off the track.
+    """Warn of landmarks on one line of sight, and of a clock that moves frames far.
 
     Args:
         joint: the solution of a flight
@@ -298,20 +297,20 @@ def _clock_texts(joint: JointSolution) -> list[str]:
     if row_s is None or not {"clock", "clock_rate"} & set(model.names):
         return []
     flight, known = model.flight, np.isfinite(model.flight.path.position_m[:, 0])
-    far = float(late_s[known][np.abs(late_s[known]).argmax()])
     at_s, texts = flight.time_s + late_s, []
-    beyond = np.flatnonzero(known & ((at_s < row_s[0]) | (at_s > row_s[-1])))
-    if len(beyond):
-        labels = [flight.image_name[k] if flight.image_name else str(flight.frame[k]) for k in beyond]
+    beyond = np.flatnonzero(known & ((at_s < row_s[0]) | (at_s > row_s[-1]))).tolist()
+    if beyond:
+        names = flight.image_name or tuple(map(str, flight.frame.tolist()))
         texts.append(
-            f"free clock: as solved it puts {frames_text(labels)} beyond the track, which has "
-            f"{row_s[0]:.7g} to {row_s[-1]:.7g} s: places there continue its ends. Give a longer "
-            "track, or leave out what it does not cover"
+            f"free clock: as solved it puts {frames_text([names[k] for k in beyond])} beyond the "
+            f"track, which has {row_s[0]:.7g} to {row_s[-1]:.7g} s: places there continue its "
+            "ends. Give a longer track, or leave out what it does not cover"
         )
-    if abs(far) > float(np.median(np.diff(row_s))):
+    far, apart = float(late_s[np.abs(late_s).argmax()]), float(np.median(np.diff(row_s)))
+    if abs(far) > apart:
         texts.append(
-            f"free clock: it comes out {far:+.3g} s, more than the {np.median(np.diff(row_s)):.3g} "
-            f"s between two positions of the track, whose velocity does not reach so far: add {-far:+.3g} to [track] "
-            "offset_s and adjust again"
+            f"free clock: it comes out {far:+.3g} s, more than the {apart:.3g} s between two "
+            "positions of the track, whose velocity does not reach so far: add "
+            f"{-far:+.3g} to [track] offset_s and adjust again"
         )
     return texts

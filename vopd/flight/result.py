@@ -482,8 +482,8 @@ def freed_beside_blunders(flight: Flight, found: Blunders, apart: Bools) -> list
     named, free = int(found.pick.sum()), flight.options.free
     if not free or not named or flight.options.drop_blunders:
         return []
-    names = ", ".join(free)
-    told = f"free {names}: solved for without {count_text(named, 'pick that does', 'picks that do')} not fit"
+    names, does = ", ".join(free), count_text(named, "pick that does", "picks that do")
+    told = f"free {names}: solved for without {does} not fit"
     if not apart.any():
         told = (
             f"free {names}: {named} of {len(found.pick)} picks do not fit, too many to be left "
