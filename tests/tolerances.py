@@ -444,8 +444,7 @@ TOLERANCES = {
     "residual as solved": Tolerance(
         "px", 1e-3, "sums of 192 residuals; the lines of sight are traced anew, to 1E-6 px"
     ),
-    "scipy's minimum": Tolerance("sigma", 3e-6, "by slopes of differences over .01 sigma"),
-    "robust minimum": Tolerance("sigma", 1e-4, "the same; scipy closes in slowly on a robust loss"),
+    "dense minimum": Tolerance("sigma", 1e-6, "of all unknowns at once, 1e-8 is usual"),
     "sigma by differences": Tolerance("sigma", 1e-6, "slopes by differences over .01 sigma"),
     "solve of a micrometre": Tolerance("1", 1e-9, "a micrometre of 100 m, and rounding"),
     "place of a solve": Tolerance("m", 1e-6, "6.4E6 m from the Earth's centre; a metre or two"),

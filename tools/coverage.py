@@ -25,6 +25,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from tests.kit.coverage import (
     ATTACK,
     ETA,
@@ -42,16 +44,25 @@ from tests.kit.flag_trials import TRIALS, Rates, Trial, rates
 from tests.kit.flight_blunders import BLUNDER_ROWS, BlunderRow, blunders_named
 from tests.kit.flight_coverage import FLIGHT_ROWS, FlightRow, flight_counted
 from tests.kit.flight_mistakes import MISTAKE_ROWS, MistakeRow, mistakes_named
+from tests.kit.flight_parameters import (
+    PARAMETER_ROWS,
+    PARAMETERS,
+    ParameterRow,
+    parameters_counted,
+)
 from tools.made_page import between
 from vopd.findings import VopdError
 
 PAGE = Path(__file__).parents[1] / "docs" / "coverage.md"
 FILM_95, BEYOND_68 = (0.93, 0.97), (-0.013, 0.017)
+PARAMETER_95 = (0.925, 0.975)
 CONFIDENCE = 0.999
 SEED = 12
 
-AnyRow = Row | FlightRow | MistakeRow | BlunderRow | Trial
-ALL_ROWS: tuple[AnyRow, ...] = (*FLIGHT_ROWS, *MISTAKE_ROWS, *BLUNDER_ROWS, *ROWS, *TRIALS)
+AnyRow = Row | FlightRow | MistakeRow | BlunderRow | ParameterRow | Trial
+ALL_ROWS: tuple[AnyRow, ...] = (
+    *FLIGHT_ROWS, *MISTAKE_ROWS, *BLUNDER_ROWS, *PARAMETER_ROWS, *ROWS, *TRIALS
+)  # fmt: skip
 Cell = dict[str, Any]
 """What is kept of a counted cell: name, landmarks, seed, jobs, and its shares or rates."""
 
@@ -107,7 +118,7 @@ class Line(NamedTuple):
 
 
 def _jobs(row: AnyRow, part: float) -> int:
-    flights = isinstance(row, FlightRow | MistakeRow | BlunderRow)
+    flights = isinstance(row, FlightRow | MistakeRow | BlunderRow | ParameterRow)
     number = row.plan.flights if flights else row.plan.jobs
     return max(8, round(number * part))
 
@@ -135,6 +146,12 @@ def count(row: AnyRow, landmarks: int, seed: int, part: float) -> Cell:
         return cell | {"named": [dict(one._asdict()) for one in named]}
     if isinstance(row, BlunderRow):
         return cell | {"named": [dict(blunders_named(row, own, jobs)._asdict())]}
+    if isinstance(row, ParameterRow):
+        shares = parameters_counted(row, own, jobs)
+        return cell | {
+            "inside": {n: [*share(one, CONFIDENCE)[:3]] for n, one in shares.items()},
+            "held": {n: float(np.isfinite(one).mean()) for n, one in shares.items()},
+        }
     parts = (
         flight_counted(row, landmarks, own, jobs)
         if isinstance(row, FlightRow)
@@ -213,7 +230,8 @@ def columns_of(row: AnyRow) -> tuple[int, ...]:
     """List the numbers of landmarks with which a row is counted."""
     if isinstance(row, FlightRow):
         return row.columns
-    return (row.plan.landmarks,) if isinstance(row, MistakeRow | BlunderRow) else LANDMARKS
+    one = isinstance(row, MistakeRow | BlunderRow | ParameterRow)
+    return (row.plan.landmarks,) if one else LANDMARKS
 
 
 # Tables
@@ -313,6 +331,31 @@ def blunder_lines(cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator
         yield Line(row.name, f"| {row.name} | {shares} | {cell['jobs']} |")
 
 
+def parameter_lines(cells: dict[str, Cell], asked: argparse.Namespace) -> Iterator[Line]:
+    """Write how often parameters of adjusted flights are inside, and how often they are held."""
+    yield Line("", f"| flights | {' | '.join(PARAMETERS)} | ± | flights |")
+    yield Line("", "|---" * (len(PARAMETERS) + 3) + "|")
+    for row in PARAMETER_ROWS:
+        cell = cells.get(_key(row, row.plan.landmarks, asked.seed, asked.part))
+        if cell is None:
+            yield Line(row.name, "")
+            continue
+        inside, held = cell["inside"], cell["held"]
+        texts = [_held_text(inside[n], held[n]) if n in inside else "" for n in PARAMETERS]
+        known = [one for one in inside.values() if one[0] == one[0]]
+        width = 50 * max(one[2] - one[1] for one in known)
+        text = f"| {row.name} | {' | '.join(texts)} | {width:.1f} | {cell['jobs']} |"
+        yield Line(row.name, text)
+
+
+def _held_text(inside: Sequence[float], held: float) -> str:
+    """Write the share inside, and in brackets how often a parameter is held at all."""
+    if inside[0] != inside[0]:
+        return "(0)"
+    outer = "\\*" * outside((inside[0], inside[1], inside[2]), PARAMETER_95)
+    return f"{100 * inside[0]:.1f}{outer}" + (f" ({100 * held:.0f})" if held < 1.0 else "")
+
+
 def page_with(page: str, mark: str, lines: Iterator[Line]) -> str:
     """Write a table where a page has its mark; rows that are not counted stay as they are.
 
@@ -351,6 +394,7 @@ def main() -> None:
     made = {table.mark: table_lines(table, cells, asked) for table in TABLES}
     made["mistakes"] = mistake_lines(cells, asked)
     made["blunders"] = blunder_lines(cells, asked)
+    made["parameters"] = parameter_lines(cells, asked)
     made["flags"] = flag_lines(cells, asked)
     page = PAGE.read_text(encoding="utf-8")
     for mark, lines in made.items():

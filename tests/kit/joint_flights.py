@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -23,7 +22,6 @@ from vopd.flight.flight import (
     TrackFixes,
 )
 from vopd.flight.joint import JointSolution
-from vopd.flight.solve import CAUCHY, HUBER
 from vopd.geometry.lenses import Lens, LensKind
 
 RADIUS, E2 = 6378137.0, (2.0 - 1.0 / 298.257223563) / 298.257223563
@@ -297,50 +295,3 @@ def scaled_close(quantity: str, actual: Floats, expected: Floats) -> None:
     """Compare with a tolerance of the largest element."""
     scale = np.abs(expected).max()
     assert_close(quantity, actual / scale, expected / scale)
-
-
-def residuals_by_hand(solution: JointSolution) -> Callable[[Floats], Floats]:
-    """Residuals of picks and priors, by steps from the solution in turns, fixes, common errors."""
-    flight, priors, state = solution.model.flight, solution.model.priors, solution.state
-    picks, marks, names = flight.picks, flight.landmarks.position_m, solution.model.names
-    frames, free = len(flight.frame), solution.model.free
-    camera_axes, mark_axes = axes(flight.path.position_m), axes(marks[free])
-    line = marks[picks.landmark] - flight.path.position_m[picks.frame]
-    prior = [] if priors.fixes is None else [priors.fixes.sigma_m.ravel()]
-    prior += [np.array(list(priors.parameter.values()))]
-    prior += [] if priors.landmark_m is None else [priors.landmark_m[free].ravel()]
-    sigma = np.concatenate(prior)
-    found = [state.fix_m.ravel(), state.parameter, state.landmark_m[free].ravel()]
-    error = np.concatenate(found)
-    cuts = np.cumsum([3 * frames, state.fix_m.size, len(names)])
-
-    def residual(step: Floats) -> Floats:
-        wrong = error + step[3 * frames :]
-        turn, *_ = np.split(step, cuts)
-        _, fix, values, mark = np.split(np.concatenate([turn, wrong]), cuts)
-        by = dict(zip(names, values.tolist(), strict=True))
-        rotation = Rotation.from_rotvec(turn.reshape(-1, 3)).as_matrix() @ state.rotation
-        moved = np.tile([by.get(name, 0.0) for name in ("east", "north", "up")], (frames, 1))
-        assert flight.path.velocity_m_s is not None
-        moved += flight.path.velocity_m_s @ NED_FROM_ENU * by.get("clock", 0.0)
-        if priors.fixes is not None:
-            moved += at_frames(priors.fixes, fix.reshape(-1, 3))
-        moved = turned_out(camera_axes, moved)
-        own, away = axes(flight.path.position_m + moved), line - moved[picks.frame]
-        further = np.zeros_like(marks)
-        further[free] = turned_out(mark_axes, mark.reshape(-1, 3))
-        away += further[picks.landmark]
-        ray = np.einsum("pij,pjk,pk->pi", rotation[picks.frame], own[picks.frame], away)
-        lens = LensTruth()
-        lens = lens._replace(**{n: getattr(lens, n) + by[n] for n in LENS if n in by})
-        off = (picks.pixel - lens.image(ray)) / picks.sigma_px[:, None]
-        z = (off**2).sum(axis=1)
-        if flight.options.loss == "huber":
-            off *= np.sqrt(np.where(z < HUBER**2, z, 2 * HUBER * np.sqrt(z) - HUBER**2) / z)[
-                :, None
-            ]
-        if flight.options.loss == "cauchy":
-            off *= np.sqrt(CAUCHY**2 * np.log1p(z / CAUCHY**2) / z)[:, None]
-        return np.concatenate([off.ravel(), wrong / sigma])
-
-    return residual

@@ -123,6 +123,7 @@ class LensErrors(NamedTuple):
     k2: float = 0.0
     p1: float = 0.0
     p2: float = 0.0
+    aspect: float = 0.0  # of fy alone, a part of it; no project states it
 
 
 def image_of(plan: Plan, wrong: LensErrors, ray: Array) -> Array:
@@ -140,7 +141,9 @@ def image_of(plan: Plan, wrong: LensErrors, ray: Array) -> Array:
         x = a * grow + 2.0 * wrong.p1 * a * b + wrong.p2 * (r2 + 2.0 * a * a)
         y = b * grow + wrong.p1 * (r2 + 2.0 * b * b) + 2.0 * wrong.p2 * a * b
     focal = plan.focal_px * (1.0 + wrong.focal_rel)
-    return focal * np.stack([x, y], axis=-1) + MIDDLE + [wrong.u_px, wrong.v_px]
+    return (
+        focal * np.stack([x, y * (1.0 + wrong.aspect)], axis=-1) + MIDDLE + [wrong.u_px, wrong.v_px]
+    )
 
 
 def ray_of(plan: Plan, pixel: Array) -> Array:
@@ -189,6 +192,8 @@ class Errors(NamedTuple):
     fix_m: tuple[Triple, ...] = ()  # east, north, up, of every position of the track by itself
     bias_m: Triple = (0.0, 0.0, 0.0)  # of a whole track, or of the place of a camera that stands
     clock_s: float = 0.0  # one a flight, as all that follow but for the velocity
+    clock_rate_ppm: float = 0.0  # about the middle of the flight
+    readout_ms: float = 0.0
     lens: LensErrors = LensErrors()
     refraction: float = 0.0  # of the coefficient, as a part of it
     velocity_m_s: float = 0.0  # north, east, down, of every row of the track by itself
@@ -235,7 +240,8 @@ class Truth(NamedTuple):
     angles_deg: Array  # (F, 9) yaw, pitch, roll of camera and vehicle, alpha, beta, eta or NaN
     place_m: Array  # (F, 3) Earth-centred, of the camera
     group: Array  # (F,) class of the frame's fix, or of its landmarks if they are its own
-    wrong: tuple[int, ...] = ()  # of a blunder: its frame, and the landmarks of its picks
+    wrong: tuple[int, ...]  # of a blunder: its frame, and the landmarks of its picks
+    value: dict[str, float]  # of parameters, by the names and in the units of vopd adjust
 
 
 # A flight
@@ -306,16 +312,18 @@ def write_flight(
     """
     e = plan.errors
     path = Flown(plan, rng)
-    lens = LensErrors(*rng.normal(0.0, e.lens))
+    more = rng.spawn(1)[0]  # for errors that few plans have: the others' flights stay as they are
+    lens = LensErrors(*rng.normal(0.0, e.lens[:-1]), more.normal(0.0, e.lens.aspect))
+    slow, readout_s = 1e-6 * more.normal(0.0, e.clock_rate_ppm), plan.readout_ms / 1000.0
+    readout_s += more.normal(0.0, e.readout_ms) / 1000.0
     air = plan.refraction * (1.0 + rng.normal(0.0, e.refraction))
-    late_s = rng.normal(0.0, e.clock_s)
+    clock_s = rng.normal(0.0, e.clock_s)
+    late_s = clock_s - slow * (plan.frames - 1) / plan.frame_hz / 2.0
     time_s = np.arange(plan.frames) / plan.frame_hz
     angles = path.attitude_deg(time_s)
     angles += rng.uniform(-1.0, 1.0, angles.shape) * plan.jitter_deg
     marks_m, which, mark_m, mark_group = _landmarks(plan, rng, path, angles, time_s + late_s)
-    right = Drawn(
-        plan, path, angles, marks_m, which, lens, air, late_s, plan.readout_ms / 1000.0
-    )  # fmt: skip
+    right = Drawn(plan, path, angles, marks_m, which, lens, air, late_s, readout_s, slow)
     wrong: tuple[int, ...] = ()
     if mistake in BLUNDERS:
         slots = rng.choice(which.shape[1], 2, replace=False).tolist()
@@ -336,7 +344,8 @@ def write_flight(
         np.repeat(np.arange(plan.frames), which.shape[1]), label[which].ravel(),
         *pixel.reshape(-1, 2).T,
     ]))  # fmt: skip
-    stated_m = marks_m + _enu(rng.normal(size=marks_m.shape) * mark_m[:, None], marks_m)
+    off_m = rng.normal(size=marks_m.shape) * mark_m[:, None]
+    stated_m = marks_m + _enu(off_m, marks_m)
     by_row = len(e.landmark_m) > 1
     columns = [np.arange(len(marks_m)), *_degrees(stated_m), *([plan.stated * mark_m] * by_row)]
     _table(folder / "landmarks.csv", "landmark,lat_deg,lon_deg,h_m" + ",sigma_m" * by_row,
@@ -361,7 +370,24 @@ def write_flight(
     attack = np.full_like(angles, np.nan) if plan.stands else attack_deg(angles, velocity)
     group = mark_group if plan.own and by_row else fix_group
     wrong = (wrong[0], *which[wrong[0], slots].tolist()) if wrong else ()
-    return Truth(np.hstack([angles, angles, attack]), drawn.place_m, group, wrong)
+    value = _values(drawn, clock_s, -bias_m, -off_m)
+    return Truth(np.hstack([angles, angles, attack]), drawn.place_m, group, wrong, value)
+
+
+def _values(drawn: Drawn, clock_s: float, bias_m: Array, marks_m: Array) -> dict[str, float]:
+    """Name the true values of what `vopd adjust` solves for, in its units."""
+    plan, lens = drawn.plan, drawn.lens
+    value = {
+        "focal": plan.focal_px * (1.0 + lens.focal_rel), "aspect": 1.0 + lens.aspect,
+        "centre_u": float(MIDDLE[0]) + lens.u_px, "centre_v": float(MIDDLE[1]) + lens.v_px,
+        "k1": plan.distortion[0] + lens.k1, "k2": plan.distortion[1] + lens.k2,
+        "p1": lens.p1, "p2": lens.p2, "clock": clock_s, "clock-rate": 1e6 * drawn.slow,
+        "readout": 1e3 * drawn.readout_s,
+    }  # fmt: skip
+    for axis, name in enumerate(("east", "north", "up")):
+        value[f"track-offset {name}"] = float(bias_m[axis])
+        value |= {f"landmark:m{k} {name}": float(m) for k, m in enumerate(marks_m[:, axis])}
+    return value
 
 
 class Flown:
@@ -651,6 +677,8 @@ def _project(plan: Plan, where: str) -> str:
         "k1": (lens.k1,),
         "k2": (lens.k2,),
         "p1p2": (lens.p1, lens.p2),
+        "clock_rate_ppm": (e.clock_rate_ppm,),
+        "readout_ms": (e.readout_ms,),
     }
     lines.append("[uncertainty]")
     lines += [f"{key} = {sigma(*values)}" for key, values in stated.items() if any(values)]

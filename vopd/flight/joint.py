@@ -27,6 +27,7 @@ PASSES = 60
 DONE = 1e-16  # square of a step that ends the solve, in standard deviations of all unknowns
 SMALL = 1e-9  # square of a step whose change of the cost is rounding; one that does not shrink ends
 NEAR = 1.0  # square of a step from where on Newton's are tried
+NEARER = 0.1  # of that, where they have led away
 LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e10
 
 
@@ -141,8 +142,11 @@ def solve_jointly(
     state = model.start(known)
     if start is not None:
         state = start._replace(rotation=np.where(solved[:, None, None], start.rotation, known))
+    begin = Normal(model, state)
+    if start is not None and not np.isfinite(begin.cost):  # a pick that was left out has no image
+        begin = Normal(model, model.start(known))
     try:
-        normal, turn, passes = _descend(model, state)
+        normal, turn, passes = _descend(begin)
     except np.linalg.LinAlgError as error:
         raise no_solution(flight) from error
     weight = np.zeros_like(weight)
@@ -210,16 +214,17 @@ def widened(flight: Flight, priors: Priors) -> Flight:
     return replace(flight, picks=replace(picks, sigma_px=wider))
 
 
-def _descend(model: Model, state: State) -> tuple[Normal, Floats, int]:
+def _descend(normal: Normal) -> tuple[Normal, Floats, int]:
     """Descend to the least cost: the equations there, last turns, and passes.
 
     Reweighting alone never raises the cost of a robust loss, and closes in slowly; Newton's
     steps begin where its own have become small. Only frames that a step makes worse are damped:
     a blunder in one would hold back all.
     """
+    model = normal.model
     robust = model.loss is not LOSSES["least-squares"]
     own, common, before, newton = np.zeros(model.frames), 0.0, np.inf, False
-    normal, turn = Normal(model, state), np.zeros((model.frames, 3))
+    turn, near = np.zeros((model.frames, 3)), NEAR
     passes = 0
     while passes < PASSES:
         passes += 1
@@ -241,14 +246,15 @@ def _descend(model: Model, state: State) -> tuple[Normal, Floats, int]:
                 common = common / 10.0 if common > LEAST_DAMPING else 0.0
                 if settled and not own.any() and common == 0.0:
                     break
-                if robust and not newton and size < NEAR:
+                if robust and not newton and size < near:
                     normal, newton = Normal(model, tried, True, damping=own), True
                 continue
-        if model.priors.fixes is None or (worse & (own > 1.0)).any():
+        if model.priors.fixes is None or not worse.any() or (worse & (own > 1.0)).any():
             common = max(10.0 * common, LEAST_DAMPING)
         own = np.where(worse, np.maximum(10.0 * own, LEAST_DAMPING), own)
         if newton and max(common, own.max()) > 1.0:
             newton, own, common, before = False, np.zeros_like(own), 0.0, np.inf
+            near *= NEARER
         if common > MOST_DAMPING:
             break
         normal = Normal(model, normal.state, newton, damping=own)
