@@ -13,7 +13,7 @@ from typing import overload
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.findings import Finding
+from vopd.findings import Finding, VopdError
 from vopd.landmark_layout import LandmarkLayout
 from vopd.records import ByLandmark, FrameRecord, Record, Rows
 
@@ -198,3 +198,22 @@ class Deck(Sequence[Job]):
     def __getitem__(self, index: slice) -> Sequence[Job]: ...
     def __getitem__(self, index: int | slice) -> Job | Sequence[Job]:
         return self.jobs[index]
+
+    def chosen(self, number: int | None) -> Job:
+        """Take one job.
+
+        Args:
+            number: from 1; None: the only one
+
+        Raises:
+            VopdError: where there is none, or several and no number
+        """
+        if not self.jobs:
+            raise VopdError(
+                f"{self.name}: the deck has no job; `vopd check {self.name}` explains its cards"
+            )
+        if number is None and len(self) > 1:
+            raise VopdError(f"{self.name}: {len(self)} jobs; choose one with --job")
+        if number is not None and number > len(self):
+            raise VopdError(f"{self.name}: there is no job {number}; the deck has {len(self)}")
+        return self.jobs[(number or 1) - 1]

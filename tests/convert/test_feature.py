@@ -21,7 +21,6 @@ from vopd.convert.feature import (
     coordinates_of,
     deck_with_landmark,
     locate_feature,
-    only_job,
     place_m,
     with_coordinates,
 )
@@ -246,11 +245,6 @@ def test_what_cannot_be_located_says_what_to_do() -> None:
             locate_feature(wrong, number, ALL, "film.dat")
         with refused(VopdError):
             search_feature(wrong, number, ALL, "film.dat")
-
-
-def test_a_deck_of_several_jobs_is_refused() -> None:
-    with refused(VopdError):
-        only_job(vopd.read_deck(DECKS / "appendix_h" / "cases_1_2_3.dat"))
 
 
 def test_one_frame_holds_a_landmark_across_its_line_of_sight_alone() -> None:

@@ -86,6 +86,7 @@ SHOWN = 0.3  # correlation in a text: the other formats have all
     help="Of a deck: standard deviation of the landmark's coordinates in group 9, along each "
     "axis.  [default: none]",
 )
+@click.option("--job", type=click.IntRange(min=1), metavar="N", help="Which job of a deck.")
 @fix_options
 @quiet_option
 @click.pass_context
@@ -99,6 +100,7 @@ def command(
     output: str | None,
     trials: bool,
     landmark_sigma: float | None,
+    job: int | None,
     fixes: Fixes,
     quiet: bool,
 ) -> None:
@@ -122,6 +124,7 @@ def command(
     Of a deck one landmark of group 9 is located, by --free landmark:NUMBER: by least
     squares of all readings, or with --trials by the report's stacked jobs of trial
     latitudes, longitudes and altitudes. All else that the cards state is exact.
+    Of several stacked jobs --job chooses one, and -o writes a deck of it alone.
 
     A parameter starts from the standard deviation that the project states, as
     [uncertainty] focal_rel; without one it is known by the picks alone.
@@ -151,13 +154,13 @@ def command(
     if free and not names:
         raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
     deck = not is_flight(source)
-    _check_options(deck, test, trials, landmark_sigma, fixes)
+    _check_options(deck, test, trials, landmark_sigma, fixes, job)
     if trials:
-        ctx.exit(searched_deck(source, names, fixes, output, form, quiet))
+        ctx.exit(searched_deck(source, job, names, fixes, output, form, quiet))
     if deck:
         if not names and not test:
             raise click.UsageError("name the landmark to be located: --free landmark:NUMBER.")
-        made = adjusted_deck(source, names, fixes, landmark_sigma, output, quiet)
+        made = adjusted_deck(source, job, names, fixes, landmark_sigma, output, quiet)
     else:
         if output is not None:
             refuse_existing(Path(output), [NAME, COVARIANCE])
@@ -180,10 +183,13 @@ def command(
     ctx.exit(0 if converged.all() and not made.result.misfits else 3)
 
 
-def _check_options(deck: bool, test: bool, trials: bool, sigma: float | None, fixes: Fixes) -> None:
+def _check_options(
+    deck: bool, test: bool, trials: bool, sigma: float | None, fixes: Fixes, job: int | None
+) -> None:
     """Refuse options that a flight does not have, and those that do not go together."""
-    given = {"--trials": trials, "--landmark-sigma": sigma is not None}
-    for name in () if deck else (one for one, there in {**given, "--fix": fixes}.items() if there):
+    given: dict[str, object] = {"--trials": trials, "--landmark-sigma": sigma is not None}
+    given |= {"--job": job is not None, "--fix": fixes}
+    for name in () if deck else (one for one, there in given.items() if there):
         why = {
             "--trials": "trials are a search of decks; --free solves for all that is free at once",
             "--landmark-sigma": "state sigma_m in [landmarks] or in the landmark's row",

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING
 
@@ -68,21 +69,24 @@ def landmark_number(names: Sequence[str]) -> int:
 
 
 def adjusted_deck(
-    source: str, names: Sequence[str], fixes: Fixes, sigma_ft: float | None, output: str | None,
-    quiet: bool,
+    source: str, job_number: int | None, names: Sequence[str], fixes: Fixes,
+    sigma_ft: float | None, output: str | None, quiet: bool,
 ) -> Adjustment:  # fmt: skip
     """Locate a landmark by all frames; write the deck with it in group 9.
 
     Args:
         source: the deck
+        job_number: which of its jobs, from 1; None: the only one
         names: what is free; none: the deck is solved as it is, to be tested
         fixes: errata that are corrected, which choose the Earth
         sigma_ft: prior standard deviation of the landmark; None: none
         output: the deck to write; None: none
         quiet: whether notes are left out
     """
+    from vopd.cards.write import write_deck
     from vopd.convert.deck_to_flight import deck_flight
-    from vopd.convert.feature import deck_with_landmark, locate_feature, only_job
+    from vopd.convert.feature import deck_with_landmark, locate_feature
+    from vopd.convert.feature_trials import END
     from vopd.flight.adjust import adjust
     from vopd.pipeline import read_deck
 
@@ -93,14 +97,16 @@ def adjusted_deck(
         raise click.UsageError("-o: name the file of the deck, of which one card is changed.")
     refuse_to_overwrite((source,), output)
     deck = read_deck(source)
-    job = only_job(deck)
+    job = deck.chosen(job_number)
     if not names:
         return adjust(deck_flight(job, fixes, source), [])
     found = locate_feature(job, number, fixes, source, sigma_ft)
     if output is not None:
-        with open(source, "rb") as file:  # noqa: PTH123
-            content = file.read()
-        written = deck_with_landmark(content, source, found.job, number)
+        if len(deck) > 1:  # a job whose cards are partly those of the ones before it
+            written = write_deck([replace(found.job, return_group=END)]).encode("ascii")
+        else:
+            with open(source, "rb") as file:  # noqa: PTH123
+                written = deck_with_landmark(file.read(), source, found.job, number)
         with whole_file(output) as target:
             target.write(written)
     for note in () if quiet else found.notes:
@@ -109,12 +115,14 @@ def adjusted_deck(
 
 
 def searched_deck(
-    source: str, names: Sequence[str], fixes: Fixes, output: str | None, form: str, quiet: bool
-) -> int:
+    source: str, job_number: int | None, names: Sequence[str], fixes: Fixes, output: str | None,
+    form: str, quiet: bool,
+) -> int:  # fmt: skip
     """Locate a landmark by stacked trials, print the table of the search, and write the stack.
 
     Args:
         source: the deck
+        job_number: which of its jobs, from 1; None: the only one
         names: what is free
         fixes: errata that are corrected in all jobs
         output: the stacked deck to write; None: none
@@ -125,13 +133,12 @@ def searched_deck(
         The exit status.
     """
     from vopd.cards.write import write_deck
-    from vopd.convert.feature import only_job
     from vopd.convert.feature_trials import search_feature
     from vopd.pipeline import read_deck
 
     number = landmark_number(names)
     refuse_to_overwrite((source,), output)
-    job = only_job(read_deck(source))
+    job = read_deck(source).chosen(job_number)
     progress, run = Progress("jobs"), [0]
 
     def count(jobs: int) -> None:

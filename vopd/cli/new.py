@@ -83,20 +83,13 @@ def _of_deck(name: str, number: int | None) -> NewProject:
     from vopd.convert.deck_to_flight import deck_project
     from vopd.pipeline import read_deck
 
-    jobs = read_deck(name)
-    if not jobs:
-        raise VopdError(f"{name}: the deck has no job; `vopd check {name}` explains its cards")
-    if number is None and len(jobs) > 1:
-        raise VopdError(f"{name}: {len(jobs)} jobs; choose one with --job")
-    if number is not None and number > len(jobs):
-        raise VopdError(f"{name}: there is no job {number}; the deck has {len(jobs)}")
-    chosen = (number or 1) - 1
+    job = read_deck(name).chosen(number)
     try:
-        new = deck_project(jobs[chosen])
+        new = deck_project(job)
     except VopdError as error:
-        raise VopdError(f"{name}, job {chosen + 1}: {error}") from error
-    frames = len(jobs[chosen].readings.frame)
-    new.said.insert(0, f"{name}, job {chosen + 1}: {count_text(frames, 'frame')} on cards")
+        raise VopdError(f"{name}, job {number or 1}: {error}") from error
+    frames = count_text(len(job.readings.frame), "frame")
+    new.said.insert(0, f"{name}, job {number or 1}: {frames} on cards")
     return new
 
 

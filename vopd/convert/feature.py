@@ -19,9 +19,9 @@ from vopd.cards.numbers import rounded_to_fit, write_number
 from vopd.cards.read import read_jobs
 from vopd.convert.deck_to_flight import M_PER_FT, deck_flight, landmark_positions_m
 from vopd.errata import Fixes
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, Parameter, adjust
-from vopd.job import Deck, Job, Landmarks
+from vopd.job import Job, Landmarks
 from vopd.program.ignored import kept
 
 # The card of a landmark. Coordinates are latitude and longitude, degrees, and altitude, feet.
@@ -30,24 +30,6 @@ NAMES = ("latitude", "longitude", "altitude")
 UNITS = ("deg", "deg", "ft")
 GROUP_9, FORMAT_9, NUMBER_COLUMNS, LAST_COLUMN = 9, 83, 10, 60
 MINUTE_DECIMALS, FOOT_DECIMALS = 5, 1  # .00001 minute is .06 ft; ten columns hold both
-
-
-def only_job(deck: Deck) -> Job:
-    """Take the job of a deck that has one.
-
-    Args:
-        deck: the deck
-
-    Raises:
-        VopdError: where it has none, or several
-    """
-    if len(deck) != 1:
-        raise VopdError(
-            f"{deck.name}: {count_text(len(deck), 'job')}; a landmark is located in a deck of one "
-            "job: end the deck behind the first one's basic data, with return group 13 in its "
-            "group 12, or make another one a project by vopd new --deck --job"
-        )
-    return deck[0]
 
 
 def check_feature(job: Job, number: int, name: str) -> None:
@@ -300,6 +282,8 @@ def locate_feature(
     sigma_m[at] = (UNKNOWN_FT if sigma_ft is None else sigma_ft) * M_PER_FT
     flight = replace(flight, landmarks=replace(flight.landmarks, sigma_m=sigma_m))
     solved = adjust(flight, [f"landmark:{number}"])
+    doubts = solved.result.findings  # lines of sight are spoken of in feet, by the notes
+    doubts = tuple(one for one in doubts if not one.message.startswith(f"free landmark:{number}:"))
     axes, stated = flight.landmarks.axes[at], flight.landmarks.position_m[at]
     moved_m = np.array([one.after - one.before for one in solved.parameters])
     before = coordinates_of(job, number)
@@ -336,7 +320,9 @@ def locate_feature(
         number=number,
         frames=telling,
         job=moved,
-        adjustment=Adjustment(solved.result, tuple(parameters), covariance),
+        adjustment=Adjustment(
+            replace(solved.result, findings=doubts), tuple(parameters), covariance
+        ),
         sigma_ft=along_ft,
         rounded_ft=rounded_ft,
         notes=tuple(_notes(number, along_ft, sighted, held, rounded_ft)),

@@ -103,7 +103,7 @@ def search_feature(
     """Search the coordinates of a landmark by trials, from those of its card.
 
     Args:
-        job: the deck's only job
+        job: of the deck
         number: of the landmark
         fixes: errata that are corrected in all jobs
         name: of the deck, for messages
