@@ -126,9 +126,9 @@ def _refused(flight: Flight, name: str) -> str:
         return _refused_landmark(flight, name)
     if name == "mount":
         return (
-            "no pick depends on how the camera is mounted, which turns the vehicle's angles and not "
-            "the camera's: measure it, state it in [vehicle] mount, and its error by --mount-sigma "
-            "of vopd attitude"
+            "no pick depends on how the camera is mounted, which turns the vehicle's angles and "
+            "not the camera's: measure it, state it in [vehicle] mount, and its error by "
+            "--mount-sigma of vopd attitude"
         )
     if name not in FREE:
         known = (*FREE, LANDMARKS, f"{LANDMARK}NAME")
