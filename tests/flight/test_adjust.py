@@ -184,6 +184,15 @@ def test_a_clock_beyond_the_track_is_said() -> None:
         assert_approved(text)
 
 
+def test_what_an_error_spoils_that_is_not_free_is_said() -> None:
+    """The picks hold the focal length beside a known k1, and beside a k1 that is free."""
+    stated = {"focal": 4.0, "k1": 0.2}
+    flight = drawn(7, (), stated, frames=40)
+    (text,) = said(adjust(flight, ["focal"]))
+    assert_approved(text)
+    assert not said(adjust(flight, ["focal", "k1"]))
+
+
 def test_a_landmark_on_one_line_of_sight_is_said() -> None:
     """Seen in one frame, with 100 m that nobody knows; the others are held by their .3 m."""
     flight = drawn(5, (), {}, mark_m=0.3)

@@ -192,6 +192,7 @@ class NotHeld(NamedTuple):
     name: str  # of `vopd.flight.equations`
     sigma: float  # standard deviation that it would have after the solve
     trades_with: tuple[str, ...]  # what would make the same images
+    spoiled_by: str = ""  # what is stated and not solved for, if it were held without its error
 
 
 @dataclass(frozen=True, eq=False)

@@ -386,9 +386,17 @@ def _not_held_text(flight: Flight, lost: NotHeld) -> str:
     if not lost.trades_with:
         why = "what is left of it moves an angle by more than its half-width"
         if np.isfinite(prior):
-            part = lost.sigma / prior
+            part = min(lost.sigma / prior, 1.0)
             why = f"the picks leave {part:.2f} of its stated standard deviation"
     value = f"{stated_value(flight, lost.name):.7g} {UNIT.get(lost.name, '')}".rstrip()
+    if lost.spoiled_by:
+        by = next((n for n, one in FREE.items() if lost.spoiled_by in one.parameters), "")
+        advice = f"Free {by} as well" if by else f"A better {lost.spoiled_by} would hold it"
+        return (
+            f"free {shown_name(lost.name)}: the picks hold it, but not beside the error of "
+            f"{shown_name(lost.spoiled_by)}, which is stated and not solved for, and it stays "
+            f"{value}. {advice}"
+        )
     key = next(one.sigma for one in FREE.values() if lost.name in one.parameters)
     rather = f": state {key} instead" if key and not np.isfinite(prior) else ""
     return (

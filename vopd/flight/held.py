@@ -9,10 +9,17 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.findings import Finding, VopdError, count_text, frames_text
 from vopd.flight.equations import LEAST_SIGMA_M, Model, Priors, with_parameters
-from vopd.flight.errors import covariance_of_common, priors_of
+from vopd.flight.errors import covariance_of_common, priors_of, stated_changes_by_name
 from vopd.flight.flight import Flight, NotHeld, TrackFixes
 from vopd.flight.free import LANDMARK, free_landmarks, free_parameters, joined, shown_name
-from vopd.flight.joint import Covariance, JointSolution, marginals, no_solution, solve_jointly
+from vopd.flight.joint import (
+    Covariance,
+    JointSolution,
+    marginals,
+    no_solution,
+    propagated,
+    solve_jointly,
+)
 from vopd.flight.normal import Factored, Normal
 from vopd.flight.solve import LOSSES, FlightBlocks, SolvedFlight
 from vopd.geometry.earth import axes_at, geodetic
@@ -139,6 +146,8 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
     if joint is None or not free:
         return None
     model, sigma = joint.model, np.sqrt(np.diag(joint.factored.common))
+    stated, change = stated_changes_by_name(joint)
+    by_stated = np.abs(propagated(joint, change)[1])
     left = np.sqrt(np.diag(covariance_of_common(joint)))
     turn, _, _, by_common = marginals(joint.factored)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -157,7 +166,10 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
             trades = _trades(model, with_angles[:, k], between[k], k)
             if not trades and not np.isfinite(model.sigma[k]):
                 trades = (ANGLES[int(with_angles[:, k].argmax())],)
-            worst, found = excess, NotHeld(name, float(left[k]), trades)
+            spoiled_by = ""
+            if np.isfinite(model.sigma[k]) and sigma[k] <= MOST_LEFT * model.sigma[k]:
+                spoiled_by = list(stated)[int(by_stated[k].argmax())]
+            worst, found = excess, NotHeld(name, float(left[k]), trades, spoiled_by)
     return found
 
 
