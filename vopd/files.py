@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import Any, BinaryIO, NoReturn, Protocol
 
 from vopd.findings import VopdError
+from vopd.inputs import TOO_DEEP
 
 # -------------------------------------------------------------------------------------------------
 # Write output at once to a pipe, but to a file only as a whole.
@@ -247,6 +248,7 @@ CONVERSIONS = (
     (r"could not convert string to float: (.*)", r"\1 is not a number"),
     (r"invalid literal for int\(\) with base 10: (.*)", r"\1 is not a whole number"),
     (r".*integer string conversion.*", "a whole number has thousands of digits"),
+    (r".*Excessive depth in document.*", "elements stand in each other by the hundreds"),
     (r"field larger than field limit \((\d+)\)", r"a cell has more than \1 characters"),
     (r"too many values to unpack.*", "more values stand together than belong there"),
     (r"not enough values to unpack.*", "fewer values stand together than belong there"),
@@ -272,7 +274,7 @@ def reason(error: BaseException) -> str:
         error: what it raised
     """
     if isinstance(error, RecursionError | MemoryError):
-        return "lists or tables stand in each other by the hundreds"
+        return TOO_DEEP
     if isinstance(error, OverflowError):
         return "a number is too large"
     if isinstance(error, ZeroDivisionError):

@@ -66,7 +66,7 @@ class Finding:
         group = "" if self.group is None else group_text(self.group)
         field = (self.field + columns).strip()
         where = ", ".join(part for part in (card, job, group, field) if part)
-        return ": ".join(part for part in (self.source, where, self.message) if part)
+        return shortened(": ".join(part for part in (self.source, where, self.message) if part))
 
     def _ruler(self) -> list[str]:
         if self.image is None or self.columns is None:
@@ -124,8 +124,20 @@ Report = Callable[[Finding], None]
 """A function that is given a finding and keeps it, prints it or raises it."""
 
 
+LONGEST_MESSAGE = 3_000  # characters: of a longer one the middle is left out
+
+
+def shortened(text: str) -> str:
+    """Leave out the middle of a text that nobody reads: names and cells may have megabytes."""
+    half = LONGEST_MESSAGE // 2
+    return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"
+
+
 class VopdError(Exception):
     """The base class of errors that a user can correct; its text is the message for the user."""
+
+    def __str__(self) -> str:
+        return shortened(super().__str__())
 
 
 class InputError(VopdError):

@@ -200,7 +200,8 @@ def same_name(place: Path) -> list[Any]:
     for name in ("a", "b"):
         (place / name).mkdir()
         shutil.copy(CASE_1, place / name / "deck.dat")
-    return [place / "a" / "deck.dat", place / "b" / "deck.dat", "-d", place / "out"]
+    shutil.copy(CASE_1, place / "a" / "deck.cards")
+    return [place / "a" / "deck.dat", place / "a" / "deck.cards", "-d", place / "out"]
 
 
 def name_of_the_summary(place: Path) -> list[Any]:

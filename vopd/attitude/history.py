@@ -24,6 +24,10 @@ from vopd.records import Rows, alike_together
 if TYPE_CHECKING:
     from vopd.attitude.mean import MeanAttitude
 
+ROUNDING_RAD = 1e-10
+"""Corrections below this one, 2e-5 arc seconds, are rounding, which differs from one processor to
+another; a frame has converged at 1e-6."""
+
 SumErrors = Callable[[Floats], Mapping[str, Floats]]
 """Covariances, by component, of k sums over the frames of a job, radians squared, (k, k).
 
@@ -156,8 +160,12 @@ class History(Rows):
 
     @property
     def last_correction_rad(self) -> Floats:
-        """Find the largest of the last corrections (F,); NaN where there was none."""
+        """Find the largest of the last corrections (F,); NaN where there was none.
+
+        Below `ROUNDING_RAD` it is 0: what is left there is the rounding of the processor.
+        """
         largest = np.abs(self.estimate.correction_rad).max(axis=1)
+        largest = np.where(largest < ROUNDING_RAD, 0.0, largest)
         return np.asarray(np.where(self.estimate.solved, largest, np.nan))
 
     @property

@@ -34,6 +34,7 @@ from vopd.export import FORMATS, FileRequest, own_epoch
 from vopd.files import OutputError
 from vopd.findings import Finding, VopdError
 from vopd.flight.result import FlightResult
+from vopd.inputs import no_file
 from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
 from vopd.results import SolvedJob
@@ -61,6 +62,9 @@ def solve_chunk(
     """
     digests = [input_sha256(locations.get(one.path, one.path)) for one in sources]
     try:
+        for one in sources:
+            if kind := no_file(locations.get(one.path, one.path)):
+                raise VopdError(kind)
         return _solve(sources, digests, settings, locations)
     except OutputError:
         raise

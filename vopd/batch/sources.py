@@ -6,7 +6,7 @@ import glob
 import hashlib
 import json
 import os
-import tomllib
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from vopd.attitude.history import HistoryOptions
 from vopd.export import FORMATS
 from vopd.findings import VopdError
+from vopd.inputs import no_file, parse_toml, read_limited
 from vopd.pipeline import SolveOptions, is_flight
 
 IN_FOLDERS = (".dat", ".deck", ".cards", ".toml")
@@ -42,7 +43,8 @@ def find_sources(
 
     A source of a folder is named by its path in that folder, one of a pattern by its path
     below the folders that the pattern names in full, one of a manifest by its path as it
-    stands there, and a file that is given by its own name.
+    stands there, and a file that is given by its own name; of several given of one name
+    each by its path below the folder that they are all in.
 
     Args:
         given: files, folders, or patterns with `*`, `?`, `[]` or `**`
@@ -69,8 +71,12 @@ def find_sources(
 
 def _all_of(given: Sequence[str], manifest: str | None) -> Iterator[tuple[str, str]]:
     """List path and name of every file, the name still with its suffix."""
+    names = Counter(PurePath(one).stem for one in given if os.path.isfile(one))  # noqa: PTH113
+    alike = [os.path.abspath(one) for one in given if names[PurePath(one).stem] > 1]  # noqa: PTH100
     for one in given:
-        yield from _matching(one, PurePath(one).name)
+        path = os.path.abspath(one)  # noqa: PTH100
+        name = os.path.relpath(path, os.path.commonpath(alike)) if path in alike else ""
+        yield from _matching(one, name if name not in ("", ".") else PurePath(one).name)
     if manifest is None:
         return
     home, entries = os.path.dirname(manifest), _entries(manifest)  # noqa: PTH120
@@ -85,16 +91,28 @@ def _all_of(given: Sequence[str], manifest: str | None) -> Iterator[tuple[str, s
 
 def _entries(manifest: str) -> list[str]:
     try:
-        lines = Path(manifest).read_text(encoding="utf-8-sig").splitlines()
+        if kind := no_file(manifest, pipes=True):
+            raise VopdError(f"{manifest}: {kind}")
+        with open(manifest, "rb") as file:  # noqa: PTH123
+            lines = read_limited(file).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise VopdError(f"{manifest}: not a text file in UTF-8, at byte {error.start}") from error
     except OSError as error:
         raise VopdError(f"{manifest}: {error.strerror}") from error
+    except ValueError as error:
+        raise VopdError(f"{manifest}: {error}") from error
+    for number, line in enumerate(lines, 1):
+        if "\0" in line or len(line) > LONGEST_NAME:
+            what = "a null character" if "\0" in line else f"more than {LONGEST_NAME} characters"
+            raise VopdError(f"{manifest}: line {number}: the name of a source has {what}")
     entries = [line.strip() for line in lines]
     entries = [line for line in entries if line and not line.startswith("#")]
     if not entries:
         raise VopdError(f"{manifest}: the manifest is empty: write one source on each line")
     return entries
+
+
+LONGEST_NAME = 4096  # characters: no system has files of longer names
 
 
 def _matching(one: str, name: str) -> Iterator[tuple[str, str]]:
@@ -174,6 +192,8 @@ def check_names(sources: Sequence[BatchSource], suffixes: Sequence[str]) -> None
     taken: dict[str, str] = dict.fromkeys(OWN_FILES, "the batch itself")
     for source in sources:
         for suffix in suffixes:
+            if suffix == LISTING and source.flight:
+                continue
             output = source.name + suffix
             key = os.path.normcase(output)
             if key in taken:
@@ -196,15 +216,18 @@ def input_sha256(path: str) -> str:
     Returns:
         The hash as hexadecimal digits; empty where the file cannot be read.
     """
+    if no_file(path):
+        return ""
+    if not is_flight(path):
+        return file_sha256(Path(path))
     try:
         content = Path(path).read_bytes()
     except OSError:
         return ""
     digest = hashlib.sha256(content)
-    if is_flight(path):
-        for name, file in named_files(content, Path(path).parent):
-            digest.update(f"\0{name}\0".encode("utf-8", "surrogateescape"))
-            digest.update(file_sha256(file).encode())
+    for name, file in named_files(content, Path(path).parent):
+        digest.update(f"\0{name}\0".encode("utf-8", "surrogateescape"))
+        digest.update(file_sha256(file).encode())
     return digest.hexdigest()
 
 
@@ -225,7 +248,7 @@ def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
         folder: the project's
     """
     try:
-        keys = tomllib.loads(project.decode("utf-8-sig"))
+        keys = parse_toml(project)
     except (ValueError, RecursionError):  # solving it says what is wrong
         return
     for text in sorted(set(_texts(keys))):

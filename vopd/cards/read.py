@@ -15,6 +15,7 @@ from vopd.cards.deck import COLUMNS, CardBlock, CardDeck, refuse_other_file
 from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, FormatItem, format_items
 from vopd.cards.numbers import FEW, FieldValues, read_few, read_field
 from vopd.findings import Finding, InputError, Report, VopdError, count_text, strict
+from vopd.inputs import no_file
 from vopd.job import (
     Camera,
     Clock,
@@ -561,6 +562,8 @@ def open_deck(path: str | Path) -> Iterator[BinaryIO]:
     if str(path) == "-":
         yield sys.stdin.buffer  # not ours to close
         return
+    if kind := no_file(path, pipes=True):
+        raise VopdError(f"{path}: {kind}")
     try:
         file = open(path, "rb")  # noqa: PTH123, SIM115 (closed below; only opening may fail so)
     except OSError as error:

@@ -7,6 +7,7 @@ import stat
 from pathlib import Path
 
 from vopd.files import OutputError, file_status, is_plain
+from vopd.inputs import MOST_SETTINGS, no_file, read_limited
 
 
 def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
@@ -42,7 +43,10 @@ def _files_of_project(path: str) -> list[str]:
     from vopd.batch.sources import named_files
 
     try:
-        content = Path(path).read_bytes()
+        if no_file(path):
+            return []
+        with open(path, "rb") as file:  # noqa: PTH123
+            content = read_limited(file, MOST_SETTINGS)
     except (OSError, ValueError):  # reading it says why
         return []
     return [str(file) for _, file in named_files(content, Path(path).parent)]

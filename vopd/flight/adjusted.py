@@ -27,6 +27,7 @@ from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.free import LANDMARK, UNIT, shown_name, unit_factor
 from vopd.flight.project import Project, Section
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
+from vopd.inputs import parse_json
 
 # The file
 
@@ -38,7 +39,6 @@ FIELDS = (
 )  # fmt: skip
 MATRICES = ("covariance", "by_picks")
 MOST_NAMES = 3_000
-MOST_BYTES = 400_000_000
 ROUNDING = 1e-6  # of a correlation
 SAME_S = 1e-6  # between offsets of a clock
 SPEAKS_OF = (
@@ -165,13 +165,8 @@ def read_covariance(project: Project, same_files: bool = True) -> CovarianceFile
     section = project.section("uncertainty")
     if not section.has("covariance"):
         return None
-    path = project.folder / section.text("covariance")
-    if path.is_file() and path.stat().st_size > MOST_BYTES:
-        raise section.error(
-            "covariance", f"{path.name} has more than {MOST_BYTES // 1_000_000} MB: it is not of "
-            f"{MOST_NAMES} parameters or fewer"
-        )  # fmt: skip
-    file, key = project.open("uncertainty", "covariance"), ("uncertainty", path.name)
+    file = project.open("uncertainty", "covariance")
+    key = "uncertainty", file.name
     if key not in project.held:
         project.held[key] = _checked(file, _fields(file))
     found: CovarianceFile = project.held[key]
@@ -209,7 +204,7 @@ def with_stated_offset(project: Project) -> Project:
 def _fields(file: InputFile) -> dict[str, Any]:
     """Read the JSON, with all fields."""
     try:
-        values = json.loads(file.text)
+        values = parse_json(file.text)
     except (ValueError, RecursionError) as error:
         raise file.error(f"not valid JSON: {reason(error)}{AGAIN}") from error
     if not isinstance(values, dict):

@@ -66,6 +66,8 @@ def earth_centred_positions(
         VopdError: where the CRS is not known or the transformation is not exact
     """
     name = crs_name(crs) if crs is not None else "EPSG:4326"
+    if len(name) > LONGEST_CRS:
+        raise VopdError(f"{where}: crs has more than {LONGEST_CRS} characters: write a code")
     if name in WGS84_NAMES:
         longitude, latitude, h = coordinate.T
         if (np.abs(latitude) > 90.0).any():
@@ -84,6 +86,8 @@ def earth_centred_positions(
         h = _ellipsoidal(longitude, latitude, h, height, where)
     return earth_centred_m(latitude, longitude, h)
 
+
+LONGEST_CRS = 20_000  # characters: a definition as WKT has some thousand
 
 MISSING = (
     "`height` is needed: what heights are counted from, "

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 from array import array
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -19,7 +21,16 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.files import reason
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
+from vopd.inputs import (
+    LONGEST_LINE,
+    MOST_BYTES,
+    MOST_COLUMNS,
+    no_file,
+    plain_digits,
+    plain_number,
+    too_many_bytes,
+)
 
 # Files of a project
 
@@ -52,7 +63,13 @@ class InputFile:
 
     @cached_property
     def text(self) -> str:
-        """All of its text; empty for a folder."""
+        """All of its text; empty for a folder.
+
+        Raises:
+            VopdError: where it is not text, or has more than `MOST_BYTES`
+        """
+        if self.given is None and self.path.stat().st_size > MOST_BYTES:
+            raise self.error(too_many_bytes())
         return "".join(self.chunks())
 
     @cached_property
@@ -63,6 +80,8 @@ class InputFile:
     def chunks(self) -> Iterator[str]:
         """Read its text, `TEXT_AT_ONCE` characters at a time and on to the end of the line.
 
+        The end of a line of more than `LONGEST_LINE` characters comes in the next piece.
+
         Raises:
             VopdError: where it is not text
         """
@@ -71,7 +90,9 @@ class InputFile:
         try:
             with self._open() as text:
                 while chunk := text.read(TEXT_AT_ONCE):
-                    yield chunk + text.readline()
+                    if "\0" in chunk:
+                        raise self.error("not a text file: it has null characters")
+                    yield chunk + text.readline(LONGEST_LINE)
         except UnicodeDecodeError as error:
             at = _first_wrong_byte(self.path, error)
             raise VopdError(f"{self.name}: not a text file in UTF-8, at byte {at}") from error
@@ -109,6 +130,8 @@ def open_input(name: str, folder: Path) -> InputFile:
     try:
         if not name.strip():
             raise VopdError("the name of a file is needed")
+        if kind := no_file(path):
+            raise VopdError(f"{name}: {kind}")
         file = InputFile(name, path)
         _ = file.head
         return file
@@ -120,10 +143,17 @@ def open_input(name: str, folder: Path) -> InputFile:
 
 def _first_wrong_byte(path: Path, error: UnicodeDecodeError) -> int:
     """Find the byte that is not UTF-8; the error counts from somewhere in the file."""
+    decoder, at = codecs.getincrementaldecoder(ENCODING)(), 0
     try:
-        path.read_bytes().decode(ENCODING)
+        with path.open("rb") as file:
+            while block := file.read(1 << 20):
+                kept = len(decoder.getstate()[0])
+                decoder.decode(block)
+                at += len(block)
+            kept = len(decoder.getstate()[0])
+            decoder.decode(b"", final=True)
     except UnicodeDecodeError as found:
-        return found.start
+        return at - kept + found.start
     return error.start
 
 
@@ -170,8 +200,15 @@ def shown(value: object) -> str:
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """Suggest a word for a mistyped one: `; did you mean x?`, or the words that are known."""
-    near = get_close_matches(word, known, 1, 0.6)
-    return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"
+    near = get_close_matches(word[:LONG_WORD], known[:MANY_WORDS], 1, 0.6)
+    more = f" and {len(known) - MANY_NAMED} more" if len(known) > MANY_NAMED else ""
+    several = ", ".join(known[:MANY_NAMED])
+    return f"; did you mean {near[0]}?" if near else f"; known are {several}{more}"
+
+
+MANY_NAMED = 40  # words that are listed
+MANY_WORDS = 2_000  # among which a like one is looked for: it takes 20 microseconds each
+LONG_WORD = 100  # characters
 
 
 # Tables with a header line: their columns
@@ -293,9 +330,10 @@ class CsvTable:
 
     def _numbers(self, name: str, row: int, texts: list[str], words: Mapping[str, float]) -> Floats:
         try:
-            found = np.array(texts, dtype=np.float64)
-            if np.isfinite(found).all():
-                return found
+            if plain_digits(texts):
+                found = np.array(texts, dtype=np.float64)
+                if np.isfinite(found).all():
+                    return found
         except ValueError:
             pass
         return np.array([self._number(name, k, text, words) for k, text in enumerate(texts, row)])
@@ -307,12 +345,12 @@ class CsvTable:
         if not text:
             raise self.error("the cell is empty", row, name)
         try:
-            value = float(text)
+            value = plain_number(text)
         except ValueError as error:
             hint = "; decimals take a point" if "," in text else hint
             raise self.error(f"{shown(text)} is not a number{hint}", row, name) from error
         if not np.isfinite(value):
-            raise self.error(f"{text} is not a finite number{hint}", row, name)
+            raise self.error(f"{text[:LONG_WORD]} is not a finite number{hint}", row, name)
         return value
 
     def times(self, name: str) -> Floats:
@@ -322,14 +360,14 @@ class CsvTable:
     def _time(self, name: str, row: int, text: str) -> float:
         try:
             moment = datetime.fromisoformat(text)
-        except ValueError as error:
+            if moment.tzinfo is not None:
+                return moment.astimezone(UTC).timestamp()
+        except (ValueError, OverflowError) as error:
             example = "2026-05-01T11:58:42.25Z"
             raise self.error(
                 f"{shown(text)} is not a date and time as {example}", row, name
             ) from error
-        if moment.tzinfo is None:
-            raise self.error(f"{text} does not say its zone: add Z for UTC", row, name)
-        return moment.astimezone(UTC).timestamp()
+        raise self.error(f"{text} does not say its zone: add Z for UTC", row, name)
 
     def error(self, message: str, row: int, column: str = "") -> VopdError:
         """Make an error about a row, by its index."""
@@ -456,7 +494,9 @@ def _is_open(line: str, between: str) -> bool:
 
 def _header(file: InputFile, cells: list[str], line: int) -> list[str]:
     header = [name.strip() for name in cells]
-    doubled = {name for name in header if header.count(name) > 1}
+    if len(header) > MOST_COLUMNS:
+        raise file.error(f"{count_text(len(header), 'column')}, {MOST_COLUMNS} at most", line)
+    doubled = {name for name, count in Counter(header).items() if count > 1}
     if doubled:
         raise file.error(f"two columns are called {', '.join(sorted(doubled))}", line)
     return header
@@ -467,6 +507,9 @@ def _lines(file: InputFile) -> Iterator[tuple[Sequence[int], list[str]]]:
     before = 0
     for chunk in file.chunks():
         lines = chunk.splitlines()
+        if len(chunk) > LONGEST_LINE and not chunk.endswith("\n"):
+            message = f"the line has more than {LONGEST_LINE} characters"
+            raise file.error(message, before + len(lines))
         numbers: Sequence[int] = range(before + 1, before + 1 + len(lines))
         before += len(lines)
         if "#" in chunk or not all(map(str.strip, lines)):

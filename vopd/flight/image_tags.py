@@ -8,6 +8,7 @@ GPS time, whatever its name says.
 from __future__ import annotations
 
 import re
+import warnings
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any, NamedTuple
 
 from vopd.files import optional_package, reason
 from vopd.findings import VopdError
+from vopd.inputs import no_file, plain_number
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
 GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF
@@ -33,6 +35,7 @@ DILUTION_SAID = "the dilution of precision, times 3 m, and upward 5 m"
 GIMBAL = ("GimbalYawDegree", "GimbalPitchDegree", "GimbalRollDegree")
 UNREADABLE = (OSError, ValueError, TypeError, KeyError, IndexError, ZeroDivisionError, SyntaxError)
 NONE = float("nan")
+MOST_PIXELS = 20_000_000  # of an image that is neither JPEG nor TIFF, whatever its suffix
 
 
 class ImageTags(NamedTuple):
@@ -46,6 +49,7 @@ class ImageTags(NamedTuple):
     whole_second: bool  # the time has no part of a second
     sigma_m: tuple[float, float, float] = (NONE,) * 3  # of the position: east, north, up
     sigma_by: str = ""  # the tags it comes from
+    damaged: bool = False  # some tags cannot be read
 
 
 def images_in(folder: Path) -> list[Path]:
@@ -65,8 +69,11 @@ def read_tags(path: Path) -> ImageTags:
         VopdError: where it is no image, or Pillow is not installed
     """
     pillow = optional_package("PIL.Image", "images", "reading the tags of images")
+    if kind := no_file(path):
+        raise VopdError(f"{path.name}: {kind}")
     try:
-        with _opened(path, pillow) as image:
+        with warnings.catch_warnings(record=True) as damage, _opened(path, pillow) as image:
+            warnings.simplefilter("always")  # Pillow warns of tags that it cannot read
             every = image.getexif()
             gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
             xmp = xmp_text(image)
@@ -88,7 +95,7 @@ def read_tags(path: Path) -> ImageTags:
     yaw, pitch, roll = (xmp_number(xmp, (name,)) for name in GIMBAL)
     return ImageTags(
         (longitude, latitude, altitude), (yaw, pitch, roll), size, *clock_of_tags(exif),
-        sigma_m, sigma_by,
+        sigma_m, sigma_by, bool(damage),
     )  # fmt: skip
 
 
@@ -104,7 +111,13 @@ def _opened(path: Path, pillow: Any) -> Any:
             return getattr(import_module(f"PIL.{module}"), name)(path)
         except SyntaxError:  # of another kind than its suffix says
             continue
-    return pillow.open(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        image = pillow.open(path)
+    if image.width * image.height > MOST_PIXELS:  # of these all are decoded for their tags
+        image.close()
+        raise ValueError(f"{image.format} of more than {MOST_PIXELS // 1_000_000} megapixels")
+    return image
 
 
 def xmp_text(image: Any) -> str:
@@ -186,7 +199,7 @@ def xmp_number(xmp: str, names: tuple[str, ...]) -> float:
         found = re.search(rf':{name}\s*=\s*"([^"]*)"|:{name}\s*>([^<]*)<', xmp)
         if found:
             try:
-                return float((found[1] or found[2] or "").strip())
+                return plain_number((found[1] or found[2] or "").strip())
             except ValueError:
                 continue
     return NONE

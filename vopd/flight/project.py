@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -26,6 +25,7 @@ from vopd.flight.files import (
 from vopd.flight.formats.lens import GRID_TO_CENTRE, MODELS_OPENCV
 from vopd.flight.solve import LOSSES
 from vopd.geometry.lenses import LensKind
+from vopd.inputs import MOST_SETTINGS, no_file, parse_toml, read_limited
 
 R = TypeVar("R")
 
@@ -464,7 +464,10 @@ def read_project(name: str, location: str | None = None) -> Project:
     """
     path = Path(location or name)
     try:
-        values = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        if kind := no_file(path):
+            raise VopdError(f"{name}: {kind}")
+        with path.open("rb") as file:
+            values = parse_toml(read_limited(file, MOST_SETTINGS))
     except OSError as error:
         raise VopdError(f"{name}: {error.strerror}") from error
     except UnicodeDecodeError as error:

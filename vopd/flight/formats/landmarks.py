@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from vopd.arrays import Floats
 from vopd.files import reason
 from vopd.findings import count_text
 from vopd.flight.files import CsvTable, InputFile, InputFormat, has_columns, read_csv
+from vopd.inputs import parse_json, plain_number
 
 # Landmarks as read
 
@@ -79,7 +79,7 @@ def read_gcp_list(file: InputFile) -> GcpList:
                 f"{count_text(len(fields), 'field')}, not x y z u v image [name]", number
             )
         try:
-            values = [float(field) for field in fields[:5]]
+            values = [plain_number(field) for field in fields[:5]]
         except ValueError as error:
             raise file.error(reason(error), number) from error
         if not np.isfinite(values).all():
@@ -106,7 +106,7 @@ def _lines(file: InputFile) -> list[tuple[int, str]]:
 
 def _is_number_gcp_list(text: str) -> bool:
     try:
-        float(text)
+        plain_number(text)
     except ValueError:
         return False
     return True
@@ -159,7 +159,7 @@ def recognises_geojson(file: InputFile) -> bool:
 def read_geojson(file: InputFile) -> LandmarkRows:
     """Read the points of a GeoJSON file."""
     try:
-        root = json.loads(file.text)
+        root = parse_json(file.text)
     except (ValueError, RecursionError) as error:
         raise file.error(f"not valid JSON: {reason(error)}") from error
     features = root.get("features", [root]) if isinstance(root, dict) else []

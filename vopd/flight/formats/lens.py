@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import json
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -11,10 +10,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from vopd import inputs
 from vopd.files import optional_package, reason
 from vopd.findings import count_text
 from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, shown
 from vopd.geometry.lenses import MODELS, Lens, LensKind
+from vopd.inputs import MOST_SETTINGS, check_yaml, parse_json, parse_xml, too_many_bytes
 
 # Lenses of numbers, on the grid whose (0, 0) is the first pixel's centre
 
@@ -140,8 +141,8 @@ def recognises_metashape(file: InputFile) -> bool:
 def read_metashape(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens; of two calibrations of a sensor the adjusted one."""
     try:
-        root = ElementTree.fromstring(file.text.strip())
-    except ElementTree.ParseError as error:
+        root = parse_xml(file.text)
+    except (ElementTree.ParseError, ValueError) as error:
         raise file.error(f"not valid XML: {reason(error)}") from error
     sensors = root.findall(".//sensor")
     if question.camera is not None:
@@ -162,9 +163,9 @@ def _calibration(
     def number(name: str) -> float:
         text = found.findtext(name)
         try:
-            return float(text) if text is not None else 0.0
+            return inputs.plain_number(text) if text is not None else 0.0
         except ValueError as error:
-            raise file.error(f"{text!r} is not a number", column=name) from error
+            raise file.error(f"{shown(text)} is not a number", column=name) from error
 
     kind = found.findtext("projection") or found.get("type") or inside.get("type") or "frame"
     if kind.strip() != "frame":
@@ -176,7 +177,9 @@ def _calibration(
         resolution = inside.find("resolution")
     width, height = number("width"), number("height")
     if resolution is not None and not width:
-        width, height = float(resolution.get("width", 0)), float(resolution.get("height", 0))
+        width, height = (
+            inputs.plain_number(resolution.get(key, "0")) for key in ("width", "height")
+        )
     if not (width and height):
         raise file.error("the image's width and height are missing")
     f = number("f")
@@ -210,7 +213,8 @@ def _calibration_sigma(file: InputFile, found: ElementTree.Element) -> dict[str,
     if not names:
         return {}
     try:
-        values = np.array((found.findtext("covariance/coeffs") or "").split(), dtype=np.float64)
+        coefficients = (found.findtext("covariance/coeffs") or "").split()
+        values = np.array([*map(inputs.plain_number, coefficients)])
         variance = np.diagonal(values.reshape(len(names), len(names)))
     except ValueError as error:
         message = f"the covariance is not a matrix of {len(names)} rows and columns"
@@ -244,7 +248,7 @@ def recognises_opensfm(file: InputFile) -> bool:
 def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens of a cameras.json, or of the cameras in a reconstruction.json."""
     try:
-        found = json.loads(file.text)
+        found = parse_json(file.text)
     except (ValueError, RecursionError) as error:
         raise file.error(f"not valid JSON: {reason(error)}") from error
     if isinstance(found, list):
@@ -381,7 +385,8 @@ def _numbers(file: InputFile, value: Any) -> list[float]:
         raise file.error("a matrix is a list of numbers, or of rows of numbers: one is neither")
     try:
         return [
-            float(str(one).lower().replace(".nan", "nan").replace(".inf", "inf")) for one in flat
+            inputs.plain_number(str(one).lower().replace(".nan", "nan").replace(".inf", "inf"))
+            for one in flat
         ]
     except ValueError as error:
         raise file.error(f"a matrix element is not a number: {reason(error)}") from error
@@ -393,7 +398,7 @@ def _mapping(file: InputFile) -> dict[str, Any]:
         return _xml(file)
     if text.startswith("{"):
         try:
-            found = json.loads(text)
+            found = parse_json(text)
         except (ValueError, RecursionError) as error:
             raise file.error(f"not valid JSON: {reason(error)}") from error
     else:
@@ -405,8 +410,8 @@ def _mapping(file: InputFile) -> dict[str, Any]:
 
 def _xml(file: InputFile) -> dict[str, Any]:
     try:
-        root = ElementTree.fromstring(file.text.strip())
-    except ElementTree.ParseError as error:
+        root = parse_xml(file.text)
+    except (ElementTree.ParseError, ValueError) as error:
         raise file.error(f"not valid XML: {reason(error)}") from error
     found: dict[str, Any] = {}
     for one in root:
@@ -418,7 +423,9 @@ def _xml(file: InputFile) -> dict[str, Any]:
 def _yaml(file: InputFile) -> Any:
     yaml = optional_package("yaml", "yaml", "a lens in YAML")
 
-    class Loader(yaml.SafeLoader):  # type: ignore[name-defined, misc]
+    safe: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+    class Loader(safe):  # type: ignore[misc]
         """Reads OpenCV's tag for matrices as a mapping, and no merge keys.
 
         A few lines of merge keys in each other are gigabytes; OpenCV writes none.
@@ -431,7 +438,10 @@ def _yaml(file: InputFile) -> Any:
         lambda loader, node: loader.construct_mapping(node, deep=True),
     )
     text = re.sub(r"\A%YAML[: ].*\n", "", file.text)
+    if len(text) > MOST_SETTINGS:
+        raise file.error(too_many_bytes(MOST_SETTINGS))
     try:
+        check_yaml(yaml.parse(text, Loader=safe))
         return yaml.load(text, Loader=Loader)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise file.error(f"not valid YAML: {reason(error)}") from error
@@ -476,7 +486,7 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
         raise file.error(f"model {name} is not known; {', '.join(MODELS_COLMAP)} are", number)
     model, focals, places = MODELS_COLMAP[name]
     try:
-        width, height, *values = (float(field) for field in fields)
+        width, height, *values = map(inputs.plain_number, fields)
     except ValueError as error:
         raise file.error(reason(error), number) from error
     if len(values) != focals + 2 + len(places):

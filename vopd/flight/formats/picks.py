@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -22,11 +21,14 @@ from vopd.flight.files import (
     csv_blocks,
     frames_of_column,
     has_columns,
+    open_input,
     read_csv,
+    shown,
     whole_numbers,
 )
 from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
 from vopd.flight.formats.lens import GRID_TO_CENTRE
+from vopd.inputs import parse_json, parse_xml, plain_number, whole_number
 
 # Picks as read
 
@@ -157,8 +159,8 @@ def read_cvat(file: InputFile) -> PickRows:
     pick of it.
     """
     try:
-        root = ElementTree.fromstring(file.text.strip())
-    except ElementTree.ParseError as error:
+        root = parse_xml(file.text)
+    except (ElementTree.ParseError, ValueError) as error:
         raise file.error(f"not valid XML: {reason(error)}") from error
     found: list[tuple[int | str, str, float, float]] = []
     images = root.findall("image")
@@ -170,7 +172,7 @@ def read_cvat(file: InputFile) -> PickRows:
         for points in track.findall("points"):
             if points.get("outside") != "1":
                 pixels = _pixels(file, points.get("points", ""))
-                frame = int(points.get("frame", "0"))
+                frame = whole_number(points.get("frame", "0"))
                 found += [(frame, track.get("label", ""), *xy) for xy in pixels]
     if not found:
         raise file.error("no points are in the file: landmarks are drawn as points")
@@ -178,10 +180,10 @@ def read_cvat(file: InputFile) -> PickRows:
         raise file.error("some points have no label: the label is the name of the landmark")
     if images and any(isinstance(one[0], int) for one in found):
         raise file.error("images and video tracks are in one file: give them one by one")
-    sizes = {(int(i.get("width", 0)), int(i.get("height", 0))) for i in images}
+    sizes = {_size(i.get("width", "0"), i.get("height", "0")) for i in images}
     if not images:
         sizes = {
-            (int(s.findtext("width", "0")), int(s.findtext("height", "0")))
+            _size(s.findtext("width", "0"), s.findtext("height", "0"))
             for s in root.iter("original_size")
         }
     if len(sizes) > 1:
@@ -197,12 +199,16 @@ def read_cvat(file: InputFile) -> PickRows:
     )  # fmt: skip
 
 
+def _size(width: str, height: str) -> tuple[int, int]:
+    return whole_number(width), whole_number(height)
+
+
 def _pixels(file: InputFile, text: str) -> list[tuple[float, float]]:
     try:
         pairs = [pair.split(",") for pair in text.split(";") if pair]
-        return [(float(u), float(v)) for u, v in pairs]
+        return [(plain_number(u), plain_number(v)) for u, v in pairs]
     except ValueError as error:
-        raise file.error(f"points {text!r}: {reason(error)}") from error
+        raise file.error(f"points {shown(text)}: {reason(error)}") from error
 
 
 # LabelMe's JSON: one file an image, or a folder of them; pixels are counted from the corner
@@ -222,7 +228,7 @@ def read_labelme(file: InputFile) -> PickRows:
     sizes = set()
     for path in paths:
         try:
-            label = json.loads(path.read_text(encoding="utf-8-sig"))
+            label = parse_json(open_input(path.name, path.parent).text)
             sizes.add((int(label["imageWidth"]), int(label["imageHeight"])))
             image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
             found += [

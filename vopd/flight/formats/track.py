@@ -6,15 +6,17 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from xml.etree import ElementTree
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import count_text
-from vopd.flight.files import InputFile, InputFormat, has_columns, read_csv
+from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, has_columns, read_csv
 from vopd.flight.formats.landmarks import CRS, SIGMA, SIGMAS, sigma_columns
 from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, read_tags
+from vopd.inputs import parse_xml, plain_number, whole_number
 
 # Positions of a receiver, of which nothing better is known: 3 m, and upward 5 m, each times
 # the dilution of precision if the file has it
@@ -117,7 +119,7 @@ FIXED, NO_POSITION = 50, 0  # states of the receiver
 
 def recognises_mrk(file: InputFile) -> bool:
     """Tell whether the first line begins with a number, seconds and a week in brackets."""
-    return bool(FIRST.match(file.text))
+    return bool(FIRST.match(file.head))
 
 
 def read_mrk(file: InputFile) -> TrackRows:
@@ -130,9 +132,9 @@ def read_mrk(file: InputFile) -> TrackRows:
         if len(fields) != 20 or any(fields[k] != label for k, label in LABELS.items()):
             raise file.error(LAYOUT, line)
         try:
-            week = int(fields[2].strip("[]"))
-            row = [float(fields[k]) for k in (1, 3, 5, 7, 9, 11, 13, 15, 16, 17, 18)]
-            photo = int(fields[0])
+            week = whole_number(fields[2].strip("[]"))
+            row = [plain_number(fields[k]) for k in (1, 3, 5, 7, 9, 11, 13, 15, 16, 17, 18)]
+            photo = whole_number(fields[0])
         except ValueError as error:
             raise file.error(reason(error), line) from error
         if not np.isfinite(row).all() or abs(row[4]) > 90.0 or not 0 < week < 10_000:
@@ -176,15 +178,16 @@ def photo_number(name: str) -> str:
 
 def recognises_gpx(file: InputFile) -> bool:
     """Tell whether it is GPX."""
-    return "<gpx" in file.text
+    return "<gpx" in file.head
 
 
 def read_gpx(file: InputFile) -> TrackRows:
     """Read all points of all tracks of a GPX file, in their order."""
     gpxpy = optional_package("gpxpy", "gpx", f"{file.name}: a GPX track")
     try:
+        parse_xml(file.text)  # its words are the same with and without lxml, which gpxpy prefers
         parsed = gpxpy.parse(file.text)
-    except (gpxpy.gpx.GPXException, ValueError) as error:
+    except (gpxpy.gpx.GPXException, ElementTree.ParseError, *UNEXPECTED) as error:
         raise file.error(f"not valid GPX: {reason(error)}") from error
     points = [p for track in parsed.tracks for segment in track.segments for p in segment.points]
     if not points:
@@ -225,7 +228,7 @@ def read_gpx(file: InputFile) -> TrackRows:
 
 def recognises_odm_geo(file: InputFile) -> bool:
     """Tell whether the first line is a coordinate reference system and others begin with a name."""
-    lines = file.text.split("\n", 1)
+    lines = file.head.split("\n", 1)
     return len(lines) > 1 and bool(CRS.match(lines[0].strip()))
 
 
@@ -239,7 +242,7 @@ def read_odm_geo(file: InputFile) -> TrackRows:
         if len(fields) < 4:
             raise file.error("a line needs image, x, y and z", number)
         try:
-            values.append([float(field) for field in fields[1:4]])
+            values.append([plain_number(field) for field in fields[1:4]])
         except ValueError as error:
             raise file.error(reason(error), number) from error
         if not np.isfinite(values[-1]).all():
@@ -266,7 +269,7 @@ def _accuracies(file: InputFile, number: int, fields: list[str]) -> tuple[float,
     if len(fields) < 9:
         return np.nan, np.nan
     try:
-        found = float(fields[7]), float(fields[8])
+        found = plain_number(fields[7]), plain_number(fields[8])
     except ValueError:  # more of the user's own words
         return np.nan, np.nan
     if min(found) < 0.0:
@@ -294,7 +297,9 @@ def read_image_folder(file: InputFile) -> TrackRows:
     named = [(p, t) for p, t in zip(paths, every, strict=True) if np.isfinite(t.position).all()]
     if not named:
         of_all = "the image has no" if len(paths) == 1 else f"none of the {len(paths)} images has a"
-        raise file.error(f"{of_all} position in its tags")
+        damaged = [path.name for path, one in zip(paths, every, strict=True) if one.damaged][:1]
+        why = f" ({damaged[0]} has damaged tags)" if damaged else ""
+        raise file.error(f"{of_all} position in its tags{why}")
     tags = [one for _, one in named]
     gimbal: Floats = np.array([one.gimbal_deg for one in tags])
     time_s: Floats = np.array([one.clock_s - one.zone_s for one in tags])

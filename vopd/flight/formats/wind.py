@@ -16,6 +16,7 @@ from vopd.flight.files import (
     header_names,
     read_csv,
 )
+from vopd.inputs import plain_number
 
 # Soundings as read
 
@@ -98,7 +99,7 @@ def read_text(file: InputFile) -> WindRows:
     for line in lines:
         cells = [line[k * WIDTH : (k + 1) * WIDTH].strip() for k in range(len(names))]
         try:
-            rows.append([float(cell) if cell else np.nan for cell in cells])
+            rows.append([plain_number(cell) if cell else np.nan for cell in cells])
         except ValueError:
             if rows:
                 break  # what follows the list

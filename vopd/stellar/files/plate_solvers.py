@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import warnings
 from collections.abc import Iterator
 from typing import Any
@@ -13,6 +12,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import Finding, InputError, Report
+from vopd.inputs import parse_json
 from vopd.stellar.files.read import PixelFormat, StarFile
 
 # The tetra3 family, as JSON
@@ -54,14 +54,14 @@ def read_plate_solutions(text: str, source: str, report: Report) -> list[StarFil
 def _solutions(text: str, source: str) -> Iterator[Any]:
     """Read the JSON values of a text: one, those of an array, or those of its lines."""
     try:
-        whole = json.loads(text)
+        whole = parse_json(text)
     except (ValueError, RecursionError) as error:
         lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
         if len(lines) < 2 or not all(line.lstrip().startswith("{") for _, line in lines):
             raise InputError(Finding(f"not JSON: {reason(error)}", source=source)) from None
         for number, line in lines:
             try:
-                yield json.loads(line)
+                yield parse_json(line)
             except (ValueError, RecursionError) as wrong:
                 why = reason(wrong).removeprefix("line 1, ")
                 finding = Finding(f"line {number}: not JSON: {why}", source=source)
@@ -85,7 +85,7 @@ def _star_file(solution: Any, name: str, source: str) -> StarFile:
         field_of_view = solution.get("FOV")
         degrees = None if field_of_view is None else float(field_of_view)
         distortion = float(solution.get("distortion") or 0.0)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError, RecursionError):
         raise _error(f"{where}an entry of the plate solution is not a number", source) from None
     count = len(centroids)
     if (

@@ -18,6 +18,7 @@ from vopd.files import kind_by_first_bytes, reason
 from vopd.findings import Finding, InputError, Report, count_text, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
+from vopd.inputs import no_file, read_limited
 from vopd.stellar.field import ground_directions, star_directions
 
 # Columns, and their cells
@@ -526,7 +527,12 @@ def read_bytes(name: str) -> tuple[bytes, str]:
     """
     source = STANDARD_INPUT if name == "-" else name
     try:
-        return (sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()), source
+        if name == "-":
+            return read_limited(sys.stdin.buffer), source
+        if kind := no_file(name, pipes=True):
+            raise ValueError(kind)
+        with Path(name).open("rb") as file:
+            return read_limited(file), source
     except (OSError, ValueError) as error:  # ValueError: a null in the name
         reason = str(getattr(error, "strerror", None) or error)
         raise _error(f"cannot be read: {reason}", source) from None

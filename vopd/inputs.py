@@ -1,0 +1,199 @@
+"""Limits of input files: kind of file, bytes, lines, columns, depth, elements, digits.
+
+A file from somebody else may ask for gigabytes or for ever in a few bytes. Every reader of a file
+goes through the functions of this module, and what is beyond a limit is an error in one sentence.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import stat
+import tomllib
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from vopd.findings import count_text
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+MOST_BYTES = 400_000_000  # of a file that is read whole: XML, JSON, stars; tables have no limit
+MOST_SETTINGS = 1_000_000  # bytes of TOML and YAML, whose parsers take microseconds a byte
+LONGEST_LINE = 1_000_000  # characters of a line of a table
+MOST_COLUMNS = 1_000  # of a table
+MOST_ELEMENTS = 5_000_000  # of XML, lists and mappings of JSON, some 100 bytes each
+MOST_VALUES = 20_000_000  # of JSON, some 32 bytes each
+MOST_NODES = 100_000  # of YAML
+DEEPEST = 50  # lists and mappings of YAML that stand in each other
+MOST_DIGITS = 18  # of a whole number: more are no number of a frame, camera or pixel
+MOST_PARTS = 50  # of a dotted key: the parser of TOML takes the square of them
+
+TOO_DEEP = "lists or tables stand in each other by the hundreds"
+DOTTED = re.compile(
+    rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MOST_PARTS}}}"""
+)
+
+
+# Files
+
+
+def no_file(path: str | os.PathLike[str], pipes: bool = False) -> str:
+    """Say why a path is not to be read: it is a device, a pipe or a socket; empty if it may be.
+
+    Args:
+        path: where it is
+        pipes: whether it may be a pipe or a terminal, as a user gives one on the command line
+    """
+    try:
+        mode = os.stat(path).st_mode  # noqa: PTH116
+    except (OSError, ValueError):  # opening it says why
+        return ""
+    if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
+        return ""
+    if stat.S_ISCHR(mode):
+        if pipes and _ends(path):
+            return ""
+        return "is a device, not a file"
+    return "" if pipes else "is a pipe or a socket, not a file: write what comes from it to a file"
+
+
+def _ends(path: str | os.PathLike[str]) -> bool:
+    """Tell a terminal, and the device that is empty, from devices without an end."""
+    if os.stat(path).st_rdev == os.stat(os.devnull).st_rdev:  # noqa: PTH116
+        return True
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY)
+    try:
+        return os.isatty(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def read_limited(file: BinaryIO, most: int = MOST_BYTES) -> bytes:
+    """Read a file to its end.
+
+    Args:
+        file: open for reading
+        most: bytes that it may have
+
+    Raises:
+        ValueError: if it has more
+    """
+    blocks, size = [], 0
+    while block := file.read(1 << 20):
+        blocks.append(block)
+        size += len(block)
+        if size > most:
+            raise ValueError(too_many_bytes(most))
+    return b"".join(blocks)
+
+
+def too_many_bytes(most: int = MOST_BYTES) -> str:
+    """Say that a file has more bytes than are read."""
+    return f"the file has more than {most // 1_000_000} MB"
+
+
+# Formats that nest
+
+
+def parse_toml(data: bytes) -> dict[str, Any]:
+    """Read TOML.
+
+    Raises:
+        ValueError: if it is not valid, or beyond a limit
+        RecursionError: if its values are nested too deep
+    """
+    if len(data) > MOST_SETTINGS:
+        raise ValueError(too_many_bytes(MOST_SETTINGS))
+    text = data.decode("utf-8-sig")
+    if found := DOTTED.search(text):
+        line = text.count("\n", 0, found.start()) + 1
+        raise ValueError(f"line {line}: a key has more than {MOST_PARTS} parts")
+    return tomllib.loads(text)
+
+
+def parse_json(text: str) -> Any:
+    """Read JSON.
+
+    Raises:
+        ValueError: if it is not valid, or has too many elements
+        RecursionError: if its values are nested too deep
+    """
+    _refuse_many(text, "[{", MOST_ELEMENTS)
+    _refuse_many(text, ",", MOST_VALUES)
+    return json.loads(text)
+
+
+def parse_xml(text: str) -> Element:
+    """Read XML; entities may not be declared, of which few lines can make gigabytes.
+
+    Raises:
+        ValueError, ParseError: if it is not valid, declares an entity, or has too many elements
+    """
+    from xml.etree import ElementTree
+
+    if "<!ENTITY" in text:
+        line = text.count("\n", 0, text.index("<!ENTITY")) + 1
+        raise ValueError(f"line {line}: it declares an entity; write the text itself")
+    _refuse_many(text, "<", MOST_ELEMENTS)
+    return ElementTree.fromstring(text.strip())
+
+
+def _refuse_many(text: str, signs: str, most: int) -> None:
+    if len(text) > most and sum(map(text.count, signs)) > most:
+        raise ValueError(f"it has more than {most // 1_000_000} million elements")
+
+
+def check_yaml(events: Iterable[Any]) -> None:
+    """Check the events of a YAML file, before anything is made of them.
+
+    Args:
+        events: as PyYAML parses them
+
+    Raises:
+        ValueError: if there are too many, or they are nested too deep
+    """
+    depth = 0
+    for number, event in enumerate(events):
+        name = type(event).__name__
+        depth += name.endswith("StartEvent") - name.endswith("EndEvent")
+        if depth > DEEPEST:
+            raise ValueError(TOO_DEEP)
+        if number > MOST_NODES:
+            raise ValueError(f"it has more than {MOST_NODES} values")
+
+
+# Numbers
+
+
+def plain_number(text: str) -> float:
+    """Read a number as FORTRAN, C and spreadsheets write it: Python also takes 2_95 and ٢٩٥.
+
+    Raises:
+        ValueError: if it is none
+    """
+    if "_" in text or not text.isascii():
+        raise ValueError(f"could not convert string to float: {text!r}")
+    return float(text)
+
+
+def whole_number(text: str) -> int:
+    """Read a whole number.
+
+    Raises:
+        ValueError: if it is none, or has more than `MOST_DIGITS` digits
+    """
+    text = text.strip()
+    digits = text.removeprefix("-")
+    if not (digits.isascii() and digits.isdigit()):
+        raise ValueError(f"invalid literal for int() with base 10: {text[:100]!r}")
+    if len(digits) > MOST_DIGITS:
+        raise ValueError(f"a whole number has {count_text(len(digits), 'digit')}")
+    return int(text)
+
+
+def plain_digits(texts: Sequence[str]) -> bool:
+    """Tell whether no text has a digit or a separator that only Python takes."""
+    joined = "".join(texts)
+    return joined.isascii() and "_" not in joined
