@@ -43,8 +43,8 @@ def find_sources(
 
     A source of a folder is named by its path in that folder, one of a pattern by its path
     below the folders that the pattern names in full, one of a manifest by its path as it
-    stands there, and a file that is given by its own name; of several given of one name
-    each by its path below the folder that they are all in.
+    stands there, and a file that is given by its own name. Sources that would have one name
+    are named by their paths below the folder that all of these are in.
 
     Args:
         given: files, folders, or patterns with `*`, `?`, `[]` or `**`
@@ -64,19 +64,30 @@ def find_sources(
     if not found:
         raise VopdError("there is no source: give a deck, a project, a folder or --manifest")
     _check_folder(found, given, folder)
-    sources = sorted(found.values(), key=lambda one: (one.name, one.path))
+    sources = sorted(_apart([*found.values()]), key=lambda one: (one.name, one.path))
     check_names(sources, suffixes)
     return sources
 
 
+def _apart(found: list[BatchSource]) -> list[BatchSource]:
+    """Name sources of one name by their paths below the folder that all of them are in."""
+    count = Counter(one.name for one in found)
+    paths = {one.path: os.path.abspath(one.path) for one in found if count[one.name] > 1}  # noqa: PTH100
+    try:
+        folder = os.path.commonpath([os.path.dirname(one) for one in paths.values()])  # noqa: PTH120
+    except ValueError:  # none, or on several drives
+        return found
+    names = {
+        path: PurePath(os.path.relpath(one, folder)).with_suffix("").as_posix()
+        for path, one in paths.items()
+    }
+    return [one._replace(name=names.get(one.path, one.name)) for one in found]
+
+
 def _all_of(given: Sequence[str], manifest: str | None) -> Iterator[tuple[str, str]]:
     """List path and name of every file, the name still with its suffix."""
-    names = Counter(PurePath(one).stem for one in given if os.path.isfile(one))  # noqa: PTH113
-    alike = [os.path.abspath(one) for one in given if names[PurePath(one).stem] > 1]  # noqa: PTH100
     for one in given:
-        path = os.path.abspath(one)  # noqa: PTH100
-        name = os.path.relpath(path, os.path.commonpath(alike)) if path in alike else ""
-        yield from _matching(one, name if name not in ("", ".") else PurePath(one).name)
+        yield from _matching(one, PurePath(one).name)
     if manifest is None:
         return
     home, entries = os.path.dirname(manifest), _entries(manifest)  # noqa: PTH120
