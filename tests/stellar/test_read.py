@@ -316,7 +316,7 @@ def test_images_alone(rest: str) -> None:
 
 
 def rows(text: str) -> list[tuple[int, list[str]]]:
-    return read_rows(text, "a.csv")
+    return list(read_rows(text, "a.csv"))
 
 
 SEPARATED = {

@@ -512,6 +512,8 @@ def undetermined_fields(low_text: str, high_text: str) -> Undetermined:
 
 _TEXT = bytes([*range(0x20, 0x7F), 0x0A, 0x0D])
 _CHUNK = 1 << 16
+_BEGINNING = 1 << 20
+"""Bytes within which a listing has its first heading: some 200 pages."""
 
 
 def read_listing(name: str) -> str:
@@ -525,7 +527,8 @@ def read_listing(name: str) -> str:
 
     Raises:
         VopdError: if the file cannot be read, is empty, has a byte that is no printable ASCII
-            character (reading stops there), or has no line that only a listing has.
+            character (reading stops there), or has no line that only a listing has in its
+            first megabyte (reading stops there too).
     """
     where = "standard input" if name == "-" else name
     try:
@@ -539,17 +542,13 @@ def read_listing(name: str) -> str:
         raise VopdError(f"{where}: {reason[:1].lower()}{reason[1:]}") from None
     if not text:
         raise VopdError(f"{where}: empty, not a listing")
-    if not is_listing(text):
-        raise VopdError(
-            f"{where}: not a listing: it has none of a listing's headings "
-            "(vopd run prints the listing of a deck)"
-        )
     return text
 
 
 def _read(stream: BinaryIO, where: str) -> str:
     """Read a stream to its end, or to the first byte that no listing has."""
     chunks: list[bytes] = []
+    size, known = 0, False
     while chunk := stream.read(_CHUNK):
         if chunk.translate(None, _TEXT):
             index = next(k for k, byte in enumerate(chunk) if byte not in _TEXT)
@@ -559,4 +558,19 @@ def _read(stream: BinaryIO, where: str) -> str:
                 "which is not a printable ASCII character"
             )
         chunks.append(chunk)
+        size += len(chunk)
+        if not known and size >= _BEGINNING:
+            _refuse_without_heading(chunks, where, " in its first megabyte")
+            known = True
+    if chunks and not known:
+        _refuse_without_heading(chunks, where)
     return b"".join(chunks).decode("ascii")
+
+
+def _refuse_without_heading(chunks: list[bytes], where: str, within: str = "") -> None:
+    """Refuse a text that has no line that only a listing has, as far as it has been read."""
+    if not is_listing(b"".join(chunks).decode("ascii")):
+        raise VopdError(
+            f"{where}: not a listing: it has none of a listing's headings{within} "
+            "(vopd run prints the listing of a deck)"
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
@@ -192,7 +192,7 @@ def _sigmas(names: tuple[str, ...], unit: str) -> tuple[str, ...]:
 SEPARATORS = (",", ";", "\t")
 
 
-def read_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
+def read_rows(text: str, source: str) -> Iterator[tuple[int, list[str]]]:
     """Split each line that is not blank and does not begin with # into cells.
 
     Lines of separators alone are blank too: spreadsheets write them below a table.
@@ -203,15 +203,15 @@ def read_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
         text: the file's text
         source: its name in messages
 
-    Returns:
+    Yields:
         The number of each line in the file, from 1, and its cells.
 
     Raises:
         InputError: a line is not CSV.
     """
-    rows: list[tuple[int, list[str]]] = []
     separator = ""
-    for number, line in enumerate(io.StringIO(text.removeprefix("\ufeff"), newline=None), start=1):
+    lines = io.TextIOWrapper(io.BytesIO(text.removeprefix("\ufeff").encode()), "utf-8")
+    for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         separator = separator or max(SEPARATORS, key=line.count)
@@ -220,8 +220,7 @@ def read_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
         except csv.Error as error:
             raise _error(f"line {number}: not CSV: {reason(error)}", source) from None
         if any(cell.strip() for cell in cells):
-            rows.append((number, cells))
-    return rows
+            yield number, cells
 
 
 # One photograph: its stars or ground points, and their images
@@ -381,37 +380,36 @@ def read_star_csv(
             cannot be read; it names the line.
     """
     rows = read_rows(text, source)
-    if not rows:
+    header, cells = next(rows, (0, []))
+    if not cells:
         raise _error("the file has no header: x_mm,y_mm,ra_deg,dec_deg", source)
-    (header, cells), *rows = rows
     names = tuple(name.strip().lower() for name in cells)
     try:
         columns = read_columns(names, images_only=images_only)
     except ColumnError as error:
         raise _error(f"line {header}: {error}", source) from None
+    several = "image" in names and not images_only
+    groups: dict[str, list[Star]] = {}
     for number, cells in rows:
         if len(cells) != len(names):
             given, named = count_text(len(cells), "value"), count_text(len(names), "column")
             text = f"{given}, where the header names {named}"
             raise _error(f"line {number}: {text}", source)
-    if images_only and len(rows) > MOST_STARS:
-        text = f"more than {MOST_STARS} stars in one photograph"
-        raise _error(f"line {rows[MOST_STARS][0]}: {text}", source)
-    if not rows:
+        star = dict(zip(names, cells, strict=True))
+        name = star["image"].strip() if several else ""
+        if several and not name:
+            text = "image: the cell is empty: which photograph is the star in?"
+            raise _error(f"line {number}: {text}", source)
+        group = groups.setdefault(name, [])
+        if len(group) <= MOST_STARS:  # one more tells that there are too many
+            group.append((number, star))
+        elif not several:
+            break
+    if not groups:
         raise _error(f"line {header}: no star follows the header", source)
     if columns.ignored:
         text = f"line {header}: columns that are ignored: {', '.join(columns.ignored)}"
         report(Finding(text, source=source, severity="warning"))
-    stars = [(number, dict(zip(names, cells, strict=True))) for number, cells in rows]
-    if images_only:
-        return [_photograph("", stars, columns, source)]
-    groups: dict[str, list[Star]] = {}
-    for number, star in stars:
-        name = star.get("image", "").strip()
-        if not name and "image" in names:
-            text = "image: the cell is empty: which photograph is the star in?"
-            raise _error(f"line {number}: {text}", source)
-        groups.setdefault(name, []).append((number, star))
     found = []
     for name, group in groups.items():
         try:
@@ -454,6 +452,9 @@ def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, source: 
         known = (_number(star, name, source) if star[1][name].strip() else np.nan for star in stars)
         return np.array(list(known))
 
+    if len(stars) > MOST_STARS:
+        text = f"line {stars[MOST_STARS][0]}: more than {MOST_STARS} stars in one photograph"
+        raise _error(text, source)
     image, positions = numbers(*columns.image), numbers(*KINDS.get(columns.kind, ()))
     sigmas = numbers(*columns.sigmas) if columns.sigmas else None
     if sigmas is not None:
