@@ -189,7 +189,7 @@ class FrameEstimate(Rows):
     vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
     attack_deg: Floats  # (F, 3) alpha, beta, eta
     airspeed: Floats  # (F,) units of length a second
-    focal_length: float
+    focal_length: Floats | float  # (F,) where the frames are of several jobs
     reading_spread: float  # sigma of an image coordinate by repeated readings; NaN: there are none
     reading_floor: float  # the least sigma of an image coordinate that its resolution allows
     fiducial_sigma: float = 0.0  # of a fiducial's coordinate; 0 where the image has no fiducials

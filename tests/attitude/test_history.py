@@ -220,8 +220,9 @@ ALL = Sigmas(landmark=50.0, position=30.0, focal_length=0.01, time_s=0.01, veloc
 )
 def test_histories(estimates: list[Estimate], sigmas: Sigmas, rate: float | None) -> None:
     """All values of the table, to the last bit, and the reading sigmas."""
-    together = histories(estimates, HistoryOptions(sigmas, rate))
-    for one, given in zip(together, estimates, strict=True):
+    several = [*estimates, replace(estimates[1], focal_length=11.0)]
+    together = histories(several, HistoryOptions(sigmas, rate))
+    for one, given in zip(together, several, strict=True):
         alone = history(given, sigmas=sigmas, max_rate_deg_s=rate)
         assert one.estimate is given
         assert one.uncertainty.reading == alone.uncertainty.reading
@@ -232,13 +233,13 @@ def test_histories(estimates: list[Estimate], sigmas: Sigmas, rate: float | None
 
 
 def test_what_is_taken_together(estimates: list[Estimate], monkeypatch: pytest.MonkeyPatch) -> None:
-    """Jobs with other numbers of landmarks, cameras or names are not, nor too many frames."""
+    """Jobs with other numbers of landmarks or names are not, nor too many frames."""
     camera = replace(estimates[1], focal_length=11.0)
     named = replace(estimates[1], frame_names=["a.jpg"] * len(estimates[1].frame))
     some = [*estimates[:4], camera, named, estimates[4]]
-    assert sorted(taken_together(some)) == [[0, 1, 2, 6], [3], [4], [5]]
+    assert sorted(taken_together(some)) == [[0, 1, 2, 4, 6], [3], [5]]
     monkeypatch.setattr(attitude_history, "JOBS_TOGETHER", 13)  # frames
-    assert sorted(taken_together(some)) == [[0, 1], [2, 6], [3], [4], [5]]
+    assert sorted(taken_together(some)) == [[0, 1], [2, 4, 6], [3], [5]]
 
 
 def test_pages(results: list[Results]) -> None:
@@ -367,7 +368,7 @@ def job(**changes: Any) -> Estimate:
     ("changes", "alike"),
     [
         ({}, True), ({"fiducial_sigma": 0.2}, True), ({"reading_spread": 9.0}, True),
-        ({"image": POINTS[:3]}, False), ({"focal_length": 10.5}, False),
+        ({"image": POINTS[:3]}, False), ({"focal_length": 10.5}, True),
         ({"units": Units("ft", "in", 25.4, "mm", 1.0)}, False),
         ({"about": ABOUT._replace(words=replace(ABOUT.words, reading="a point"))}, False),
         ({"about": ABOUT._replace(source="other.toml", job=2)}, True),

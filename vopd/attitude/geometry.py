@@ -138,7 +138,8 @@ def second_solution_rms(estimate: Estimate, at_most: Floats | float = np.inf) ->
     known = e.solved & (e.used.sum(axis=1) >= 2)
     first = camera_axes(np.radians(e.camera_deg))
     directions = np.where(e.used[..., None] & known[:, None, None], e.direction, 0.0)
-    sights = Sights(directions, e.image, e.used, e.focal_length)
+    focal = np.broadcast_to(e.focal_length, known.shape)[:, None]
+    sights = Sights(directions, e.image, e.used, focal)
     searched = known & ~(_least_rms(sights, first) > at_most)
     found = np.full(len(known), np.nan)
     found[searched] = _searched(sights.of(searched), first[searched])
@@ -150,7 +151,7 @@ def _least_rms(sights: Sights, first: Floats) -> Floats:
     count = sights.used.sum(axis=1)
     product = sights.direction.swapaxes(1, 2) @ sights.direction
     smallest = 4.0 * np.linalg.det(product) / count**2 - ROUNDING * count
-    both = sights.focal_length * np.sqrt(2.0 * np.maximum(smallest, 0.0) / count)
+    both = np.ravel(sights.focal_length) * np.sqrt(2.0 * np.maximum(smallest, 0.0) / count)
     in_front = ((ahead(first, sights.direction) > 0.0) | ~sights.used).all(axis=1)
     return np.where(in_front, both - _rms(sights, first), 0.0)
 

@@ -235,7 +235,6 @@ def _kind(one: Estimate, index: int) -> Hashable:
         return index
     return (
         one.used.shape[1],
-        float(one.focal_length),
         one.units,
         id(one.about.words),
         one.stated,
@@ -273,10 +272,11 @@ def histories_without_jumps(
         scale: the reading sigma, where it is a block
         most_searched: frames that misfit and are searched for what explains them
     """
-    e = Estimate.concat(jobs)
+    e, counts = Estimate.concat(jobs), [len(one.frame) for one in jobs]
+    if len(jobs) > 1:
+        e = replace(e, focal_length=np.repeat([one.focal_length for one in jobs], counts))
     shape = landmark_geometry(e)
     doubt, doubts = uncertainties(jobs, e, sigmas, scale)
-    counts = [len(one.frame) for one in jobs]
     reading_sigma = np.repeat([one.reading.sigma for one in doubts], counts)
     of_jobs = [
         misfit_text(one, own.reading, own.sigmas, most_searched)

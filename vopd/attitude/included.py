@@ -119,7 +119,7 @@ def usual_effects(estimate: Estimate, names: Collection[str]) -> dict[str, str]:
         estimate: some frames of a job
         names: components
     """
-    sizes = _round_sizes(estimate.units, estimate.focal_length)
+    sizes = _round_sizes(estimate.units, float(estimate.focal_length))
     gains, found = angle_gains(estimate), {}
     for name in names:
         if name not in sizes:

@@ -507,6 +507,7 @@ def _block(
     estimate: Estimate, components: list[ErrorComponent], job: Ints, numbers: Ints | None
 ) -> FrameBlock:
     frames = np.flatnonzero(testable(estimate))
+    focal = np.broadcast_to(estimate.focal_length, len(estimate.frame))[frames]
     own = [one for one in components if not solved_for(one, numbers)]
     marginal = equations_of(estimate, components, frames)
     apart = equations_of(estimate, own, frames) if len(own) < len(components) else marginal
@@ -514,7 +515,7 @@ def _block(
         frames,
         marginal,
         JobFrames(job[frames], apart, common_errors(estimate, components, frames, numbers)),
-        np.asarray(np.abs(marginal.residual).max(axis=1, initial=0.0) <= estimate.focal_length),
+        np.asarray(np.abs(marginal.residual).max(axis=1, initial=0.0) <= focal),
     )
 
 

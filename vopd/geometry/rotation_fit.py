@@ -19,16 +19,18 @@ class Sights(NamedTuple):
     direction: Floats  # (T, L, 3) unit vectors, east, north, up
     image: Floats  # (T, L, 2) image coordinates without distortion
     used: Bools  # (T, L)
-    focal_length: float
+    focal_length: Floats | float  # (T, 1) where the trials are of several cameras
     image_by_ray: Floats | None = None  # (T, L, 2, 3) of a lens whose image is none of a plane
 
     def of(self, trials: Bools) -> Sights:
         """Take some of the trials."""
         by_ray = None if self.image_by_ray is None else self.image_by_ray[trials]
+        focal = self.focal_length
         return self._replace(
             direction=self.direction[trials],
             image=self.image[trials],
             used=self.used[trials],
+            focal_length=focal[trials] if isinstance(focal, np.ndarray) else focal,
             image_by_ray=by_ray,
         )
 
@@ -65,8 +67,9 @@ class Sights(NamedTuple):
         p, q, r = np.moveaxis(directions @ axes.swapaxes(1, 2), -1, 0)
         x, y = (np.where(self.used, part / r, 0.0) for part in (p, q))
         measured = np.where(self.used[..., None], self.image, 0.0)
-        residual = measured - self.focal_length * np.stack([x, y], axis=-1)
-        partials = -partials_by_turns(x, y, self.focal_length)
+        focal = np.asarray(self.focal_length)
+        residual = measured - focal[..., None] * np.stack([x, y], axis=-1)
+        partials = -partials_by_turns(x, y, focal)
         return self._by_coordinates(residual, partials)
 
     def _on_the_sphere(self, seen: Floats, by_ray: Floats) -> tuple[Floats, Floats]:
