@@ -19,7 +19,6 @@ from tests.tolerances import assert_close, within
 from vopd.mistakes import Explanation, Mistake
 from vopd.stellar import find_outliers, right_ascension_declination_deg
 from vopd.stellar.field import Failure, StarField, star_directions
-from vopd.stellar.files import mistakes as plausibility
 from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.mistakes import (
     DIRECTION_MISTAKES,
@@ -381,7 +380,7 @@ def test_a_stated_sigma(chance: float, large: bool, freedom: int) -> None:
     """The sum of squares is as large by chance once in 10,000."""
     ratio = (chi2.isf(chance, freedom) / freedom) ** 0.5
     found = implausible_residuals(
-        fit_size(0.0123456 * ratio, freedom), stars_size(6), 0.0123456, "px"
+        fit_size(0.0123456 * ratio, freedom), stars_size(6), 0.0123456, "px", np.nan
     )
     assert bool(found) == large
     assert_approved(found, parts=["0.0123"] if large else [])
@@ -389,15 +388,14 @@ def test_a_stated_sigma(chance: float, large: bool, freedom: int) -> None:
 
 @pytest.mark.parametrize(("sigma", "large"), [(0.499, False), (0.501, True)])
 def test_two_stars_have_no_interstar_angles_to_judge_by(sigma: float, large: bool) -> None:
-    found = implausible_residuals(fit_size(sigma, 1), stars_size(2), None, "px")
+    found = implausible_residuals(fit_size(sigma, 1), stars_size(2), None, "px", np.nan)
     assert found == ("a photograph allows 0.5 px at most" if large else "")
 
 
 @pytest.mark.parametrize(("sigma", "large"), [(0.9e-6, False), (1.1e-6, True)])
-def test_rounding_is_no_error(monkeypatch: pytest.MonkeyPatch, sigma: float, large: bool) -> None:
+def test_rounding_is_no_error(sigma: float, large: bool) -> None:
     """Where interstar angles are exact, a millionth of the principal distance is allowed."""
-    monkeypatch.setattr(plausibility, "interstar_reading_sigma_mm", lambda field: 1.5e-9)
-    found = implausible_residuals(fit_size(sigma * FOCAL_SIZE), stars_size(8), None, "mm")
+    found = implausible_residuals(fit_size(sigma * FOCAL_SIZE), stars_size(8), None, "mm", 1.5e-9)
     assert bool(found) == large
     assert_approved(found, parts=["1.5e-09"] if large else [])
 
@@ -405,9 +403,8 @@ def test_rounding_is_no_error(monkeypatch: pytest.MonkeyPatch, sigma: float, lar
 @pytest.mark.parametrize(
     ("sigma", "said"), [(0.49, ""), (0.51, "a photograph allows 0.5 mm at most")]
 )
-def test_no_reading_is_so_bad(monkeypatch: pytest.MonkeyPatch, sigma: float, said: str) -> None:
-    monkeypatch.setattr(plausibility, "interstar_reading_sigma_mm", lambda field: 0.4)
-    assert implausible_residuals(fit_size(sigma), stars_size(8), None, "mm") == said
+def test_no_reading_is_so_bad(sigma: float, said: str) -> None:
+    assert implausible_residuals(fit_size(sigma), stars_size(8), None, "mm", 0.4) == said
 
 
 PLATE = "coordinates of 501 mm: are they pixels? Name their columns x_px, y_px"
@@ -460,9 +457,9 @@ def test_the_limit_is_five_times_and_of_four_stars_or_fewer_fifty(
     count: int, times: float, implausible: bool
 ) -> None:
     stars = misread_stars(count)
-    interstar = interstar_reading_sigma_mm(stars)
+    interstar = float(interstar_reading_sigma_mm(stars))
     fit = fit_attitude(stars)._replace(variance_mm2=(times * interstar) ** 2)
-    found = implausible_residuals(fit, stars, None, "mm")
+    found = implausible_residuals(fit, stars, None, "mm", interstar)
     assert bool(found) == bool(implausible)
     assert_approved(found, parts=[f"{interstar:.3g}"] if implausible else [])
 

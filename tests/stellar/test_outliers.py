@@ -113,16 +113,16 @@ def fixed(
 
     def chances(field: Any, good: Any, fit: Any) -> tuple[Any, Any]:
         given.append(np.flatnonzero(good).tolist())
-        chance = np.array(rounds[min(len(given), len(rounds)) - 1])
-        return chance, np.arange(len(chance)) + 10.0
+        chance = np.array([rounds[min(len(given), len(rounds)) - 1]])
+        return chance, np.arange(chance.size)[None] + 10.0
 
-    def fit(field: StarField) -> AttitudeFit:
-        return AttitudeFit(1.0, 9, np.eye(3))
+    def fit(field: StarField) -> list[AttitudeFit]:
+        return [AttitudeFit(1.0, 9, np.eye(3))]
 
-    monkeypatch.setattr(outlier_search, "median_disagreement_mm", lambda field: np.array(doubt))
+    monkeypatch.setattr(outlier_search, "median_disagreement_mm", lambda field: np.array([doubt]))
     monkeypatch.setattr(outlier_search, "_distance_by_pairs", lambda field: -np.array(doubt))
     monkeypatch.setattr(outlier_search, "_chances", chances)
-    monkeypatch.setattr(outlier_search, "fit_attitude", fit)
+    monkeypatch.setattr(outlier_search, "fit_attitudes", fit)
     return given
 
 
@@ -155,7 +155,7 @@ def test_what_has_no_outliers(monkeypatch: pytest.MonkeyPatch) -> None:
     assert find_outliers(stars(3)) == [] and given == []
     assert len(find_outliers(stars(4))) == 1
     nothing = AttitudeFit(np.inf, 9, np.eye(3))
-    monkeypatch.setattr(outlier_search, "fit_attitude", lambda field: nothing)
+    monkeypatch.setattr(outlier_search, "fit_attitudes", lambda field: [nothing])
     assert find_outliers(stars(4)) == []
 
 
@@ -237,7 +237,8 @@ def test_the_chance_of_a_star(errors: bool) -> None:
         expected.append(min(1.0, 7.0 * f_distribution.sf(size, 2, 7)))
     assert min(expected) < max(expected) == 1.0
     fit = AttitudeFit(0.003, 7, turn)
-    chance, distance = outlier_search._chances(field, good, fit)
+    both = outlier_search._chances(StarField.stack([field]), good[None], [fit])
+    (chance,), (distance,) = both
     assert_close("rae sigma by differences", chance, expected)
     assert_close("rae element", distance, np.hypot(*off.T))
 
@@ -256,8 +257,8 @@ def test_a_star_at_right_angles_to_the_view_does_not_fit() -> None:
     directions[2] = [1.0, 0.0, 0.0]
     aside = StarField.of(directions, field.image_mm, FOCAL)
     with np.errstate(invalid="ignore"):
-        chance, _ = outlier_search._chances(
-            aside, np.arange(6) != 2, AttitudeFit(1e-4, 7, np.eye(3))
+        (chance,), _ = outlier_search._chances(
+            StarField.stack([aside]), np.arange(6)[None] != 2, [AttitudeFit(1e-4, 7, np.eye(3))]
         )
     assert chance[2] == 0.0 and (np.delete(chance, 2) > 0.0).all()
 

@@ -131,6 +131,26 @@ def star_file_photographs(count: int = 8) -> StarFile:
     return file
 
 
+def test_photographs_together_are_each_as_alone(tmp_path: Path) -> None:
+    """To the last bit: of several numbers of stars, mirrored, with a wrong star and with two."""
+    rng = np.random.default_rng(5)
+    lines = []
+    for k in range(14):
+        for number, (x, y, ra, dec) in enumerate(make_photograph((8, 5, 3, 11)[k % 4])):
+            wrong = 0.5 * (k > 9 and number in (1, 2 * k - 20))
+            off = rng.normal(wrong, 0.004, 2)
+            lines.append(f"{k},{x + off[0]},{(y + off[1]) * (-1.0 if k == 3 else 1.0)},{ra},{dec}")
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(["image,x_mm,y_mm,ra_deg,dec_deg", *lines]))
+    together, _, _ = solve_photographs([str(path)], REQUEST)
+    files = read_star_csv(path.read_text(), str(path))
+    assert len(together) == len(files) == 14
+    for one, file in zip(together, files, strict=True):
+        alone = solve_photograph(file, REQUEST, one.label)
+        assert (one.solved, one.findings) == (alone.solved, alone.findings)
+    assert sum(bool(one.findings) for one in together) >= 4
+
+
 METHODS = {
     2: ["collinearity", "two-star", "single-rotation", "svd"],
     3: ["collinearity", "church", "church-weighted", "church-weighted-r", "two-star",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -286,6 +287,34 @@ class StarField(Rows):
             self.used[..., stars],
             None if self.errors is None else self.errors[..., stars, :, :],
         )
+
+    def select_each(self, stars: Ints) -> StarField:
+        """Select other stars in each problem of a stack.
+
+        Args:
+            stars: numbers counted from 0, (..., k)
+        """
+        errors = self.errors
+        if errors is not None:
+            errors = np.take_along_axis(errors, stars[..., None, None], axis=-3)
+        return StarField(
+            np.take_along_axis(self.directions, stars[..., None], axis=-2),
+            np.take_along_axis(self.image_mm, stars[..., None], axis=-2),
+            self.focal_length_mm,
+            np.take_along_axis(self.used, stars, axis=-1),
+            errors,
+        )
+
+    def problems(self) -> Iterator[StarField]:
+        """Iterate over the problems of a stack (p,), each without a stack axis."""
+        for k in range(len(self.used)):
+            yield replace(self, **{name: value[k] for name, value in self.by_row().items()})
+
+    @classmethod
+    def stack(cls, fields: Sequence[StarField]) -> StarField:
+        """Stack single problems of as many stars, which all state errors, or none does."""
+        own = [one.by_row() for one in fields]
+        return replace(fields[0], **{name: np.stack([one[name] for one in own]) for name in own[0]})
 
     def flat(self) -> StarField:
         """Flatten the stack to one axis."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -45,6 +46,11 @@ class StarSolution:
     conditioning: Floats | None = None
     interstar_discrepancy_arcsec: Floats | None = None
 
+    def problem(self, k: int) -> StarSolution:
+        """Select one problem of a stack (p,), as a stack of one."""
+        values = ((one.name, getattr(self, one.name)) for one in fields(self))
+        return replace(self, **{name: v[k : k + 1] for name, v in values if v is not None})
+
     @property
     def omega_phi_kappa_deg(self) -> Floats:
         """omega, phi, kappa of the matrix as solved, (..., 3), degrees."""
@@ -70,6 +76,10 @@ class StarSolution:
         """
         if choice == "as-solved":
             return angles.orientation_matrix(self.omega_phi_kappa_deg)
+        return self._nearest
+
+    @cached_property
+    def _nearest(self) -> Floats:
         rotation, _ = nearest_rotation(self.matrix)
         return rotation
 

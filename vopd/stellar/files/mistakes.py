@@ -16,21 +16,23 @@ from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 from vopd.stellar.field import Failure, StarField, image_points_mm, star_directions
 from vopd.stellar.files.images import ImageAxes, centred_images, in_file_coordinates
 from vopd.stellar.files.read import StarFile
-from vopd.stellar.interstar_angles import interstar_reading_sigma_mm
 from vopd.stellar.methods.calibration import (
     PARAMETERS,
     LensOfStars,
     calibrate,
     calibrate_from_both_starts,
+    least_square,
 )
 from vopd.stellar.methods.wahba import wahba_rotation
 from vopd.stellar.outlier_search import (
     LEAST_VARIANCE,
     AttitudeFit,
+    FittedStars,
     Outlier,
     OutlierStart,
     find_outliers,
     fit_attitude,
+    fit_together,
 )
 
 # Plausible residuals
@@ -81,6 +83,7 @@ def judge(
     reading_sigma: float | None,
     axes: ImageAxes,
     start: OutlierStart = "interstar",
+    fitted: FittedStars | None = None,
 ) -> Plausibility:
     """Test the residuals of all stars of a file, and try the common mistakes.
 
@@ -90,26 +93,31 @@ def judge(
         reading_sigma: standard deviation of an image coordinate, if it is known, image units
         axes: how the file's image coordinates were read
         start: how the search for stars that do not fit begins
+        fitted: the stars with their solution, if it is known
 
     Returns:
         What was found.
     """
-    fit = fit_attitude(stars)
+    if fitted is None:
+        (fitted,) = fit_together([stars], start)
+    fit, outliers = fitted.fit, fitted.outliers
     sigma = float(np.sqrt(fit.variance_mm2))
-    expected = implausible_residuals(fit, stars, reading_sigma, file.unit)
+    expected = implausible_residuals(fit, stars, reading_sigma, file.unit, fitted.interstar_mm)
     if not expected and sigma <= ROUNDING * float(stars.focal_length_mm[0]):
         return Plausibility(sigma)
-    outliers = find_outliers(stars, start=start)
     mistake = None
     if int(stars.count) > 2 and not (expected and _beyond_plates(file)):
-        mistake = one_mistake(file, stars, fit, axes, outliers)
+        camera = bool(expected) or camera_may_explain(stars, fit)
+        mistake = one_mistake(file, stars, fit, axes, outliers, CAMERA_MISTAKES * camera)
         if expected and mistake is None:
             mistake = two_mistakes(file, stars, fit, axes)
     if not expected and mistake is not None:
         expected = f"mending the mistake named below leaves {mistake.residual:.3g} {file.unit}"
     unexplained = ""
     if expected and mistake is None:
-        agree = reading_sigma is not None and not implausible_residuals(fit, stars, None, file.unit)
+        agree = reading_sigma is not None and not implausible_residuals(
+            fit, stars, None, file.unit, fitted.interstar_mm
+        )
         unexplained = unexplained_advice(file, f"{sigma:.3g} {file.unit}" if agree else "")
     kept = tuple(outliers) if mistake is None or mistake.points else ()
     return Plausibility(sigma, expected, mistake, kept, unexplained)
@@ -144,9 +152,21 @@ def _beyond_plates(file: StarFile) -> bool:
 
 
 def implausible_residuals(
-    fit: AttitudeFit, stars: StarField, reading_sigma: float | None, unit: str
+    fit: AttitudeFit,
+    stars: StarField,
+    reading_sigma: float | None,
+    unit: str,
+    interstar: float,
 ) -> str:
-    """Describe what the residuals should be, as a clause; empty if they are plausible."""
+    """Describe what the residuals should be, as a clause; empty if they are plausible.
+
+    Args:
+        fit: the solution
+        stars: its problem
+        reading_sigma: standard deviation of an image coordinate, if it is known, image units
+        unit: the image unit
+        interstar: that standard deviation by the interstar angles; NaN if unknown
+    """
     focal = float(stars.focal_length_mm[0])
     if reading_sigma is not None:
         from scipy.special import chdtrc  # slow to import, and most files do without
@@ -154,7 +174,6 @@ def implausible_residuals(
         ratio = fit.variance_mm2 / reading_sigma**2
         large = chdtrc(fit.freedom, fit.freedom * ratio) < IMPLAUSIBLE_CHANCE
         return f"the stated sigma allows {reading_sigma:.3g} {unit}" if large else ""
-    interstar = interstar_reading_sigma_mm(stars)
     ratio = MIRROR_RATIO if int(stars.count) > FEW else MIRROR_RATIO_OF_FEW
     known = bool(np.isfinite(interstar))  # it takes three stars
     if known and fit.variance_mm2 > max(ratio * interstar, ROUNDING * focal) ** 2:
@@ -423,6 +442,7 @@ def one_mistake(
     fit: AttitudeFit,
     axes: ImageAxes,
     outliers: list[Outlier],
+    camera: tuple[Mistake[Corrected], ...] = CAMERA_MISTAKES,
 ) -> Explanation | None:
     """Find the usual mistake that, corrected, makes the residuals much smaller; None if none does.
 
@@ -432,8 +452,9 @@ def one_mistake(
         fit: the solution of the stars as they are
         axes: how the file's image coordinates were read
         outliers: stars that do not fit the others
+        camera: the mistakes of the camera that are tried
     """
-    cameras = tried(CAMERA_MISTAKES, file, stars, fit, axes)
+    cameras = tried(camera, file, stars, fit, axes)
     others = tried((*IMAGE_MISTAKES, *DIRECTION_MISTAKES), file, stars, fit, axes)
     wrong = tried((star_mistake(outliers),), file, stars, fit, axes)
     best = simplest([*others, *cameras, *wrong])
@@ -442,6 +463,22 @@ def one_mistake(
     several = likeliest(tried(SEVERAL_OF_CAMERA, file, stars, fit, axes), AS_GOOD)
     better = several is not None and several.residual**2 * LEAST_GAIN < best.residual**2
     return several if better else best
+
+
+NOTICED = 3.0
+"""How many times smaller a camera must make the variance by its derivatives to be solved for.
+
+To be named it must do so `LEAST_GAIN` times."""
+
+
+def camera_may_explain(stars: StarField, fit: AttitudeFit) -> bool:
+    """Test whether a camera makes plausible residuals much smaller, without solving for it.
+
+    All of its unknowns together are estimated from their derivatives at the stated camera.
+    """
+    square = fit.variance_mm2 * fit.freedom
+    left = least_square(stars, fit.matrix)
+    return not left * NOTICED > square
 
 
 def two_mistakes(

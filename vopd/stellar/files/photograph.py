@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,6 +54,7 @@ from vopd.stellar.methods.run import (
     single_solution,
     solve_by_methods,
 )
+from vopd.stellar.outlier_search import FittedStars, OutlierStart, fit_together
 from vopd.stellar.sky import EQUATORIAL, FileSky, SkyRequest, sky_directions, sky_pointing
 
 
@@ -167,23 +169,53 @@ def solve_photographs(
     several = len(files) > 1 or len(names) > 1
     photographs = []
     missing = None
-    for file, label in zip(files, _labels(files, several=several), strict=True):
-        try:
-            photographs.append(solve_photograph(file, request, label))
-        except InputError as error:
+    labels = _labels(files, several=several)
+    for one in chain.from_iterable(
+        _solve_together(files[k : k + TOGETHER], labels[k : k + TOGETHER], request)
+        for k in range(0, len(files), TOGETHER)
+    ):
+        if isinstance(one, SolvedPhotograph):
+            photographs.append(one)
+        elif isinstance(one, MissingOption):
+            findings.append(("unsolvable", Finding(str(one))))
+            missing, failed = missing or one, True
+        else:
             if not several and not failed:
-                raise
-            findings.append(("unsolvable", error.finding))
+                raise one
+            findings.append(("unsolvable", one.finding))
             failed = True
-        except MissingOption as error:
-            findings.append(("unsolvable", Finding(str(error))))
-            missing, failed = missing or error, True
     if missing is not None and not photographs:
         raise missing
     findings += chain.from_iterable(one.findings for one in photographs)
     statuses = {1} if failed else {one.status for one in photographs}
     status = next((status for status in (1, 3) if status in statuses), 0)
     return photographs, counted(findings), status
+
+
+TOGETHER = 100
+"""How many photographs are solved together: more are no quicker."""
+
+
+def _solve_together(
+    files: Sequence[StarFile], labels: Sequence[str], request: StarRequest
+) -> Iterator[SolvedPhotograph | InputError | MissingOption]:
+    """Solve some photographs; those of as many stars at once."""
+    read: list[StarProblem | InputError | MissingOption] = []
+    for file in files:
+        try:
+            read.append(star_problem(file, request))
+        except (InputError, MissingOption) as error:
+            read.append(error)
+    usual = [one for one in read if isinstance(one, StarProblem) and one.judged_as_read]
+    fitted = iter(fit_together([one.stars for one in usual], usual[0].start) if usual else [])
+    for one, label in zip(read, labels, strict=True):
+        if not isinstance(one, StarProblem):
+            yield one
+            continue
+        try:
+            yield solve_problem(one, label, next(fitted) if one.judged_as_read else None)
+        except InputError as error:
+            yield error
 
 
 def read_photographs(name: str, report: Report) -> list[StarFile]:
@@ -226,13 +258,44 @@ MOST_STARS_IN_PAIRS = 200
 """How many stars are solved by all pairs, which then are 19,900."""
 
 
-def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
-    """Solve one photograph.
+class StarProblem(NamedTuple):
+    """One photograph as a problem.
+
+    Attributes:
+        file: its stars as they were read
+        request: what to solve it for, with its own date
+        options: how to solve it, with its own reading sigma
+        stars: the problem
+        sky: directions, frame and date; None for a resection
+        resected: the solution of a resection
+        findings: warnings
+    """
+
+    file: StarFile
+    request: StarRequest
+    options: StarOptions
+    stars: StarField
+    sky: FileSky | None
+    resected: tuple[SolvedStars, ...]
+    findings: tuple[KindOfFinding, ...]
+
+    @property
+    def judged_as_read(self) -> bool:
+        """Whether the residuals of the stars as they were read are tested."""
+        return self.request.pair is None and not self.request.free
+
+    @property
+    def start(self) -> OutlierStart:
+        """From which half of the stars the search for outliers begins."""
+        return "pairs" if self.request.edit_by_pairs else "interstar"
+
+
+def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
+    """Make the problem of one photograph.
 
     Args:
         file: its stars
         request: what to solve it for
-        label: what tells it from others
 
     Raises:
         InputError: no method can solve it.
@@ -261,25 +324,63 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         if options.reading_sigma_mm is not None:
             raise file.error("the file has standard deviations: no --reading-sigma")
         options = replace(options, reading_sigma_mm=sigma)
-    sigma = options.reading_sigma_mm
-
+    doubts: list[KindOfFinding] = []
+    resected: list[SolvedStars] = []
     if sky is None:
-        stars, solution, doubts = solve_resection(file, points, focal, errors, sigma)
-        solved = [solution]
+        stars, solution, doubts = solve_resection(
+            file, points, focal, errors, options.reading_sigma_mm
+        )
+        resected = [solution]
     else:
         stars = StarField.of(sky.directions, points, focal, errors=errors)
     refuse_unsolvable(file, stars)
-    judged = _judged(file, stars, request, sigma)
+    findings = (*doubts, *((f"note {k}", one) for k, one in enumerate(notes)))
+    return StarProblem(file, request, options, stars, sky, tuple(resected), findings)
+
+
+def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
+    """Solve one photograph.
+
+    Args:
+        file: its stars
+        request: what to solve it for
+        label: what tells it from others
+
+    Raises:
+        InputError: no method can solve it.
+        MissingOption: the file needs an option that is not given.
+    """
+    return solve_problem(star_problem(file, request), label)
+
+
+def solve_problem(
+    problem: StarProblem, label: str, fitted: FittedStars | None = None
+) -> SolvedPhotograph:
+    """Solve one photograph as `solve_photograph` does.
+
+    Args:
+        problem: its problem
+        label: what tells it from others
+        fitted: its collinearity solution, if it is known
+
+    Raises:
+        InputError: no method can solve it.
+    """
+    file, request, options, stars, sky = problem[:5]
+    sigma = options.reading_sigma_mm
+    judged = _judged(problem, fitted)
     outliers = [outlier.star for outlier in judged.outliers] if request.rejects else []
-    used = np.setdiff1d(np.arange(count), outliers)
+    used = np.setdiff1d(np.arange(len(file.lines)), outliers)
+    doubts: list[KindOfFinding] = []
+    solved = list(problem.resected)
     if request.free and sky is not None:
         stars, solution, doubts = solve_calibration(file, stars, used, request, sigma)
         solved = [solution]
     elif sky is not None:
         methods, pairs = _methods(file, request), _pairs(file, request)
-        solved, doubts = solve_by_methods(stars, methods, pairs, options, used), []
+        solved = solve_by_methods(stars, methods, pairs, options, used, fitted)
 
-    findings = [*doubts, *((f"note {k}", one) for k, one in enumerate(notes))]
+    findings = [*doubts, *problem.findings]
     findings += chain.from_iterable(explain(one, file, stars) for one in solved)
     findings += _only_one_pair(solved, file, request)
     findings += explain_plausibility(judged, file, rejected=request.rejects)
@@ -345,16 +446,15 @@ def photograph_directions(file: StarFile, request: StarRequest, report: Report) 
     return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
 
 
-def _judged(
-    file: StarFile, stars: StarField, request: StarRequest, sigma: float | None
-) -> Plausibility:
+def _judged(problem: StarProblem, fitted: FittedStars | None) -> Plausibility:
     """Test the residuals of all stars, with the camera that fits them if one is solved."""
+    file, request, options, stars = problem[:4]
+    sigma = options.reading_sigma_mm
     if request.pair is not None:
         return Plausibility(0.0)
 
     def judgement(stars: StarField) -> Plausibility:
-        start = "pairs" if request.edit_by_pairs else "interstar"
-        return judge(file, stars, sigma, request.axes, start)  # type: ignore[arg-type]
+        return judge(file, stars, sigma, request.axes, problem.start, fitted)
 
     if not request.free:
         return judgement(stars)

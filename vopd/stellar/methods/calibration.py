@@ -115,6 +115,27 @@ def calibrate(
 
 
 @np.errstate(all="ignore")
+def least_square(field: StarField, matrix: Floats) -> float:
+    """Estimate how small attitude and lens together can make the sum of squares of the residuals.
+
+    It is linear: from the derivatives at the stated lens, for residuals that are small.
+
+    Args:
+        field: one problem
+        matrix: its attitude with the stated lens, (3, 3)
+    """
+    values = np.array(LensOfStars(float(field.focal_length_mm[0])))
+    computed, design = _computed(field, matrix, values)
+    rows = field.whitened(design).reshape(-1, 3 + len(UNKNOWNS))
+    side = field.whitened(field.image_mm - computed).ravel()
+    length = np.sqrt((rows**2).sum(axis=0))
+    if len(rows) <= rows.shape[1] or not (np.isfinite(rows).all() and (length > 0.0).all()):
+        return 0.0
+    columns, _ = np.linalg.qr(rows / length)
+    return float(side @ side - ((side @ columns) ** 2).sum())
+
+
+@np.errstate(all="ignore")
 def without_lens(image: Floats, lens: LensOfStars) -> Floats:
     """Remove the lens from images, (n, 2); NaN outside the lens's field."""
     x, y = ((image - [lens.centre_x, lens.centre_y]) / lens.focal).T

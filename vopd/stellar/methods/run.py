@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from vopd.stellar.methods.single_rotation import AngleRule, single_rotation
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.methods.wahba import wahba
 from vopd.stellar.methods.weights import WeightRule
-from vopd.stellar.outlier_search import fit_attitude
+from vopd.stellar.outlier_search import FittedStars, fit_attitude
 from vopd.stellar.solution import RotationChoice, StarSolution
 from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG, angle_sigmas_rad, boresight_region
 
@@ -138,7 +139,7 @@ class SolvedStars:
         """
         values = {
             f"{name}_{unit}" if name in IN_IMAGE_UNITS else name: value
-            for name, value in asdict(self).items()
+            for name, value in vars(self).items()
             if value is not None
         }
         del values["failure"]
@@ -214,7 +215,7 @@ def split_solutions(
     spread = covariance * sigma**2
     angle_sigmas = np.degrees(angle_sigmas_rad(solution.rotation(), spread))
     semi_axes, longer = boresight_region(solution.rotation(), spread, freedom)
-    factor = float(covariance_factor_95(np.asarray(np.inf if freedom is None else float(freedom))))
+    factor = _factor_95(freedom)
     alike = problems.errors is None and solution.weights is None
     found = []
     for k, stars in enumerate(subsets):
@@ -256,6 +257,11 @@ def split_solutions(
         known = stated[k] and failure != Failure.NO_CONVERGENCE
         found.append(one if known else one.without_uncertainty())
     return found
+
+
+@lru_cache
+def _factor_95(freedom: int | None) -> float:
+    return float(covariance_factor_95(np.asarray(np.inf if freedom is None else float(freedom))))
 
 
 def single_solution(
@@ -355,6 +361,7 @@ def solve_by_methods(
     pairs: Ints | None = None,
     options: StarOptions | None = None,
     subset: Ints | None = None,
+    fitted: FittedStars | None = None,
 ) -> list[SolvedStars]:
     """Solve one star field by several methods.
 
@@ -366,13 +373,18 @@ def solve_by_methods(
             1 and 2 by the methods for two, as their programs do
         options: how to solve
         subset: without `pairs`, use only these stars, counted from 0
+        fitted: all stars with their collinearity solution, if it is known
 
     Returns:
         The solutions, those that failed among them.
     """
     options = options or StarOptions()
     everyone = np.arange(stars.used.shape[-1]) if subset is None else subset
-    sigma, freedom, least = _reading_sigma(stars.select(everyone), options)
+    if len(everyone) < stars.used.shape[-1]:
+        fitted = None
+    sigma, freedom, least = _reading_sigma(stars.select(everyone), options, fitted)
+    usual = (options.initial_deg, options.start, options.weights, options.corrections)
+    by_default = usual == (None, "svd", "uniform", None)
     disagreement = None
     if pairs is not None and len(pairs) > 1:
         disagreement, _ = star_disagreement_arcsec(stars)
@@ -385,7 +397,10 @@ def solve_by_methods(
         else:
             continue
         problems = stars.select(subsets)
-        solution = _solution(method, problems, options)
+        if fitted is not None and by_default and pairs is None and method == "collinearity":
+            solution = fitted.solution
+        else:
+            solution = _solution(method, problems, options)
         covariance = _covariance(method, problems, solution, options)
         solved += split_solutions(
             method,
@@ -403,7 +418,9 @@ def solve_by_methods(
     return solved
 
 
-def _reading_sigma(stars: StarField, options: StarOptions) -> tuple[float, int | None, float]:
+def _reading_sigma(
+    stars: StarField, options: StarOptions, fitted: FittedStars | None
+) -> tuple[float, int | None, float]:
     """Choose the reading sigma: as given, or from the residuals of all stars.
 
     With robust weights, where wrong stars are expected among the residuals, it is
@@ -415,10 +432,10 @@ def _reading_sigma(stars: StarField, options: StarOptions) -> tuple[float, int |
     """
     if options.reading_sigma_mm is not None:
         return options.reading_sigma_mm, None, options.reading_sigma_mm
-    interstar = interstar_reading_sigma_mm(stars)
     if int(stars.count) < 3:
         return np.nan, None, np.nan
-    fit = fit_attitude(stars)
+    interstar = fitted.interstar_mm if fitted else float(interstar_reading_sigma_mm(stars))
+    fit = fitted.fit if fitted else fit_attitude(stars)
     by_residuals = float(np.sqrt(fit.variance_mm2))
     robust = options.weights == "robust" or not np.isfinite(by_residuals)
     sigma = interstar if robust else by_residuals

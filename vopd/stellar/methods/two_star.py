@@ -60,13 +60,7 @@ def closed_form(field: StarField) -> Floats:
     """
     if field.used.shape[-1] < 2:
         return np.full((*field.used.shape[:-1], 3, 3), np.nan)
-    index = widest_pair(field)
-    pair = StarField(
-        np.take_along_axis(field.directions, index[..., None], axis=-2),
-        np.take_along_axis(field.image_mm, index[..., None], axis=-2),
-        field.focal_length_mm,
-        np.take_along_axis(field.used, index, axis=-1),
-    )
+    pair = field.select_each(widest_pair(field))
     return orientation_matrix(omega_phi_kappa_deg(two_star(pair).matrix))
 
 
