@@ -27,6 +27,7 @@ from vopd.stellar.methods.calibration import (
     LensOfStars,
     calibrate,
     calibrate_from_both_starts,
+    calibrate_together,
     estimated_start,
     without_lens,
 )
@@ -74,6 +75,44 @@ def test_counted_errors_have_the_stated_covariance() -> None:
         squares.append(error @ np.linalg.solve(covariance, error))
     assert np.abs(np.std(scaled, axis=0) - 1.0).max() < within("rae resection sigma")
     assert abs(np.mean(squares) / 7.0 - 1.0) < within("rae resection sigma")
+
+
+def test_photographs_share_one_camera() -> None:
+    """Three attitudes and one lens: scipy's least squares of all 13 unknowns at once."""
+    rng, fields, looks = np.random.default_rng(11), [], []
+    for count in (6, 12, 20):
+        tangents = sky(count, seed=count)
+        look = Rotation.from_rotvec(rng.normal(0.0, 1.0, 3)).as_matrix()
+        rays = np.column_stack([tangents, np.full(count, -1.0)])
+        stars = rays / np.linalg.norm(rays, axis=1)[:, None] @ look
+        read = images_of(tangents) + rng.normal(0.0, SIGMA, (count, 2))
+        fields.append(StarField.of(stars, read, FOCAL))
+        looks.append(look)
+    found = calibrate_together(fields, [calibrate(f, wahba(f).matrix, UNKNOWNS) for f in fields])
+    assert found is not None
+
+    def residuals(at: np.ndarray) -> np.ndarray:
+        out, (focal, centre, k1) = [], (at[9] * FOCAL, at[10:12] * FOCAL, at[12])
+        for k, field in enumerate(fields):
+            turn = Rotation.from_rotvec(at[3 * k : 3 * k + 3]).as_matrix()
+            ray = field.directions @ (turn @ looks[k]).T
+            tangents = ray[:, :2] / -ray[:, 2:]
+            r2 = (tangents**2).sum(axis=1, keepdims=True)
+            out.append(centre + focal * tangents * (1.0 + k1 * r2) - field.image_mm)
+        return np.concatenate(out).ravel()
+
+    start = np.concatenate([np.zeros(9), [1.0, 0.0, 0.0, 0.0]])
+    dense = least_squares(residuals, start, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    sigma = np.sqrt(np.diag(np.linalg.inv(dense.jac.T @ dense.jac)))
+    lens = np.array([FOCAL, FOCAL, FOCAL, 1.0])
+    for k, one in enumerate(found):
+        own = np.sqrt(np.diag(one.covariance))
+        assert_close("rae sigma by scipy", own[3:] / (sigma[9:] * lens), 1.0)
+        turn = Rotation.from_rotvec(dense.x[3 * k : 3 * k + 3]).as_matrix() @ looks[k]
+        assert np.abs(one.matrix - turn).max() < within("rae weighted element")
+        away = (np.array(one.lens) - dense.x[9:] * lens) / own[3:]
+        assert np.abs(away).max() < within("rae sigma by scipy")
+        assert one.freedom == 2 * 38 - 9 - 4
 
 
 def written(images: np.ndarray, stars: np.ndarray) -> str:

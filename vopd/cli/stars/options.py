@@ -199,7 +199,7 @@ _METHOD_OPTIONS = (
         metavar="focal,centre,k1",
         callback=camera_parameters,
         help="Solve these with the attitude: principal distance, principal point, radial "
-        "distortion.",
+        "distortion. Several photographs share them.",
     ),
     click.option(
         "--resection",

@@ -41,7 +41,9 @@ from vopd.stellar.files.read import (
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.calibration import (
     PARAMETERS,
+    Calibration,
     calibrate_from_both_starts,
+    calibrate_together,
     without_lens,
 )
 from vopd.stellar.methods.resection import LEAST, LIMIT, resection
@@ -78,6 +80,7 @@ class StarRequest:
         sky: date and place of the photograph, and files about stars
         free: what of the camera is solved with the attitude: focal, centre, k1
         options: how to solve
+        shared: the solution of one photograph with the camera of all, if there are several
     """
 
     axes: ImageAxes
@@ -94,6 +97,7 @@ class StarRequest:
     sky: SkyRequest = field(default_factory=SkyRequest)
     free: tuple[str, ...] = ()
     options: StarOptions = field(default_factory=StarOptions)
+    shared: Calibration | None = None
 
     @property
     def rejects(self) -> bool:
@@ -184,6 +188,7 @@ def solve_photographs(
                 raise one
             findings.append(("unsolvable", one.finding))
             failed = True
+    photographs = _with_one_camera(photographs, request)
     if missing is not None and not photographs:
         raise missing
     findings += chain.from_iterable(one.findings for one in photographs)
@@ -216,6 +221,40 @@ def _solve_together(
             yield solve_problem(one, label, next(fitted) if one.judged_as_read else None)
         except InputError as error:
             yield error
+
+
+def _with_one_camera(
+    photographs: list[SolvedPhotograph], request: StarRequest
+) -> list[SolvedPhotograph]:
+    """Solve photographs again with the one camera that took them all.
+
+    Where units differ, or the solution of all does not converge, each keeps its own.
+    """
+    own = [one for one in photographs if one.solved and one.solved[0].camera is not None]
+    units = {one.file.unit for one in own}
+    if not request.free or request.resection or len(own) < 2 or len(units) > 1:
+        return photographs
+    unknowns = tuple(name for one in PARAMETERS if one in request.free for name in PARAMETERS[one])
+    fields = []
+    for one in own:
+        points, focal = centred_images(one.file, request.axes)
+        read = replace(
+            one.stars,
+            image_mm=points,
+            focal_length_mm=np.full_like(one.stars.focal_length_mm, focal),
+        )
+        fields.append(read.select(one.used))
+    starts = [calibrate_from_both_starts(one, unknowns) for one in fields]
+    found = calibrate_together(fields, starts)
+    if found is None:
+        return photographs
+    camera = {id(one): shared for one, shared in zip(own, found, strict=True)}
+    return [
+        solve_photograph(one.file, replace(request, shared=camera[id(one)]), one.label)
+        if id(one) in camera
+        else one
+        for one in photographs
+    ]
 
 
 def read_photographs(name: str, report: Report) -> list[StarFile]:
@@ -625,7 +664,7 @@ def solve_calibration(
     needed = (3 + len(unknowns)) // 2 + 1
     if len(used) < needed:
         raise file.error(f"{option} takes {needed} stars at least")
-    found = calibrate_from_both_starts(stars.select(used), unknowns)
+    found = request.shared or calibrate_from_both_starts(stars.select(used), unknowns)
     if found.failure == Failure.SINGULAR:
         raise file.error(f"{option}: the stars do not determine it")
     if found.failure != Failure.NONE:

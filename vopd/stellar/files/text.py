@@ -34,6 +34,8 @@ def as_text(photographs: Sequence[SolvedPhotograph], *, robust: bool = False) ->
     if len(rows) == 1:
         photograph, one = rows[0]
         pages.append(_details(one, photograph.file, robust=robust))
+    elif rows and rows[0][1].camera is not None:
+        pages += _cameras(rows)
     epochs = dict.fromkeys(one.epoch for one in photographs if one.epoch and one.solved)
     if epochs:
         pages.append("".join(f"right ascension and declination: {epoch}\n" for epoch in epochs))
@@ -94,12 +96,8 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
         lines += ["", f"no standard deviations: {text}"]
     if one.sky is not None:
         lines += ["", *_pointing(one.sky)]
-    if one.camera is not None and one.camera_sigmas is not None:
-        lines.append("")
-        for name, value in one.camera.items():
-            sigma = one.camera_sigmas[name]
-            unit = "" if name == "k1" else f" {file.unit}"
-            lines.append(f"{name} {value:.8g}{unit}, standard deviation {sigma:.2g}{unit}")
+    if one.camera is not None:
+        lines += ["", *_camera(one, file.unit)]
     if one.camera_m is not None and one.camera_sigma_m is not None:
         place = " ".join(f"{value:.3f}" for value in one.camera_m)
         sigmas = " ".join(f"{value:.3f}" for value in one.camera_sigma_m)
@@ -122,6 +120,29 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     if reduced:
         lines.append(f"* weight below {REDUCED_WEIGHT:g}: the star is not in the rms")
     return "\n".join(lines) + "\n"
+
+
+def _camera(one: SolvedStars, of_file: str) -> list[str]:
+    """Format what was solved of the camera."""
+    lines = []
+    for name, value in (one.camera or {}).items():
+        sigma = (one.camera_sigmas or {}).get(name)
+        unit = "" if name == "k1" else f" {of_file}"
+        stated = "" if sigma is None else f", standard deviation {sigma:.2g}{unit}"
+        lines.append(f"{name} {value:.8g}{unit}{stated}")
+    return lines
+
+
+def _cameras(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> list[str]:
+    """Format the camera of several photographs: one, or one each."""
+    by_camera: dict[tuple[str, ...], list[str]] = {}
+    for photograph, one in rows:
+        lines = tuple(_camera(one, photograph.file.unit))
+        by_camera.setdefault(lines, []).append(photograph.label)
+    if len(by_camera) == 1:
+        ((lines, labels),) = by_camera.items()
+        return ["\n".join([f"one camera of {count_text(len(labels), 'photograph')}", *lines, ""])]
+    return ["\n".join([f"camera of {', '.join(of)}", *own, ""]) for own, of in by_camera.items()]
 
 
 def _pointing(sky: dict[str, float]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -112,6 +113,79 @@ def calibrate(
         if not values[0] > 0.0:
             break
     return _failed(Failure.NO_CONVERGENCE, matrix, values, free, freedom, LIMIT)
+
+
+def calibrate_together(
+    fields: Sequence[StarField], starts: Sequence[Calibration]
+) -> list[Calibration] | None:
+    """Solve the attitudes of several photographs, and the one lens that took them.
+
+    The attitude of each photograph is eliminated; what is left is a problem of the lens alone.
+
+    Args:
+        fields: a problem each, its images as they were read, from about the principal point
+        starts: each with a lens of its own; the lens that its photograph holds best begins
+
+    Returns:
+        A solution for each photograph, with the same lens; None where it does not converge.
+    """
+    free = starts[0].free
+    index, k = [UNKNOWNS.index(name) for name in free], len(free)
+    best = min(starts, key=lambda one: float(np.trace(one.covariance[3:, 3:])))
+    values, matrices = np.array(best.lens), [one.matrix for one in starts]
+    freedom = max(2 * sum(int(one.count) for one in fields) - 3 * len(fields) - k, 1)
+    steps = 0
+    while steps < LIMIT:
+        steps += 1
+        parts, squares = [], 0.0
+        for field, matrix in zip(fields, matrices, strict=True):
+            computed, design = _computed(field, matrix, values)
+            rows = field.whitened(design[..., [0, 1, 2, *(3 + n for n in index)]])
+            rows = rows.reshape(-1, 3 + k)
+            side = field.whitened(field.image_mm - computed).ravel()
+            if not np.isfinite(rows).all():
+                return None
+            q, r = np.linalg.qr(rows[:, :3])
+            parts.append((q, r, rows[:, 3:], side))
+            squares += float(side @ side)
+        reduced = np.concatenate([by_lens - q @ (q.T @ by_lens) for q, _, by_lens, _ in parts])
+        left = np.concatenate([side - q @ (q.T @ side) for q, _, _, side in parts])
+        length = np.sqrt((reduced**2).sum(axis=0))
+        if not (length > 0.0).all():
+            return None
+        scaled, _, rank, _ = np.linalg.lstsq(reduced / length, left, rcond=SINGULAR)
+        if rank < k:
+            return None
+        change = scaled / length
+        turns = [np.linalg.solve(r, q.T @ (s - by @ change)) for q, r, by, s in parts]
+        moved = max(
+            float(np.abs(q @ (r @ turn) + by @ change).max())
+            for (q, r, by, _), turn in zip(parts, turns, strict=True)
+        )
+        if moved < SETTLED * values[0]:
+            break
+        matrices = [turned(m[None], t[None])[0] for m, t in zip(matrices, turns, strict=True)]
+        values = values.copy()
+        values[index] += change
+        if not values[0] > 0.0:
+            return None
+    else:
+        return None
+    of_lens, found = inverse(reduced.T @ reduced), []
+    for (q, r, by, _), field, matrix in zip(parts, fields, matrices, strict=True):
+        if not (transform(matrix, field.directions)[:, 2] < 0.0).all():
+            return None
+        alone, gain = inverse(r.T @ r), np.linalg.solve(r, q.T @ by)
+        turn = alone + gain @ of_lens @ gain.T
+        covariance = np.block([[turn, -gain @ of_lens], [-of_lens @ gain.T, of_lens]])
+        growth = float(np.sqrt(np.trace(turn) / np.trace(alone)))
+        found.append(
+            Calibration(
+                Failure.NONE, matrix, LensOfStars(*values.tolist()), free, covariance, growth,
+                squares / freedom, freedom, steps,
+            )
+        )  # fmt: skip
+    return found
 
 
 @np.errstate(all="ignore")
