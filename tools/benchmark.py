@@ -24,19 +24,23 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
+import sized
 from oracle.plain import compile_plain, padded
 
 ROOT = Path(__file__).resolve().parent.parent
 CASE_1 = ROOT / "decks" / "appendix_h" / "case1.dat"
 UNEVEN = ROOT / "tools" / "uneven_deck.py"
 PANDAS = ROOT / "tools" / "flight_by_pandas.py"
+SCIPY = ROOT / "tools" / "stars_by_scipy.py"
 VOPD = (sys.executable, "-m", "vopd")
 ENDED_WELL = (0, 3)  # exit statuses; 3: some frame did not converge
 LONG, JOBS = 9000, 10  # frames of a deck, and how many such decks are stacked
 LISTS = {40: ("--swing=33",), 6: ("--swing=2", "--focal=6")}  # options that need so many landmarks
+KINDS = ("start", "deck", "small", "flight", "stars", "refused", "check", "camera")
 IGNORED = ("nothing", "frames", "everywhere")
 DECKS, SHORT = 500, 20  # small decks, and the frames of each
 FLIGHT, LONG_FLIGHT = 1000, 10_000  # frames of six picks
+REFUSED = 1  # the exit status of what cannot be read
 
 
 class Cost(NamedTuple):
@@ -70,7 +74,8 @@ class Bench:
     def rows(self, only: str) -> Iterator[Row]:
         """All measurements, or those of one kind."""
         kinds = {"start": self.start_up, "deck": self.decks, "small": self.small_decks}
-        kinds["flight"] = self.flights
+        kinds |= {"flight": self.flights, "stars": self.stars, "refused": self.refused}
+        kinds |= {"check": self.checks, "camera": self.cameras}
         for kind, measure in kinds.items():
             if only in ("", kind):
                 yield from measure()
@@ -122,6 +127,64 @@ class Bench:
             else:
                 yield self._row(f"{title} / 1.2 s, 200 MB", ours, lambda: Cost(1.2, 1.2, 200), 1.0)
 
+    def stars(self) -> Iterator[Row]:
+        """Photographs of stars against a loop of scipy's align_vectors."""
+        file = sized.made("photographs", self.directory / "stars.csv", 1000, 30)
+        focal, table = str(sized.FOCAL_MM), str(self.directory / "stars_table.csv")
+        solve = ("stars", "solve", str(file), "--focal", focal, "-q", "-o", table)
+        rival = self._command((sys.executable, str(SCIPY), str(file), focal, table))
+        title = "`vopd stars solve`, 1,000 photographs of 30 / a loop of align_vectors"
+        yield self._row(title, self._command((*VOPD, *solve)), rival, 2.4)
+
+    def refused(self) -> Iterator[Row]:
+        """Large files that are not what they should be, and a large one that is."""
+        stars = sized.made("photographs", self.directory / "alone.csv", 1, 1_000_000)
+        solve = self._command((*VOPD, "stars", "solve", str(stars), "--focal", "76"), REFUSED)
+        title = "`vopd stars solve`, 1,000,000 stars in one photograph / 1 s"
+        yield self._row(title, solve, lambda: Cost(1.0, 1.0, 200), 1.0)
+        text = str(sized.made("numbers", self.directory / "numbers", 10_600_000))
+        title = "`vopd diff` of two files of 95 MB that are no listings / 5 s"
+        diff = self._command((*VOPD, "diff", text, text), REFUSED)
+        yield self._row(title, diff, lambda: Cost(5.0, 5.0, 100), 1.0)
+        flight = sized.made("flight", self.directory / "landmarks", 100, 50_000)
+        title = "`vopd check`, landmarks.csv of 50,000 rows / .75 s"
+        check = self._command((*VOPD, "check", str(flight)))
+        yield self._row(title, check, lambda: Cost(0.75, 0.75, 100), 1.0)
+
+    def checks(self) -> Iterator[Row]:
+        """`check` against the command that solves."""
+        for title, file in (
+            ("999 jobs", sized.made("jobs", self.directory / "jobs.dat", 999)),
+            ("64,000 frames", sized.made("deck", self.directory / "frames.dat", 64_000)),
+        ):
+            check = self._command((*VOPD, "check", str(file)))
+            yield self._row(f"`vopd check` / `run`, {title}", check, self._vopd([file]), 1.0)
+        flight = str(sized.made("flight", self.directory / "picks", 66_667))
+        check = self._command((*VOPD, "check", flight))
+        table = str(self.directory / "table.csv")
+        solve = self._command((*VOPD, "attitude", flight, "-q", "-o", table))
+        yield self._row("`vopd check` / `attitude`, 400,000 picks", check, solve, 1.0)
+
+    def cameras(self) -> Iterator[Row]:
+        """A batch of decks of different cameras against one of equal ones."""
+        folders = [self.directory / name for name in ("different", "equal")]
+        for folder in folders:
+            folder.mkdir()
+        for k in range(DECKS):
+            deck = self._demo(3, k % 20, "--landmarks=4").read_text()
+            (folders[0] / f"{k}.dat").write_text(sized.with_focal(deck, 10.4 + 0.001 * k))
+            (folders[1] / f"{k}.dat").write_text(deck)
+
+        def batch(folder: Path) -> Callable[[], Cost]:
+            def run() -> Cost:
+                outputs = tempfile.mkdtemp(dir=self.directory)
+                return self._run((*VOPD, "batch", "-q", str(folder), "-d", outputs))
+
+            return run
+
+        title = f"`vopd batch`, {DECKS} decks of different cameras / of equal ones"
+        yield self._row(title, *map(batch, folders), 1.1)
+
     def _deck_row(self, title: str, jobs: Sequence[str]) -> Row:
         deck = self.directory / "uneven.dat"
         # a process of its own: what this one needs would count as its children's memory
@@ -168,31 +231,49 @@ class Bench:
     def _python(self, program: str) -> Callable[[], Cost]:
         return self._command((sys.executable, "-c", program))
 
-    def _command(self, command: Sequence[str]) -> Callable[[], Cost]:
-        return lambda: self._run(command)
+    def _command(self, command: Sequence[str], *ended: int) -> Callable[[], Cost]:
+        return lambda: self._run(command, ended=ended or ENDED_WELL)
 
-    def _run(self, command: Sequence[str], deck: Path | None = None) -> Cost:
-        """Run one process with its standard output in a file; RuntimeError where it fails."""
-        environment = os.environ | {"PYTHONPATH": str(ROOT)}
-        environment |= {"VOPD_TAPE10": str(self.directory / "tape_of_original")}
-        # as an installed program: compiled by the run that does not count
-        environment |= {"PYTHONPYCACHEPREFIX": str(self.directory / "compiled")}
-        environment.pop("PYTHONDONTWRITEBYTECODE", None)
-        with (
-            (self.directory / "output").open("wb") as output,
-            Path(deck or os.devnull).open("rb") as cards,
-        ):
-            begun = time.perf_counter()
-            child = subprocess.Popen(
-                command, stdin=cards, stdout=output, env=environment, cwd=self.directory
-            )
-            _, status, used = os.wait4(child.pid, 0)
-            clock_s = time.perf_counter() - begun
-        child.returncode = os.waitstatus_to_exitcode(status)
-        if child.returncode not in ENDED_WELL:
-            raise RuntimeError(f"status {child.returncode}: {' '.join(command)[:200]}")
-        peak_mb = used.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
-        return Cost(used.ru_utime + used.ru_stime, clock_s, peak_mb)
+    def _run(
+        self, command: Sequence[str], deck: Path | None = None, ended: Sequence[int] = ENDED_WELL
+    ) -> Cost:
+        return measured(command, self.directory, deck, ended)
+
+
+def measured(
+    command: Sequence[str],
+    directory: Path,
+    deck: Path | None = None,
+    ended: Sequence[int] = ENDED_WELL,
+) -> Cost:
+    """Run one process with its standard output in a file; RuntimeError where it fails.
+
+    Args:
+        command: its words
+        directory: for its output, and what it compiles
+        deck: its standard input
+        ended: exit statuses that are expected
+    """
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment |= {"VOPD_TAPE10": str(directory / "tape_of_original")}
+    # as an installed program: compiled by the run that does not count
+    environment |= {"PYTHONPYCACHEPREFIX": str(directory / "compiled")}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    with (
+        (directory / "output").open("wb") as output,
+        Path(deck or os.devnull).open("rb") as cards,
+    ):
+        begun = time.perf_counter()
+        child = subprocess.Popen(
+            command, stdin=cards, stdout=output, env=environment, cwd=directory
+        )
+        _, status, used = os.wait4(child.pid, 0)
+        clock_s = time.perf_counter() - begun
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode not in ended:
+        raise RuntimeError(f"status {child.returncode}: {' '.join(command)[:200]}")
+    peak_mb = used.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+    return Cost(used.ru_utime + used.ru_stime, clock_s, peak_mb)
 
 
 def _middle(costs: Sequence[Cost]) -> Cost:
@@ -222,7 +303,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--repeat", type=int, default=5, metavar="N", help="pairs (%(default)s)")
-    parser.add_argument("--only", default="", choices=["start", "deck", "small", "flight"])
+    parser.add_argument("--only", default="", choices=KINDS)
     arguments = parser.parse_args()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
