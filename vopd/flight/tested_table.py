@@ -73,7 +73,9 @@ def _fix_label(fix: int, flight: Flight) -> str:
         return f"fix {fix + 1}"
     first, last = (frame_label(flight, int(k)) for k in own[[0, -1]])
     if len(own) == 1:
-        return f"{first}: its fix"
+        parts = np.flatnonzero(fixes.weight[own[0]])
+        which = "fix before it" if fix == fixes.first[own[0]] + parts[0] else "fix after it"
+        return f"{first}: {which if len(parts) > 1 else 'its fix'}"
     return f"fix {fix + 1}, of {first} to {last.removeprefix('frame ')}"
 
 
