@@ -17,7 +17,7 @@ from tests.kit.simulated_films import SPHERE_1974, WGS84, Earth, Errors, Plan, j
 from tests.tolerances import within
 from vopd.arrays import Floats
 from vopd.convert.feature import (
-    coordinates_at,
+    STEP,
     coordinates_of,
     deck_with_landmark,
     locate_feature,
@@ -27,6 +27,7 @@ from vopd.convert.feature import (
 from vopd.convert.feature_trials import FeatureTrials, search_feature
 from vopd.errata import NO_FIXES, Fixes, fixes
 from vopd.findings import VopdError
+from vopd.flight.coordinates import coordinates_at
 from vopd.job import Job
 from vopd.synthetic import Plan as DemoPlan
 from vopd.synthetic.flight import make
@@ -199,7 +200,9 @@ def test_coordinates_of_a_position_and_back(earth: Earth, chosen: Fixes) -> None
     """The position by the Earths of the films, which are apart from the package."""
     there = np.array([33.1, -106.4, 5432.1])
     position = earth.place(*there[:, None])[0]
-    found = coordinates_at(position, there + OFF, chosen)
+    found = coordinates_at(
+        position[None], (there + OFF)[None], lambda at: place_m(at, chosen), STEP.tolist()
+    )[0]
     assert (np.abs(found - there) * FEET).max() < within("feature without noise")
     assert np.abs(place_m(found[None], chosen)[0] - position).max() < within("flight position")
 

@@ -24,11 +24,10 @@ from vopd.cli.new import write_project
 from vopd.flight.adjust import Adjustment, adjust
 from vopd.flight.adjusted_project import (
     adjusted_project,
-    moved_coordinates,
     opencv_text,
     toml_value,
 )
-from vopd.flight.coordinates import HeightDatum, earth_centred_positions
+from vopd.flight.coordinates import STEPS, HeightDatum, coordinates_at, earth_centred_positions
 from vopd.flight.files import InputFile
 from vopd.flight.formats.lens import LensQuestion, read_opencv
 from vopd.flight.project import read_project
@@ -354,5 +353,5 @@ def test_coordinates_are_moved_in_their_own_system(crs: str | None) -> None:
         return earth_centred_positions(coordinate, crs is None, crs, HeightDatum("ellipsoid"), "x")
 
     wanted = positions(before) + np.array([[3.0, -40.0, 7.0], [-0.5, 0.25, 100.0]])
-    found = moved_coordinates(before, crs is None, wanted, positions)
+    found = coordinates_at(wanted, before, positions, STEPS[crs is None])
     assert_close("moved position", positions(found), wanted)

@@ -37,7 +37,6 @@ COLUMNS = (
 )
 """Of the table as CSV and JSON; the text has blanks for underscores."""
 NOT_STATED = "none"
-NAME, COVARIANCE = "flight.toml", "covariance.json"
 SHOWN = 0.3  # correlation in a text: the other formats have all
 
 
@@ -163,6 +162,9 @@ def command(
         made = adjusted_deck(source, job, names, fixes, landmark_sigma, output, quiet)
     else:
         if output is not None:
+            from vopd.flight.adjusted_project import COVARIANCE
+            from vopd.flight.new import NAME
+
             refuse_existing(Path(output), [NAME, COVARIANCE])
         made, project = _adjusted(source, names, test)
         if output is not None:
@@ -261,10 +263,12 @@ def as_text(made: Adjustment, correlations: bool) -> str:
         made: the adjustment
         correlations: whether they are to follow
     """
+    from vopd.flight.tested_table import aligned
+
     head = [name.replace("_", " ") for name in COLUMNS]
     lines = [_solved_text(made)]
     if made.parameters:
-        lines += ["", *_aligned([head, *map(_text_row, made.parameters)])]
+        lines += ["", *aligned([head, *map(_text_row, made.parameters)], {0, 1, 7, 8})]
     if correlations:
         lines += ["", *_pairs(made)]
     return "\n".join(lines) + "\n"
@@ -272,6 +276,8 @@ def as_text(made: Adjustment, correlations: bool) -> str:
 
 def _pairs(made: Adjustment) -> list[str]:
     """List the pairs that are correlated most, strongest first."""
+    from vopd.flight.tested_table import aligned
+
     names, found = [one.name for one in made.parameters], []
     for k, row in enumerate(made.correlation.tolist()):
         found += [(abs(row[j]), k, j, row[j]) for j in range(k) if abs(row[j]) >= SHOWN]
@@ -279,7 +285,10 @@ def _pairs(made: Adjustment) -> list[str]:
     if not found:
         return [f"no correlation is above {SHOWN:g}"]
     rows = [["correlation", "", ""], *([f"{r:+.3f}", names[j], names[k]] for _, k, j, r in found)]
-    return [*_aligned(rows), f"(of parameters after the solve; those below {SHOWN:g} are left out)"]
+    return [
+        *aligned(rows, {0, 1, 2}),
+        f"(of parameters after the solve; those below {SHOWN:g} are left out)",
+    ]
 
 
 def _solved_text(made: Adjustment) -> str:
@@ -308,19 +317,6 @@ def _text_row(one: Parameter) -> list[str]:
         one.name, one.unit or "-", before, after, *sigmas, moved, held,
         ", ".join(one.trades_with) or "-",
     ]  # fmt: skip
-
-
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Align columns: numbers right, names left."""
-    width = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    numbers = (2, 3, 4, 5, 6) if len(width) == len(COLUMNS) else ()
-    return [
-        "  ".join(
-            cell.rjust(w) if k in numbers else cell.ljust(w)
-            for k, (cell, w) in enumerate(zip(row, width, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
 
 
 def _row(one: Parameter) -> list[object]:

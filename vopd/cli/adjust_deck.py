@@ -185,6 +185,8 @@ def _rows(found: FeatureTrials) -> list[list[object]]:
 
 
 def _text(found: FeatureTrials) -> str:
+    from vopd.flight.tested_table import aligned
+
     cells = [["job", "round", "varied", "latitude", "longitude", "altitude",
               "yaw", "pitch", "roll", "apart in", ""]]  # fmt: skip
     for row in _rows(found):
@@ -193,13 +195,7 @@ def _text(found: FeatureTrials) -> str:
             for v, d in zip(row[:-1], DECIMALS, strict=True)
         ]
         cells.append([*shown, "best" if row[-1] else ""])
-    width = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    lines = [
-        "  ".join(c.ljust(w) if k == 2 else c.rjust(w) for k, (c, w) in enumerate(zip(row, width,
-                  strict=True))).rstrip()
-        for row in cells
-    ]  # fmt: skip
-    return "\n".join(lines) + "\n"
+    return "\n".join(aligned(cells, {2})) + "\n"
 
 
 def _csv(found: FeatureTrials) -> str:

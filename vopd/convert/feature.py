@@ -21,6 +21,7 @@ from vopd.convert.deck_to_flight import M_PER_FT, deck_flight, landmark_position
 from vopd.errata import Fixes
 from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, Parameter, adjust
+from vopd.flight.coordinates import coordinates_at
 from vopd.job import Job, Landmarks
 from vopd.program.ignored import kept
 
@@ -174,7 +175,6 @@ def deck_with_landmark(content: bytes, name: str, job: Job, number: int) -> byte
 
 # The Earth of a run: coordinates of the cards, and Earth-fixed positions
 
-ROUNDS = 6
 STEP = np.array([1e-4, 1e-4, 10.0])  # of differences: the map is smooth
 
 
@@ -197,21 +197,6 @@ def by_position(coordinates: Floats, fixes: Fixes) -> Floats:
     sides = np.concatenate([coordinates + np.diag(STEP), coordinates - np.diag(STEP)])
     place = place_m(sides, fixes)
     return np.asarray(np.linalg.inv((place[:3] - place[3:]).T / (2.0 * STEP)))
-
-
-def coordinates_at(position_m: Floats, near: Floats, fixes: Fixes) -> Floats:
-    """Find the coordinates of an Earth-fixed position, (3,), by Newton's method.
-
-    Args:
-        position_m: the position, (3,)
-        near: coordinates near it, (3,)
-        fixes: those of the run, which choose its Earth
-    """
-    found = near
-    for _ in range(ROUNDS):
-        away = position_m - place_m(found[None], fixes)[0]
-        found = found + by_position(found, fixes) @ away
-    return found
 
 
 # The joint solution
@@ -287,7 +272,8 @@ def locate_feature(
     axes, stated = flight.landmarks.axes[at], flight.landmarks.position_m[at]
     moved_m = np.array([one.after - one.before for one in solved.parameters])
     before = coordinates_of(job, number)
-    after = coordinates_at(stated + axes.T @ moved_m, before, fixes)
+    wanted_m = (stated + axes.T @ moved_m)[None]
+    (after,) = coordinates_at(wanted_m, before[None], lambda at: place_m(at, fixes), STEP.tolist())
     by_enu = by_position(after, fixes) @ axes.T
     covariance = by_enu @ solved.covariance @ by_enu.T
     size, way = np.linalg.eigh(solved.covariance)

@@ -386,9 +386,8 @@ def with_held(project: Project, flight: Flight) -> Flight:
             f"solved for: leave the key out, or take {_from_here(project, found)}",
         )
     file = project.open("uncertainty", "covariance")
-    place = "position" if flight.path.stands else "track-offset"
-    known = {shown_name(one): one for one in COMPONENT if one not in SHIFT}
-    known |= {f"{place} {axis}": axis for axis in SHIFT}
+    stands = flight.path.stands
+    known = {shown_name(one, stands): one for one in sorted(COMPONENT, key=SHIFT.__contains__)}
     marks = {name: k for k, name in enumerate(flight.landmarks.name)}
     parameter: dict[str, int] = {}
     coordinate: dict[int, dict[str, int]] = {}
@@ -410,7 +409,7 @@ def with_held(project: Project, flight: Flight) -> Flight:
         if unit != own:
             raise file.error(f"{name} is in {own}, not in {unit}", column="units")
     shifts = [axis in parameter for axis in SHIFT]
-    lacking = [f"{place} {a}" for a, there in zip(SHIFT, shifts, strict=True) if not there]
+    lacking = [shown_name(a, stands) for a, there in zip(SHIFT, shifts, strict=True) if not there]
     lacking = lacking if any(shifts) else []
     for mark_row, axes in coordinate.items():
         name = flight.landmarks.name[mark_row]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from io import StringIO
 from pathlib import Path
@@ -17,7 +17,7 @@ from vopd.arrays import Floats
 from vopd.findings import VopdError, count_text
 from vopd.flight.adjust import Adjustment
 from vopd.flight.adjusted import CovarianceFile, digests, files_spoken_of
-from vopd.flight.coordinates import earth_centred_positions
+from vopd.flight.coordinates import STEPS, coordinates_at, earth_centred_positions
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT
 from vopd.flight.errors import stated_changes_by_name
 from vopd.flight.files import read_by_content
@@ -200,7 +200,9 @@ def _write_landmarks(
 
     wanted = marks.position_m + model.landmark_by_m(joint.state)
     free, coordinate = model.free, rows.coordinate.copy()
-    coordinate[free] = moved_coordinates(coordinate[free], rows.geodetic, wanted[free], positions)
+    coordinate[free] = coordinates_at(
+        wanted[free], coordinate[free], positions, STEPS[rows.geodetic]
+    )
     sigma_m, first = marks.sigma_m.copy(), len(model.names)
     after = np.sqrt(np.diag(covariance_by_picks(joint)[0])[first:])
     sigma_m[model.free] = np.minimum(after.reshape(-1, 3), sigma_m[model.free])
@@ -237,33 +239,9 @@ def _move_position(changes: Changes, project: Project, joint: JointSolution) -> 
     before = np.array([[section.number(key) for key in keys]])
     shift_m = np.array([model.value(joint.state, axis) for axis in SHIFT])
     wanted = model.flight.path.position_m[:1] + shift_m @ model.axes[0]
-    after = moved_coordinates(before, geodetic, wanted, positions)[0]
+    after = coordinates_at(wanted, before, positions, STEPS[geodetic])[0]
     for key, value in zip(keys, after.tolist(), strict=True):
         changes["position", key] = repr(value)
-
-
-ROUNDS = 4  # of Newton's method: the third moves by rounding
-STEPS = ((1e-5, 1e-5, 1.0), (1.0, 1.0, 1.0))  # degrees and metres; metres
-
-
-def moved_coordinates(
-    coordinate: Floats, geodetic: bool, wanted_m: Floats, positions: Callable[[Floats], Floats]
-) -> Floats:
-    """Find the coordinates of positions that are near known ones, (N, 3).
-
-    Args:
-        coordinate: of the known ones, longitude, latitude, height or x, y, z, (N, 3)
-        geodetic: whether they are longitude and latitude, degrees
-        wanted_m: Earth-centred positions, (N, 3)
-        positions: transforms coordinates to Earth-centred positions
-    """
-    steps, found = np.array(STEPS[0] if geodetic else STEPS[1]), coordinate.copy()
-    for _ in range(ROUNDS):
-        here = positions(found)
-        by = [(positions(found + steps * one) - here) / steps[k] for k, one in enumerate(np.eye(3))]
-        move = np.linalg.solve(np.stack(by, axis=-1), (wanted_m - here)[..., None])
-        found = found + move[..., 0]
-    return found
 
 
 # The covariance of all that is common to the frames
@@ -285,10 +263,9 @@ def _covariance_file(
             f"{flight.source}: nothing was solved for that all frames have in common, and so there "
             "is nothing to write: free what the picks hold"
         )
-    place = "position" if flight.path.stands else "track-offset"
     for one in (*model.names, *further):
         factor = unit_factor(flight, one)
-        name.append(f"{place} {one}" if one in SHIFT else shown_name(one))
+        name.append(shown_name(one, flight.path.stands))
         unit.append(UNIT.get(one, ""))
         value.append(stated_value(flight, one) + factor * model.value(joint.state, one))
         scale.append(factor)

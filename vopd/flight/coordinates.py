@@ -8,6 +8,7 @@ transformation and have its grids: nothing is guessed.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -182,3 +183,30 @@ def _transform(
 
 def _short(error: Exception) -> str:
     return " ".join(str(error).split())[:300]
+
+
+# Coordinates by positions
+
+ROUNDS = 6  # of Newton's method: the third moves by rounding
+STEPS = ((1.0, 1.0, 1.0), (1e-5, 1e-5, 1.0))
+"""Of its differences: metres; longitude and latitude, degrees, and height."""
+
+
+def coordinates_at(
+    wanted_m: Floats, near: Floats, positions: Callable[[Floats], Floats], steps: Sequence[float]
+) -> Floats:
+    """Find the coordinates of positions, by Newton's method from known ones near them, (N, 3).
+
+    Args:
+        wanted_m: Earth-centred positions, (N, 3)
+        near: coordinates near them, (N, 3)
+        positions: transforms coordinates to Earth-centred positions
+        steps: of each coordinate, over which it differentiates
+    """
+    found = near
+    for _ in range(ROUNDS):
+        here = positions(found)
+        sides = [(positions(found + one) - here, k) for k, one in enumerate(np.diag(steps))]
+        by = np.stack([side / steps[k] for side, k in sides], axis=-1)
+        found = found + np.linalg.solve(by, (wanted_m - here)[..., None])[..., 0]
+    return found

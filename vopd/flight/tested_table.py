@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -283,18 +283,31 @@ def _table(tested: TestedFlight) -> list[str]:
         ])  # fmt: skip
     keep = [any(row[c] for row in table[1:]) for c in range(len(HEAD))]
     table = [[cell for cell, kept in zip(row, keep, strict=True) if kept] for row in table]
-    width = [max(map(len, column)) for column in zip(*table, strict=True)]
-    lines = []
-    for first, *others in table:
-        cells = [c.rjust(w) for c, w in zip(others, width[1:], strict=True)]
-        lines.append("  ".join([first.ljust(width[0]), *cells]))
+    lines = aligned(table, {0})
     rest = tests.take(~shown)
     if len(rest.kind):
         lines.append(
             f"and {len(rest.kind)} more: normalised {_median(rest.normalised):.2f} in the median, "
             f"{rest.normalised.max():.2f} at most; smallest chance {_chance(rest.chance.min())}"
         )
-    return [line.rstrip() for line in lines]
+    return lines
+
+
+def aligned(rows: Sequence[Sequence[str]], left: Collection[int]) -> list[str]:
+    """Align the columns of a table.
+
+    Args:
+        rows: its cells
+        left: columns that are aligned on the left; the others are on the right
+    """
+    width = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.ljust(w) if k in left else cell.rjust(w)
+            for k, (cell, w) in enumerate(zip(row, width, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
 
 
 def _off(tests: LeftOut, k: int) -> str:
