@@ -280,6 +280,9 @@ class Estimate(FrameEstimate):
     """(F,) how far the attitude is turned at another position that fits as well; NaN: none."""
     outlier: Bools | None = None
     """(F, L) the landmark that does not fit the others, where the source has tested it already."""
+    exchanged: Floats | None = None
+    """(F, L) landmarks with each other's label, two of a frame: the chance of its residuals with
+    these exchanged; negative: it is not known; 0: nothing is exchanged; None: not tested."""
 
     @property
     def residual_xy(self) -> Floats:

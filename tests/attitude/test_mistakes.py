@@ -15,7 +15,7 @@ from scipy.stats import chi2
 from tests.approved.texts import assert_approved
 from tests.kit import spherical_film
 from tests.kit.command import vopd
-from tests.kit.estimates import FOCAL, NAMES, POINTS, estimate
+from tests.kit.estimates import NAMES, POINTS, estimate
 from tests.kit.jobs import reread
 from tests.kit.repeated_frame import misread
 from tests.tolerances import assert_close
@@ -33,7 +33,6 @@ from vopd.attitude.mistakes import (
     PASSES,
     PLAUSIBLE,
     Repair,
-    best_exchange,
     fitted_trials,
     misfit_text,
     repairs,
@@ -124,16 +123,13 @@ def exchanged(a: int, b: int, noise: float) -> tuple[Estimate, np.ndarray, np.nd
 @pytest.mark.parametrize(("a", "b"), [(0, 1), (1, 4), (2, 3)])
 def test_the_exchange_that_was_made_is_found_with_its_chance(a: int, b: int) -> None:
     """That of residuals as large as those that least squares leave of the noise, chi-square with
-    2 x 5 - 3 degrees; and the root mean square of these residuals over 10.
+    2 x 5 - 3 degrees.
     """
     e, left, _ = exchanged(a, b, 1e-3)
     (first, *_) = found(e, 1.2e-3)
     assert (first.exchanged, first.without) == ((a, b), None)
     squares = float((left**2).sum())
     assert_close("ratio of three digits", first.chance, chi2.sf(squares / 1.2e-3**2, 7))
-    pair, rms = best_exchange(e, 0)
-    assert pair == (a, b)
-    assert_close("ratio of three digits", rms / np.sqrt(squares / 10.0), 1.0)
 
 
 def test_the_landmark_that_is_off_is_found() -> None:
@@ -150,11 +146,7 @@ def test_the_landmark_that_is_off_is_found() -> None:
     assert_close("ratio of three digits", first.chance, chi2.sf(squares / 1.2e-3**2, 5))
 
 
-def test_where_nothing_is_exchanged_the_best_exchange_is_a_bad_one() -> None:
-    e = estimate(ANGLES, MORE)
-    pair, rms = best_exchange(e, 0)
-    assert len(pair) == 2 and 0.01 * FOCAL < rms < FOCAL
-    assert best_exchange(estimate(ANGLES, POINTS[:2]), 0) == ((), np.inf)
+def test_a_frame_of_two_landmarks_has_no_repair() -> None:
     assert found(estimate(ANGLES, POINTS[:2]), 0.1) == []
 
 
@@ -389,16 +381,6 @@ def test_standard_error_has_them_and_quiet_leaves_them_out(tmp_path: Path) -> No
     assert len(told) == 1 and f"job 1: frames {first}-{second}: misfit" in told[0]
     assert "exchange" in told[0] and "exchange" in (tmp_path / "t.csv").read_text()
     assert vopd("attitude", deck, "-o", tmp_path / "t.csv", "-q").stderr == ""
-
-
-def test_the_best_exchange_of_a_frame_is_the_one_that_was_made() -> None:
-    """The readings have errors of .001 in; where nothing is exchanged every exchange is worse."""
-    estimate = made().estimate
-    pair, worse = best_exchange(estimate, 0)
-    assert pair
-    for k in EXCHANGED:
-        pair, rms = best_exchange(estimate, k)
-        assert pair == (0, 2) and 100.0 * rms < worse
 
 
 def test_very_many_frames_are_named_in_part_and_counted() -> None:

@@ -19,6 +19,7 @@ from vopd.findings import Finding, VopdError
 from vopd.flight import check_flight as check_module
 from vopd.flight import mistakes
 from vopd.flight.check_flight import check_flight, far_landmarks, messages_of_files
+from vopd.flight.exchanged import ARE_EXCHANGED
 from vopd.flight.flight import Flight
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of, read_flight
@@ -90,7 +91,7 @@ def test_two_exchanged_landmarks_are_found_without_solving_a_flight(
         return solve(flight, passes=passes)
 
     monkeypatch.setattr(mistakes, "solve", counted)
-    assert any("exchanged?" in one for one in messages(path))
+    assert any(ARE_EXCHANGED in one for one in messages(path))
     assert passes_of == []
 
 

@@ -501,50 +501,6 @@ def test_mistakes_are_tried_from_four_residuals_more_than_angles_on(
     assert not any(one.endswith(" px that") for one in said)
 
 
-def exchanged(counts: list[int], frames: list[int]) -> FlightResult:
-    """A flight in some of whose frames the first two landmarks are taken for each other."""
-    flight = replace(uneven_flight(counts), options=HELD)
-    landmark = flight.picks.landmark.copy()
-    for frame in frames:
-        first = np.flatnonzero(flight.picks.frame == frame)[:2]
-        landmark[first] = landmark[first[::-1]]
-    return solve_flight_read(replace(flight, picks=replace(flight.picks, landmark=landmark)))
-
-
-@pytest.fixture
-def no_usual_mistake(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mistakes, "AXES_MISTAKES", ())
-    monkeypatch.setattr(mistakes, "USUAL_MISTAKES", ())
-
-
-def frames_told(result: FlightResult) -> list[str]:
-    return [one.partition(":")[0] for one in usual_mistakes(ANY, result) if "exchanged?" in one]
-
-
-@pytest.mark.usefixtures("no_usual_mistake")
-def test_frames_with_exchanged_landmarks_are_named_in_order() -> None:
-    """Two landmarks fit as well when they are exchanged, and say nothing."""
-    result = exchanged([4, 9, 5, 2, 0, 4, 4, 4, 4, 4, 4, 4], [1, 2, 3, 5])
-    assert frames_told(result) == ["1.jpg", "2.jpg", "5.jpg"]
-    assert "mark 1 and mark 0" in next(usual_mistakes(ANY, result))
-
-
-@pytest.mark.usefixtures("no_usual_mistake")
-def test_fifty_frames_are_searched() -> None:
-    result = exchanged([5] * 130, list(range(60)))
-    assert frames_told(result) == [f"{k}.jpg" for k in range(50)]
-
-
-@pytest.mark.usefixtures("no_usual_mistake")
-def test_pairs_times_picks_of_all_frames_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """6 landmarks are 15 pairs of 6 picks, 90; a frame with 3 has 9 more."""
-    result = exchanged([6, 6, 3, *[4] * 8], [0, 1, 2])
-    assert mistakes.SEARCHED_PICKS == 100_000
-    for limit, count in ((189, 3), (188, 2), (180, 2), (179, 1), (89, 0)):
-        monkeypatch.setattr(mistakes, "SEARCHED_PICKS", limit)
-        assert len(frames_told(result)) == count, limit
-
-
 # Other clocks by which a track covers frames
 
 

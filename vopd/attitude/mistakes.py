@@ -100,31 +100,6 @@ def repairs(
     return [fitted.repair[k]._replace(chance=float(chance[k])) for k in order]
 
 
-@np.errstate(all="ignore")
-def best_exchange(estimate: Estimate, frame: int) -> tuple[tuple[int, ...], float]:
-    """Find the exchange of two landmarks that leaves the least residuals, whatever the sigmas.
-
-    Args:
-        estimate: the job
-        frame: index of the frame
-
-    Returns:
-        The indices of the two, and the root mean square of the residuals then, in image
-        units; nothing and infinity where no exchange puts all landmarks in front.
-    """
-    fitted = fitted_trials(estimate, frame, estimate.residual[frame])
-    if fitted is None:
-        return (), np.inf
-    residual, _ = fitted.sights.equations(fitted.axes)
-    squares = (residual**2).sum(axis=1) / (2.0 * fitted.sights.used.sum(axis=1))
-    swap = np.array([bool(one.exchanged) for one in fitted.repair])
-    squares = np.where(swap & fitted.in_front & np.isfinite(squares), squares, np.inf)
-    best = int(squares.argmin())
-    if not np.isfinite(squares[best]):
-        return (), np.inf
-    return fitted.repair[best].exchanged, float(np.sqrt(squares[best]))
-
-
 def fitted_trials(estimate: Estimate, frame: int, weighted: Floats) -> FittedTrials | None:
     """Fit all trials of a frame's worst landmarks; None if there is none, or they are too many.
 
@@ -194,19 +169,30 @@ def misfit_text(
     components = given_components(estimate, sigmas)
     pool = Pool(scale.test_sigma, scale.freedom, None)
     for frame in misfits:
-        equations = equations_of(estimate, components, np.array([frame]))
-        found = repairs(estimate, int(frame), equations, pool)
-        texts = [
-            f"{_repair_text(estimate, int(frame), one)} (chance {one.chance:.2f})" for one in found
-        ]
-        text[frame] = " or ".join(texts[:MOST_NAMED]) or NOTHING
+        found, word = _exchanges(estimate, int(frame)), " and "
+        if not found:
+            equations = equations_of(estimate, components, np.array([frame]))
+            found, word = repairs(estimate, int(frame), equations, pool)[:MOST_NAMED], " or "
+        text[frame] = word.join(_repair_text(estimate, int(frame), one) for one in found) or NOTHING
     return text
+
+
+def _exchanges(estimate: Estimate, frame: int) -> list[Repair]:
+    """List the exchanges of labels that the source has found in a frame."""
+    if estimate.exchanged is None:
+        return []
+    chance = estimate.exchanged[frame]
+    found = []
+    for one in np.unique(chance[chance != 0.0]).tolist():
+        found.append(Repair(tuple(np.flatnonzero(chance == one).tolist()), None, one))
+    return found
 
 
 def _repair_text(estimate: Estimate, frame: int, repair: Repair) -> str:
     def name(index: int) -> str:
         return estimate.landmark_label(estimate.landmark[frame, index]).replace(";", ",")
 
+    chance = f" (chance {repair.chance:.2f})" if repair.chance >= 0.0 else ""
     if repair.without is not None:
-        return f"without {name(repair.without)}"
-    return "exchange " + "+".join(name(index) for index in repair.exchanged)
+        return f"without {name(repair.without)}{chance}"
+    return "exchange " + "+".join(name(index) for index in repair.exchanged) + chance

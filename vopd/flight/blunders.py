@@ -67,6 +67,7 @@ def find_blunders(
     estimates: FlightEstimates,
     gross: Bools,
     solve_without: Callable[[Bools, FlightEstimates], FlightEstimates],
+    exchanged: Bools | None = None,
 ) -> tuple[Blunders, FlightEstimates | None]:
     """Find the blunders of a flight: test its picks, solve it without them, and so on.
 
@@ -76,16 +77,21 @@ def find_blunders(
         estimates: of the flight, solved without gross picks
         gross: these, (P,)
         solve_without: solves it without some picks (P,), given a solution before
+        exchanged: picks that take no part and are not tested, as their labels are exchanged, (P,)
 
     Returns:
         The blunders, and the flight solved without them; None if all of it was not.
     """
+    if exchanged is None:
+        exchanged = np.zeros_like(gross)
+    gross = gross & ~exchanged
     used, out = estimates.solved.used | gross, gross
     found, tested = _none(estimates)._replace(pick=gross, left_out=gross), False
     for _ in range(ROUNDS):
         before, stale = found, found.left_out != out
         if stale.sum() > FEW * used.sum():
-            estimates, out = solve_without(found.left_out, estimates), found.left_out
+            estimates = solve_without(found.left_out | exchanged, estimates)
+            out = found.left_out
             found, tested = _test_flight(_with_every_pick(estimates, used), before), True
         elif not tested:
             every = _with_every_pick(estimates, used)
@@ -114,17 +120,13 @@ def _frames_of(picks: Bools, estimates: FlightEstimates) -> Bools:
 
 
 @np.errstate(all="ignore")
-def gross_picks(solved: SolvedFlight) -> Bools:
-    """Find picks so far off that a flight solved with them tells nothing of the others, (P,).
-
-    Frames with residuals far larger than most frames have are solved by a robust loss, each by
-    itself, and tested by their own residuals alone.
+def suspected_frames(solved: SolvedFlight) -> Bools:
+    """Mark frames with residuals far larger than most frames have, (F,).
 
     Args:
         solved: the flight, solved with all picks at its stated places
     """
     flight = solved.flight
-    found = np.zeros(len(flight.picks.frame), bool)
     off_px = np.where(solved.used, pick_distances_px(solved), 0.0)
     size = np.zeros(len(flight.frame))
     np.maximum.at(size, flight.picks.frame, np.nan_to_num(off_px / flight.picks.sigma_px))
@@ -132,7 +134,23 @@ def gross_picks(solved: SolvedFlight) -> Bools:
     far = off_px > LARGE * flight.lens.focal_px.mean()
     suspected = size > ENLARGED * max(usual, 1.0)
     suspected[flight.picks.frame[far]] = True
-    frames = np.flatnonzero(suspected)
+    return suspected
+
+
+@np.errstate(all="ignore")
+def gross_picks(solved: SolvedFlight, suspected: Bools | None = None) -> Bools:
+    """Find picks so far off that a flight solved with them tells nothing of the others, (P,).
+
+    Suspected frames are solved by a robust loss, each by itself, and tested by their own residuals
+    alone.
+
+    Args:
+        solved: the flight, solved with all picks at its stated places
+        suspected: `suspected_frames`, if they are known, (F,)
+    """
+    flight = solved.flight
+    found = np.zeros(len(flight.picks.frame), bool)
+    frames = np.flatnonzero(suspected_frames(solved) if suspected is None else suspected)
     if not len(frames):
         return found
     part = FlightBlocks(flight).part(frames)
@@ -175,7 +193,7 @@ def _solved_part(
         picks=one.picks.with_sigma(_reading(estimates).test_sigma),
         options=replace(options, loss=loss or options.loss),
     )
-    joint = solve_jointly(scaled, priors_of(one), ~out[part.picks])
+    joint = solve_jointly(scaled, priors_of(one), (used & ~out)[part.picks])
     solved = FlightEstimates(replace(joint.solved, flight=one), joint)
     return _with_every_pick(solved, used[part.picks]), part.picks
 

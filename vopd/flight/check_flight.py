@@ -10,6 +10,7 @@ from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.blunders import WRONG
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
+from vopd.flight.exchanged import ARE_EXCHANGED
 from vopd.flight.flight import Flight, frame_label
 from vopd.flight.misfit import SPEAK_FOR
 from vopd.flight.mistakes import TYPICAL, UNEXPLAINED, other_clock, usual_mistakes
@@ -49,7 +50,9 @@ def check_flight(name: str) -> list[Finding]:
         return found  # the solve can tell no more
     found += [f for f in result.findings if f not in flight.findings]
     named = {one.message for one in found}
-    explained = any(SPEAK_FOR in message or WRONG in message for message in named)
+    explained = any(
+        SPEAK_FOR in message or WRONG in message or ARE_EXCHANGED in message for message in named
+    )
     more = [
         message
         for message in usual_mistakes(project, result)

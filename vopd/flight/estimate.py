@@ -368,6 +368,7 @@ class FlightEstimates:
         self.largest_lean_deg = lean_of_verticals_deg(camera_m)
         self._made: dict[bytes, Estimate] = {}
         self._outlier: Bools | None = None  # (P,)
+        self._exchanged = np.zeros(0)  # (P,)
 
     @property
     def flight(self) -> Flight:
@@ -397,9 +398,7 @@ class FlightEstimates:
             made = flight_estimate(self.solved.part(part), self)
             if self.joint is not None:
                 made = self._with_joint(made, part, self.joint)
-            if self._outlier is not None:
-                slots = _slots(part)
-                made = replace(made, outlier=slots.spread(self._outlier[part.picks]))
+            made = self._with_marks(made, part)
             if self.layout.total <= MOST_KEPT:
                 self._made[key] = made
         return made
@@ -512,16 +511,25 @@ class FlightEstimates:
             found["reading"] = found["reading"] * scale**2
         return found
 
-    def mark_outliers(self, outlier: Bools) -> None:
+    def mark_outliers(self, outlier: Bools, exchanged: Floats) -> None:
         """Mark picks that do not fit the others of their frames in all estimates.
 
         Args:
             outlier: the picks, (P,)
+            exchanged: those whose labels are exchanged, as `Estimate.exchanged`, (P,)
         """
-        self._outlier = outlier
+        self._outlier, self._exchanged = outlier, exchanged
         for key, made in self._made.items():
             part = self.blocks.part(np.frombuffer(key, np.int64))
-            self._made[key] = replace(made, outlier=_slots(part).spread(outlier[part.picks]))
+            self._made[key] = self._with_marks(made, part)
+
+    def _with_marks(self, one: Estimate, part: FlightPart) -> Estimate:
+        """Add to the estimate of some frames the picks that do not fit."""
+        if self._outlier is None:
+            return one
+        slots, own = _slots(part), part.picks
+        outlier, exchanged = (slots.spread(v[own]) for v in (self._outlier, self._exchanged))
+        return replace(one, outlier=outlier, exchanged=exchanged)
 
     def __iter__(self) -> Iterator[Estimate]:
         return (self.of(part.frames) for part in self.blocks)

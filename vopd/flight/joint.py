@@ -141,7 +141,9 @@ def solve_jointly(
         return JointSolution(model, model.start(known), first, 0)
     state = model.start(known)
     if start is not None:
-        state = start._replace(rotation=np.where(solved[:, None, None], start.rotation, known))
+        # one without a solution before has none to begin with
+        begun = solved & (start.rotation != np.eye(3)).any(axis=(1, 2))
+        state = start._replace(rotation=np.where(begun[:, None, None], start.rotation, known))
     begin = Normal(model, state)
     if start is not None and not np.isfinite(begin.cost):  # a pick that was left out has no image
         begin = Normal(model, model.start(known))
@@ -207,10 +209,15 @@ def widened(flight: Flight, priors: Priors) -> Flight:
     own = np.full(len(flight.landmarks.name), further)
     if priors.landmark_m is not None:
         own = own + (priors.landmark_m**2).mean(axis=1)
+    return widened_by(flight, own)
+
+
+def widened_by(flight: Flight, variance_m2: Floats) -> Flight:
+    """Widen the picks' standard deviations by variances of their landmarks, (N,)."""
     picks, marks = flight.picks, flight.landmarks
     away = marks.position_m[picks.landmark] - flight.path.position_m[picks.frame]
     scale = flight.lens.focal_px.mean() / np.linalg.norm(away, axis=1)
-    wider = np.sqrt(picks.sigma_px**2 + own[picks.landmark] * scale**2)
+    wider = np.sqrt(picks.sigma_px**2 + variance_m2[picks.landmark] * scale**2)
     return replace(flight, picks=replace(picks, sigma_px=wider))
 
 

@@ -9,11 +9,10 @@ from itertools import combinations
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.attitude.mistakes import MOST_LANDMARKS, best_exchange
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.estimate import flight_estimate
-from vopd.flight.flight import Flight, frame_label
+from vopd.flight.flight import Flight
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult
@@ -26,9 +25,7 @@ DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tr
 LEAST_FREEDOM = 4  # more residuals than angles: with fewer, one number explains nearly all
 BETTER = 5.0  # a mistake is named where the residuals are so many times smaller without it
 ALIKE = 1.3  # residuals of trials that explain a flight as well
-MISFIT = 5.0  # in standard deviations of a pick: from there on a frame is searched
-SEARCHED = 50  # frames for exchanged landmarks
-SEARCHED_PICKS = 100_000  # of all pairs together
+MISFIT = 5.0  # in standard deviations of a pick: from there on they are said not to be explained
 UNSEEN_PX = 1000.0  # what a pick counts whose landmark would have no image
 FRAMES_TRIED = 500  # of more frames some are left out
 MOST_PICKS = 4.0  # of a frame that is tried, in those that frames usually have
@@ -68,9 +65,7 @@ def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
         if text:
             yield text
             return
-    exchanged = list(_exchanged(result, MISFIT * sigma))
-    yield from exchanged
-    if not exchanged and before > MISFIT * sigma:
+    if before > MISFIT * sigma:
         yield f"residuals are {before:.1f} {TYPICAL}: {UNEXPLAINED}"
 
 
@@ -417,7 +412,7 @@ def common_shift(estimate: Estimate, responses: Floats) -> float:
     return float(shift) if np.isfinite(shift) else 0.0
 
 
-# Clocks by which a track covers frames, and exchanged landmarks
+# Clocks by which a track covers frames
 
 
 def other_clock(project: Project) -> str:
@@ -433,32 +428,3 @@ def other_clock(project: Project) -> str:
                 continue
             return f"; with the track {shift:+.0f} s, as GPS time is ahead of UTC, it does"
     return ""
-
-
-def _rms_of_frames(estimate: Estimate) -> Floats:
-    """Find the root mean square of each frame's residuals (F,); NaN for a frame without any."""
-    count = estimate.used.sum(axis=1)
-    return np.asarray(np.sqrt((estimate.residual**2).sum(axis=1) / (2.0 * count)))
-
-
-def _exchanged(result: FlightResult, misfit_px: float) -> Iterator[str]:
-    """Search frames for two landmarks that were taken for each other."""
-    rms = np.full(len(result.flight.frame), np.nan)
-    for part in result.estimates.blocks:
-        rms[part.frames] = _rms_of_frames(result.estimates.of(part.frames))
-    tried = 0
-    for frame in np.flatnonzero(rms > misfit_px)[:SEARCHED]:
-        estimate = result.estimates.of(np.array([frame]))
-        count = int(estimate.used.sum())
-        searched = min(count, MOST_LANDMARKS)
-        tried += count * searched * (searched - 1) // 2
-        if count < 3 or tried > SEARCHED_PICKS:
-            continue
-        pair, after = best_exchange(estimate, 0)
-        if after < rms[frame] / BETTER:
-            one, other = (estimate.landmark_label(estimate.landmark[0, k]) for k in pair)
-            label = frame_label(result.flight, int(frame))
-            yield (
-                f"{label}: {one} and {other} exchanged? Residuals are "
-                f"{rms[frame]:.1f} px, and {after:.1f} px if they are"
-            )

@@ -17,7 +17,13 @@ from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError, count_text
-from vopd.flight.blunders import Blunders, blunder_findings, find_blunders, gross_picks
+from vopd.flight.blunders import (
+    Blunders,
+    blunder_findings,
+    find_blunders,
+    gross_picks,
+    suspected_frames,
+)
 from vopd.flight.errors import SOLVED_WITH, priors_of, with_sigmas
 from vopd.flight.estimate import (
     FlightEstimates,
@@ -25,6 +31,7 @@ from vopd.flight.estimate import (
     camera_angles,
     vehicle_angles,
 )
+from vopd.flight.exchanged import exchange_findings, exchanges, gross_exchanges
 from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
 from vopd.flight.free import as_solved, free_parameters, not_held_findings, without_parameter
 from vopd.flight.held import least_held, solved_findings, undetermined
@@ -225,25 +232,38 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
     """
     require_two_landmarks(flight)
     first = solve(flight)
-    gross = gross_picks(first)
-    read = flight
+    suspected = suspected_frames(first)
+    gross = gross_picks(first, suspected)
+    swaps = gross_exchanges(first, suspected, gross)
+    swapped = swaps.marked(len(gross))
+    gross &= ~np.isin(flight.picks.frame, flight.picks.frame[swapped])  # they are tested again
+    read, out = flight, gross | swapped
     robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
-    same = None if robust else solve(flight, gross, before=first)
-    flight, estimates = settled_as_held(read, gross, tell, same)
+    same = None if robust else solve(flight, out, before=first)
+    flight, estimates = settled_as_held(read, out, tell, same)
     if read.shutter is not None and read.path.turning_rad_s is None:
         for _ in range(ROUNDS_OF_ROWS):
             read = replace(read, options=flight.options)
             shifted = picks_at_frame_times(read, estimates.solved)
-            flight, estimates = settled_as_held(shifted, gross, tell)
+            flight, estimates = settled_as_held(shifted, out, tell)
     read = replace(read, options=flight.options)
-    found, without = find_blunders(
-        estimates, gross, lambda out, before: _settled_again(flight, out, before, tell)
-    )
-    apart = found.left_out
-    if not flight.options.drop_blunders:
-        few = found.pick.sum() <= FEW * len(found.pick)
-        apart = found.pick & few
-    if without is None or not np.array_equal(apart, found.left_out):
+    for _ in range(ROUNDS_OF_LABELS):
+        found, without = find_blunders(
+            estimates, gross, lambda out, before: _settled_again(flight, out, before, tell), swapped
+        )
+        clean = without or settled(flight, found.left_out | swapped, estimates.joint)
+        swaps = exchanges(clean, _do_not_fit(found, clean, swapped), found.pick)
+        before, swapped = swapped, swaps.marked(len(gross))
+        if np.array_equal(swapped, before):
+            break
+        estimates = settled(flight, gross | swapped)
+    apart = found.left_out | swapped
+    if flight.options.drop_blunders:
+        apart &= found.left_out | _two_left(flight, apart)
+    else:
+        few = (found.pick | swapped).sum() <= FEW * len(found.pick)
+        apart = (found.pick | swapped) & few
+    if without is None or not np.array_equal(apart, found.left_out | swapped):
         without = settled(flight, apart, estimates.joint)
     estimates = without
     if not flight.options.drop_blunders:
@@ -252,13 +272,39 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
     if more is not None:
         return solve_flight_read(without_parameter(read, more), tell)
     solved = estimates.solved
-    estimates.mark_outliers(found.pick & solved.used)
-    findings = [*not_held_findings(flight), *solved_findings(without.joint)]
-    findings += blunder_findings(found, flight)
-    findings += freed_beside_blunders(flight, found, apart)
+    estimates.mark_outliers((found.pick | swapped) & solved.used, swaps.chances(len(swapped)))
+    findings = [*blunder_findings(found, flight)]
+    every = found._replace(pick=found.pick | swapped)
+    findings += freed_beside_blunders(flight, every, apart)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
     doubts, misfits = flight_findings(flight, without, apart, found.landmark)
+    if misfits:  # of a flight as a whole it is not said which frames are not searched
+        swaps = swaps._replace(not_searched=0)
+    labels = exchange_findings(swaps, flight, apart)
+    solved_for = [*not_held_findings(flight), *solved_findings(without.joint)]
+    findings = [*solved_for, *labels, *findings]
     return FlightResult(estimates, (*flight.findings, *findings, *doubts), misfits)
+
+
+ROUNDS_OF_LABELS = 3  # of solving without exchanged labels, and testing all frames again
+
+
+def _do_not_fit(found: Blunders, estimates: FlightEstimates, swapped: Bools) -> Bools:
+    """Mark frames with picks that do not fit, that misfit, or that have no solution, (F,)."""
+    solved, reading = estimates.solved, estimates.reading
+    assert reading is not None
+    frames = np.asarray(reading.chance < SIGNIFICANCE)
+    odd = found.pick | found.unclear | swapped | (solved.attitudes.set_aside > 0)
+    frames[solved.flight.picks.frame[odd]] = True
+    return frames
+
+
+def _two_left(flight: Flight, out: Bools) -> Bools:
+    """Mark the picks of frames that have two others, or more, without some picks, (P,)."""
+    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
+    left = used[flight.picks.landmark] & ~out
+    count = np.bincount(flight.picks.frame[left], minlength=len(flight.frame))
+    return np.asarray((count > 1)[flight.picks.frame])
 
 
 def _settled_again(

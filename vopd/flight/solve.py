@@ -436,14 +436,19 @@ class FlightBlocks:
             image_name=tuple(flight.image_name[k] for k in frames) if flight.image_name else (),
             time_s=flight.time_s[frames],
             picks=picks,
-            path=_path_part(flight.path, frames),
+            path=path_part(flight.path, frames),
             grid=None if flight.grid is None else flight.grid.take(frames),
         )
         return FlightPart(frames, rows, part)
 
 
-def _path_part(path: CameraPath, frames: Ints) -> CameraPath:
-    """Cut some frames out of the path: its arrays with two axes are by frame."""
+def path_part(path: CameraPath, frames: Ints) -> CameraPath:
+    """Cut some frames out of the path: its arrays with two axes are by frame.
+
+    Args:
+        path: the path
+        frames: their indices
+    """
     values: dict[str, Any] = {field.name: getattr(path, field.name) for field in fields(path)}
     by_frame = {name: v[frames] for name, v in values.items() if np.ndim(v) == 2}
     fixes = None if path.fixes is None else path.fixes.of_frames(frames)

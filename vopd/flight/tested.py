@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -21,9 +20,9 @@ from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.findings import VopdError
 from vopd.flight.blunders import gross_picks
-from vopd.flight.equations import LEAST_SIGMA_M, Priors, with_parameters
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.flight import Flight, TrackFixes
+from vopd.flight.exchanged import exchanges
+from vopd.flight.flight import Flight
 from vopd.flight.joint import JointSolution, solve_jointly
 from vopd.flight.leave_out import (
     FIX,
@@ -36,7 +35,7 @@ from vopd.flight.leave_out import (
 )
 from vopd.flight.result import FlightResult, settled
 from vopd.flight.sizes import fix_covariances
-from vopd.flight.solve import FlightBlocks, solve
+from vopd.flight.solve import solve
 from vopd.geometry.linear import norm
 
 ROUNDS = 12  # of solving without what is named
@@ -45,8 +44,6 @@ MOST_GONE = 0.3  # of the picks: where more do not fit, the fault is not theirs
 FAR_RAD = 0.01  # that a frame turns without a pick: the square is half a per cent of it
 MOST_SOLVED = 30  # of such picks
 NO_PRIOR = 1e3  # standard deviations of a fix that is left out
-MOST_EXCHANGED = 12  # landmarks of a frame that are exchanged in twos
-LEAST_IN_FRAME = 3  # of landmarks that are
 MOST_SEARCHED = 30  # frames in which exchanges are looked for
 CLEAR = 0.05  # chance of the sign test below which freeing has helped, or not
 FEWEST = 3  # other picks in a frame of which a predicted one counts, if there are such frames
@@ -231,14 +228,16 @@ def _significant(tests: LeftOut, named: Sequence[Named], estimates: FlightEstima
     least = evidence[common].max(initial=-np.inf)
     found: list[Named] = []
     frames = dict.fromkeys(tests.frame[np.argsort(-evidence, kind="stable")].tolist())
+    searched = np.zeros(len(flight.frame), bool)
     for frame in frames:
         own = int(np.where(tests.frame == frame, evidence, -np.inf).argmax())
         if frame < 0 or not evidence[own] > least:
             continue
-        alike = tests.take(_alike(tests, evidence, own, flight))
-        pair = _exchanged(estimates, frame) if len(found) < MOST_SEARCHED else ()
-        found.append(Named(alike, pair))
-    return found
+        found.append(Named(tests.take(_alike(tests, evidence, own, flight))))
+        searched[frame] = len(found) <= MOST_SEARCHED
+    pairs = exchanges(estimates, searched, ~estimates.solved.used).picks
+    exchanged = {int(flight.picks.frame[pair[0]]): tuple(pair.tolist()) for pair in pairs}
+    return [replace(one, exchanged=exchanged.get(int(one.tests.frame[0]), ())) for one in found]
 
 
 def _alike(tests: LeftOut, evidence: Floats, best: int, flight: Flight) -> Ints:
@@ -354,85 +353,6 @@ def _without_fixes(flight: Flight, named: Sequence[Named]) -> Flight:
     sigma_m = fixes.sigma_m.copy()
     sigma_m[gone] *= NO_PRIOR
     return replace(flight, path=replace(flight.path, fixes=replace(fixes, sigma_m=sigma_m)))
-
-
-def _exchanged(estimates: FlightEstimates, frame: int) -> tuple[int, ...]:
-    """Find two picks of a frame that fit with their labels exchanged; else nothing.
-
-    The frame is solved by itself, once for each two, under the standard deviation of its place.
-
-    Args:
-        estimates: of the flight, without what does not fit
-        frame: its index
-    """
-    joint, reading, flight = estimates.joint, estimates.reading, estimates.flight
-    assert joint is not None and reading is not None
-    marks = flight.landmarks
-    if estimates.solved.landmark_m is not None:
-        marks = replace(marks, position_m=estimates.solved.landmark_m)
-    sigma = np.sqrt(np.einsum("fii->fi", joint.covariance.place_prior_m2))[frame]
-    lens = with_parameters(flight.lens, joint.model.names, joint.state.parameter)
-    lens = flight.lens if flight is not joint.model.flight else lens
-    options = replace(flight.options, loss="least-squares", free=(), kept=())
-    part = FlightBlocks(replace(flight, landmarks=marks, lens=lens, options=options)).part(
-        np.array([frame])
-    )
-    one, count = part.flight, len(part.picks)
-    if count < LEAST_IN_FRAME:
-        return ()
-    usable = np.array(marks.used or (True,) * len(marks.name))[one.picks.landmark]
-    pairs = list(combinations(np.flatnonzero(usable)[:MOST_EXCHANGED].tolist(), 2))
-    label = np.tile(one.picks.landmark, (len(pairs) + 1, 1))
-    for k, (first, second) in enumerate(pairs, 1):
-        label[k, [first, second]] = label[k, [second, first]]
-    trials = _copies(one, len(label), label.ravel(), reading.test_sigma)
-    fixes = TrackFixes(
-        np.arange(len(label)), np.ones((len(label), 1)), np.tile(sigma, (len(label), 1))
-    )
-    try:
-        found = solve_jointly(trials, Priors(fixes if (sigma > LEAST_SIGMA_M).any() else None))
-    except VopdError:
-        return ()
-    solved = np.isfinite(found.solved.attitudes.rotation[:, 0, 0])
-    taken = np.bincount(trials.picks.frame[found.model.pick], minlength=len(label))
-    cost = np.where(solved & (taken == usable.sum()), found.normal.frame_cost, np.inf)
-    chance = chdtrc(2.0 * usable.sum() - 3.0, cost)
-    best = int(cost[1:].argmin()) + 1
-    if chance[0] < SIGNIFICANCE < chance[best]:
-        return tuple(int(part.picks[k]) for k in pairs[best - 1])
-    return ()
-
-
-def _copies(one: Flight, count: int, landmark: Ints, sigma_px: float) -> Flight:
-    """Repeat a flight of one frame, with other labels of its picks."""
-    frames, picks, path = np.zeros(count, np.int64), one.picks, one.path
-
-    def rows(values: Floats | None) -> Floats | None:
-        return None if values is None else values[frames]
-
-    own = len(picks.frame)
-    repeated = replace(
-        picks.with_sigma(sigma_px),
-        frame=np.repeat(np.arange(count), own),
-        landmark=landmark,
-        pixel=np.tile(picks.pixel, (count, 1)),
-        sigma_px=np.tile(picks.with_sigma(sigma_px).sigma_px, count),
-    )
-    moved = replace(
-        path,
-        position_m=path.position_m[frames],
-        fixes=None,
-        velocity_m_s=rows(path.velocity_m_s),
-        velocity_sigma_m_s=rows(path.velocity_sigma_m_s),
-        acceleration_m_s2=rows(path.acceleration_m_s2),
-        wind_m_s=rows(path.wind_m_s),
-        gimbal_deg=rows(path.gimbal_deg),
-        turning_rad_s=rows(path.turning_rad_s),
-    )
-    return replace(
-        one, frame=np.arange(count), image_name=(), time_s=one.time_s[frames], picks=repeated,
-        path=moved,
-    )  # fmt: skip
 
 
 # Prediction

@@ -1,0 +1,95 @@
+"""Labels of two landmarks that are exchanged in a frame."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vopd
+from tests.approved.texts import assert_approved
+from tests.kit.flight_blunders import BlunderRow
+from tests.kit.flight_project import uneven_flight
+from tests.kit.simulated_flights import write_flight
+from tests.tolerances import assert_close
+from vopd.flight import exchanged
+from vopd.flight.exchanged import ARE_EXCHANGED
+from vopd.flight.flight import FlightOptions
+from vopd.flight.read import read_flight
+from vopd.flight.result import FlightResult, solve_flight_read
+
+SEED = 12
+HELD = FlightOptions(solve_position=False)
+
+
+def messages(result: FlightResult) -> list[str]:
+    return [one.message for one in result.findings]
+
+
+@pytest.mark.parametrize("landmarks", [4, 6])
+@pytest.mark.parametrize("fisheye", [False, True])
+@pytest.mark.parametrize("fix_m", [0.02, 2.0])
+def test_labels_of_a_frame_are_named_whatever_the_position(
+    landmarks: int, fisheye: bool, fix_m: float, tmp_path: Path
+) -> None:
+    """In a frame of four no three others agree, and the place may follow one of the two."""
+    plan = BlunderRow("", fix_m).plan._replace(landmarks=landmarks)
+    plan = plan._replace(focal_px=600.0, fisheye=True) if fisheye else plan
+    truth = write_flight(tmp_path, plan, np.random.default_rng(SEED), "labels of a frame")
+    result = vopd.solve_flight(tmp_path / "flight.toml")
+    frame, *marks = truth.wrong
+    one, other = (f"m{k}" for k in sorted(marks))
+    (text,) = messages(result)
+    assert text.startswith(f"frame {frame}: {one} and {other} {ARE_EXCHANGED}: ")
+    flags = result.history().flags
+    assert np.flatnonzero(flags.raised["misfit"]).tolist() == [frame]
+    assert flags.detail["misfit"][frame].startswith(f"exchange {one}+{other} (chance 0.")
+    assert flags.detail["outlier"][frame] == f"{one}+{other}"
+
+
+def test_labels_that_are_dropped_leave_the_flight_without_them(tmp_path: Path) -> None:
+    plan = BlunderRow("", 2.0).plan._replace(landmarks=4)
+    truth = write_flight(tmp_path, plan, np.random.default_rng(SEED), "labels of a frame")
+    flight = read_flight(str(tmp_path / "flight.toml"))
+    named = solve_flight_read(flight)
+    dropped = solve_flight_read(
+        replace(flight, options=replace(flight.options, drop_blunders=True))
+    )
+    assert_approved([*messages(named), *messages(dropped)])
+    others = np.arange(plan.frames) != truth.wrong[0]
+    assert_close("table value", named.camera_deg[others], dropped.camera_deg[others])
+    assert dropped.estimate.used.sum(axis=1).tolist() == [4 - 2 * (not one) for one in others]
+
+
+def told(counts: list[int], frames: list[int], drop: bool = False) -> list[str]:
+    """Findings of a flight in some of whose frames the first two landmarks are exchanged."""
+    flight = replace(uneven_flight(counts), options=replace(HELD, drop_blunders=drop))
+    landmark = flight.picks.landmark.copy()
+    for frame in frames:
+        first = np.flatnonzero(flight.picks.frame == frame)[:2]
+        landmark[first] = landmark[first[::-1]]
+    return messages(
+        solve_flight_read(replace(flight, picks=replace(flight.picks, landmark=landmark)))
+    )
+
+
+def test_frames_are_named_in_order() -> None:
+    """Two landmarks fit as well when they are exchanged, and say nothing; of three one is left."""
+    texts = told([4, 9, 5, 2, 3, *[4] * 12], [1, 2, 3, 4])
+    named = [one.partition(":")[0] for one in texts if ARE_EXCHANGED in one]
+    assert named == ["1.jpg", "2.jpg", "4.jpg"]
+    (text,) = (one for one in told([3, *[4] * 12], [0], drop=True) if ARE_EXCHANGED in one)
+    assert text.endswith("both are used, as one landmark alone is left without them")
+
+
+def test_labels_exchanged_in_most_frames_are_the_flight_s() -> None:
+    assert not any(ARE_EXCHANGED in one for one in told([5] * 12, list(range(9))))
+
+
+def test_frames_that_are_not_searched_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four landmarks are 6 pairs and the labels as they are: 28 picks."""
+    monkeypatch.setattr(exchanged, "SEARCHED_PICKS", 30)
+    (last,) = (one for one in told([4] * 30, [3, 7]) if "not searched" in one)
+    assert last == "1 frame with picks that do not fit: not searched for exchanged labels"

@@ -1,0 +1,394 @@
+"""Labels of two landmarks that are exchanged in a frame.
+
+Each two labels of a frame that does not fit are exchanged, and the frame's rotation and place are
+solved anew, its place under its own standard deviations; landmarks, lens and all else that frames
+have in common are held. In a frame of four landmarks two picks that do not fit cannot be named one
+by one: no three others would be left that agree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import chdtrc, fdtrc
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.residuals import SIGNIFICANCE
+from vopd.findings import Finding, VopdError, count_text
+from vopd.flight.blunders import pick_distances_px
+from vopd.flight.equations import LEAST_SIGMA_M, Priors
+from vopd.flight.estimate import FlightEstimates
+from vopd.flight.flight import Flight, TrackFixes, frame_label
+from vopd.flight.free import as_solved
+from vopd.flight.joint import solve_jointly, widened_by
+from vopd.flight.solve import FlightBlocks, SolvedFlight, path_part, solve
+
+LEAST_IN_FRAME = 3  # landmarks
+MOST_LANDMARKS = 24  # of a frame, the worst, that are exchanged in twos
+MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
+SEARCHED_PICKS = 100_000  # of all exchanges together: frames beyond are not searched
+KEPT = 4  # exchanges of a frame, the best by its rotation alone, whose place is solved for
+TRIAL_PASSES = 20  # which are enough for a rotation that fits
+ALIKE = 6.0  # in twice the log likelihood: what explains the residuals as well
+OF_ONE_PICK = 4.0  # in the same: two numbers that one gross pick has, and an exchange has not
+REJECTED = 1.5  # times the stated standard deviations: residuals that are none of an exchange
+IN_MOST = 0.5  # of the frames with both landmarks: their labels are exchanged in the whole flight
+FEWEST_FRAMES = 3  # of those
+LEAST_CHANCE = 1e-300  # that is not 0
+ARE_EXCHANGED = "are exchanged"
+
+
+class Exchanges(NamedTuple):
+    """Labels that are exchanged, each in one frame."""
+
+    picks: Ints  # (E, 2)
+    before_px: Floats  # (E,) root mean square of the frame's residuals; NaN: one has no image
+    after_px: Floats  # (E,) with the labels exchanged
+    chance: Floats  # (E,) of these; NaN: not known
+    not_searched: int = 0  # frames that do not fit, as all of them have too many picks
+
+    def chances(self, count: int) -> Floats:
+        """Spread the chances over the picks, as `Estimate.exchanged` has them, (P,)."""
+        chance = np.zeros(count)
+        known = np.nan_to_num(np.maximum(self.chance, LEAST_CHANCE), nan=-1.0)
+        chance[self.picks] = known[:, None]
+        return chance
+
+    def marked(self, count: int) -> Bools:
+        """Mark the picks of all exchanges, (P,)."""
+        marks = np.zeros(count, bool)
+        marks[self.picks.ravel()] = True
+        return marks
+
+
+NO_EXCHANGE = Exchanges(np.zeros((0, 2), np.int64), *np.zeros((3, 0)))
+
+
+def gross_exchanges(solved: SolvedFlight, suspected: Bools, out: Bools) -> Exchanges:
+    """Find exchanged labels in frames that tell nothing of the others, each by itself.
+
+    Args:
+        solved: the flight, solved with all picks at its stated places
+        suspected: frames with residuals far larger than most have, (F,)
+        out: gross picks, (P,)
+    """
+    if not suspected.any():
+        return NO_EXCHANGE
+    flight = solved.flight
+    place_m = np.tile(flight.path.bias_sigma_m, (len(flight.frame), 1))
+    if flight.path.fixes is not None:
+        place_m = np.hypot(place_m, flight.path.fixes.frame_sigma_m)
+    wide = widened_by(flight, (flight.landmarks.sigma_m**2).mean(axis=1))
+    off_px = pick_distances_px(solved)
+    return _exchanges(wide, place_m, suspected, out, off_px, np.zeros(len(flight.frame)))
+
+
+def exchanges(estimates: FlightEstimates, frames: Bools, out: Bools) -> Exchanges:
+    """Find exchanged labels in some frames of a flight that was solved without blunders.
+
+    Args:
+        estimates: of the flight, with the reading sigma in force
+        frames: those that do not fit, (F,)
+        out: picks that do not fit, (P,)
+    """
+    joint, reading = estimates.joint, estimates.reading
+    if joint is None or reading is None or not frames.any():
+        return NO_EXCHANGE
+    model = joint.model
+    flight, marks = model.flight, model.flight.landmarks
+    # what is common is held; the error of its own fixes is each frame's to solve for
+    common = joint.state._replace(fix_m=np.zeros_like(joint.state.fix_m))
+    moved_m = np.einsum("fji,fj->fi", model.axes, model.moved_m(common))
+    path = replace(flight.path, position_m=flight.path.position_m + moved_m)
+    if estimates.solved.landmark_m is not None:
+        marks = replace(marks, position_m=estimates.solved.landmark_m)
+    variance = np.zeros(len(marks.name))
+    known = np.diag(joint.factored.common)[len(model.names) :]
+    variance[model.free] = known.reshape(-1, 3).mean(axis=1)
+    own = replace(as_solved(flight, joint), path=path, landmarks=marks)
+    wide = widened_by(
+        replace(own, picks=own.picks.with_sigma(reading.test_sigma)), variance
+    )  # fmt: skip
+    fixes = model.priors.fixes
+    place_m = np.zeros_like(path.position_m) if fixes is None else fixes.frame_sigma_m
+    part = np.bincount(flight.picks.frame[model.pick], minlength=model.frames)
+    others = np.maximum(reading.freedom - np.maximum(2.0 * part - 3.0, 0.0), 0.0)
+    off_px = pick_distances_px(estimates.solved)
+    return _exchanges(wide, place_m, frames, out, off_px, others)
+
+
+class _Trial(NamedTuple):
+    """A frame with labels that may be exchanged."""
+
+    frame: int
+    picks: Ints  # (n,) of the flight
+    label: Ints  # (n,) their landmarks
+    used: Bools  # (n,)
+    pair: tuple[int, ...] = ()  # the picks that are exchanged
+
+    def exchanged(self, one: int, other: int) -> _Trial:
+        """Exchange the labels of two picks, by their places in the frame."""
+        label = self.label.copy()
+        label[[one, other]] = label[[other, one]]
+        return self._replace(label=label, pair=(int(self.picks[one]), int(self.picks[other])))
+
+    def without(self, pick: int) -> _Trial:
+        """Leave out a pick."""
+        return self._replace(used=self.used & (self.picks != pick))
+
+
+class _Fit(NamedTuple):
+    """Trials as they fit."""
+
+    cost: Floats  # (T,) weighted squares; infinite where a pick has no image
+    rms_px: Floats  # (T,) NaN likewise
+
+    def take(self, some: slice) -> _Fit:
+        """Take some of them."""
+        return _Fit(self.cost[some], self.rms_px[some])
+
+
+class _Likely(NamedTuple):
+    """An exchange that the picks speak for."""
+
+    trial: _Trial
+    gain: float  # in twice the log likelihood
+    cost: float  # with the labels exchanged
+    freedom: float
+    before_px: float
+    after_px: float
+    chance: float
+
+
+def _exchanges(
+    flight: Flight, place_m: Floats, frames: Bools, out: Bools, off_px: Floats, others: Floats
+) -> Exchanges:
+    """Find exchanged labels.
+
+    An exchange has no free number. It is named where it is likelier than the labels as they are
+    by more than chance has it once in `SIGNIFICANCE` of flights, whatever pair it is; where no
+    other exchange, and no gross pick in the place of the two, is nearly as likely; and where its
+    residuals are none of a misfit.
+
+    Args:
+        flight: everything but rotations and the frames' own places as it is held; standard
+            deviations of picks with those of landmarks
+        place_m: standard deviations of those places, east, north, up, (F, 3)
+        frames: those that are searched, (F,)
+        out: picks that do not fit, (P,)
+        off_px: distance of each pick from its landmark's image, (P,)
+        others: degrees of freedom of the reading sigma by other frames, (F,); 0: it is not known
+    """
+    flight = replace(flight, options=replace(flight.options, loss="least-squares", free=()))
+    blocks, searched, total = FlightBlocks(flight), ~frames, 0
+    groups: list[list[_Trial]] = []
+    for frame in np.flatnonzero(frames):
+        some = _groups_of_frame(blocks, int(frame), out, off_px)
+        more = sum(len(one.picks) for group in some for one in group)
+        if total + more <= SEARCHED_PICKS:
+            searched[frame], total = True, total + more
+            groups += some
+    groups = [
+        [group[0], *(group[1 + k] for k in np.argsort(fit.cost[1:], kind="stable")[:KEPT])]
+        for group, fit in zip(groups, _fitted(flight, None, groups), strict=True)
+    ]
+    likely, alone = [], []
+    for (plain, *rest), fit in zip(groups, _fitted(flight, place_m, groups), strict=True):
+        freedom, known = 2.0 * float(plain.used.sum()) - 3.0, float(others[plain.frame])
+        gain = _gain(flight, fit.cost[0], fit.cost[1:], freedom, known)
+        best = int(gain.argmax())
+        pairs = len(flight.frame) * (freedom + 3.0) * (freedom + 1.0) / 8.0
+        if not gain[best] > 2.0 * np.log(pairs / SIGNIFICANCE):
+            continue
+        cost = float(fit.cost[1 + best])
+        chance = _chance(cost, freedom, known)
+        misfits = chance < SIGNIFICANCE and cost > REJECTED**2 * freedom
+        if misfits or (gain > gain[best] - ALIKE).sum() > 1:
+            continue
+        sizes = float(fit.rms_px[0]), float(fit.rms_px[1 + best])
+        likely.append(_Likely(rest[best], float(gain[best]), cost, freedom, *sizes, chance))
+        alone.append([plain.without(pick) for pick in rest[best].pair])
+    found = [
+        one
+        for one, fit in zip(likely, _fitted(flight, place_m, alone), strict=True)
+        if _gain(flight, one.cost, fit.cost, one.freedom, float(others[one.trial.frame])).max()
+        < ALIKE + OF_ONE_PICK
+    ]
+    few = _in_few_frames(flight, _disjoint(found), searched)
+    return few._replace(not_searched=int((~searched).sum()))
+
+
+def _groups_of_frame(
+    blocks: FlightBlocks, frame: int, out: Bools, off_px: Floats
+) -> list[list[_Trial]]:
+    """List what is tried of a frame, in groups of the same picks: first their own labels.
+
+    All exchanges of its worst landmarks, with all picks; and where more than two picks do not fit,
+    the exchanges of any two of these without the others of them.
+    """
+    flight = blocks.flight
+    picks = blocks.part(np.array([frame])).picks
+    label = flight.picks.landmark[picks]
+    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))[label]
+    if not LEAST_IN_FRAME <= used.sum() <= MOST_IN_A_FRAME:
+        return []
+    plain = _Trial(frame, picks, label, used)
+    size = np.where(used, np.nan_to_num(off_px[picks], nan=np.inf), -1.0)
+    worst = np.sort(np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)])
+    groups = [[plain, *(plain.exchanged(*pair) for pair in combinations(worst.tolist(), 2))]]
+    gross = np.flatnonzero(used & out[picks])
+    for pair in combinations(gross.tolist(), 2) if len(gross) > 2 else ():
+        rest = used.copy()
+        rest[np.setdiff1d(gross, pair)] = False
+        if rest.sum() >= LEAST_IN_FRAME:
+            alone = plain._replace(used=rest)
+            groups.append([alone, alone.exchanged(*pair)])
+    return groups
+
+
+def _fitted(flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]) -> list[_Fit]:
+    """Solve each trial for its rotation, and its place.
+
+    Args:
+        flight: the flight
+        place_m: standard deviations of places, (F, 3); None: they are exact
+        groups: the trials
+    """
+    trials = [one for group in groups for one in group]
+    if not trials:
+        return []
+    if place_m is None:  # an antenna's place turns with the camera: rotations are first tried alone
+        flight = replace(flight, path=replace(flight.path, lever_arm_m=None))
+    copies, used = _copies(flight, trials)
+    frames = len(trials)
+    own_m = np.zeros((frames, 3)) if place_m is None else place_m[[one.frame for one in trials]]
+    fixes = TrackFixes(np.arange(frames), np.ones((frames, 1)), own_m)
+    priors = Priors(fixes if (own_m > LEAST_SIGMA_M).any() else None)
+    try:
+        first = solve(copies, ~used, TRIAL_PASSES)
+        found = solve_jointly(copies, priors, used, first=first)
+    except VopdError:  # nothing is known of these frames
+        nothing = np.full(frames, np.nan)
+        every = _Fit(nothing + np.inf, nothing)
+    else:
+        model, frame = found.model, copies.picks.frame
+        taken = np.bincount(frame[model.pick], minlength=frames)
+        whole = (taken == np.bincount(frame[used], minlength=frames)) & (taken > 1)
+        squares = np.zeros(frames)
+        residual_px = found.normal.residual / model.scale[:, None]
+        np.add.at(squares, frame[model.pick], (residual_px**2).sum(axis=1))
+        every = _Fit(
+            np.where(whole, found.normal.frame_cost, np.inf),
+            np.where(whole, np.sqrt(squares / np.maximum(2.0 * taken, 1.0)), np.nan),
+        )
+    ends = np.cumsum([len(group) for group in groups]).tolist()
+    return [
+        every.take(slice(end - len(group), end)) for group, end in zip(groups, ends, strict=True)
+    ]
+
+
+def _copies(flight: Flight, trials: list[_Trial]) -> tuple[Flight, Bools]:
+    """Form a flight of which each frame is a trial, and mark the picks that take part."""
+    frames = np.array([one.frame for one in trials])
+    picks = np.concatenate([one.picks for one in trials])
+    own = replace(
+        flight.picks,
+        frame=np.repeat(np.arange(len(trials)), [len(one.picks) for one in trials]),
+        landmark=np.concatenate([one.label for one in trials]),
+        pixel=flight.picks.pixel[picks],
+        sigma_px=flight.picks.sigma_px[picks],
+    )
+    copies = replace(
+        flight, frame=np.arange(len(trials)), image_name=(), time_s=flight.time_s[frames],
+        picks=own, path=replace(path_part(flight.path, frames), fixes=None), grid=None,
+    )  # fmt: skip
+    return copies, np.concatenate([one.used for one in trials])
+
+
+@np.errstate(all="ignore")
+def _gain(flight: Flight, before: float, after: Floats, freedom: float, others: float) -> Floats:
+    """Calculate by how much a frame becomes likelier, in twice the log likelihood.
+
+    The reading sigma is known by so many degrees of freedom of other frames, and the frame's own.
+
+    Args:
+        flight: the flight
+        before: weighted squares
+        after: weighted squares of some trials
+        freedom: of the frame
+        others: infinite where the reading sigma is stated
+    """
+    gain = before - after
+    if np.isfinite(others):
+        least = freedom * (flight.picks.least_sigma_px / flight.picks.one_sigma_px) ** 2
+        ratio = (others + max(before, least)) / (others + np.maximum(after, least))
+        gain = (others + freedom) * np.log(ratio)
+    return np.where(np.isfinite(after), gain, -np.inf)
+
+
+def _chance(cost: float, freedom: float, others: float) -> float:
+    """Calculate the chance of a frame's residuals; NaN where the reading sigma is not known."""
+    if np.isfinite(others):
+        return float(fdtrc(freedom, others, cost / freedom)) if others > 0.0 else np.nan
+    return float(chdtrc(freedom, cost))
+
+
+def _disjoint(found: list[_Likely]) -> list[_Likely]:
+    """Keep the likeliest of exchanges that have a pick in common, in the order of the picks."""
+    kept: dict[tuple[int, ...], _Likely] = {}
+    for one in sorted(found, key=lambda one: -one.gain):
+        if not {pick for pair in kept for pick in pair} & set(one.trial.pair):
+            kept[one.trial.pair] = one
+    return [kept[pair] for pair in sorted(kept)]
+
+
+def _in_few_frames(flight: Flight, found: list[_Likely], searched: Bools) -> Exchanges:
+    """Leave out exchanges of the same two labels in most frames: the whole flight has them."""
+    picks, frames = flight.picks, len(flight.frame)
+    pairs = [frozenset(picks.landmark[list(one.trial.pair)].tolist()) for one in found]
+    kept = []
+    for one, pair in zip(found, pairs, strict=True):
+        both = searched.copy()
+        for mark in pair:
+            both &= np.bincount(picks.frame[picks.landmark == mark], minlength=frames) > 0
+        count = pairs.count(pair)
+        if count < FEWEST_FRAMES or count <= IN_MOST * both.sum():
+            kept.append(one)
+    if not kept:
+        return NO_EXCHANGE
+    sizes = np.array([(one.before_px, one.after_px, one.chance) for one in kept])
+    return Exchanges(np.array([one.trial.pair for one in kept]), *sizes.T)
+
+
+# What is said of them
+
+
+def exchange_findings(found: Exchanges, flight: Flight, left_out: Bools) -> list[Finding]:
+    """Describe exchanged labels.
+
+    Args:
+        found: the exchanges
+        flight: the flight
+        left_out: picks that are left out, (P,)
+    """
+    tell = []
+    for pair, before_px, after_px in zip(*found[:3], strict=True):
+        one, other = (flight.landmarks.name[k] for k in flight.picks.landmark[pair])
+        label = frame_label(flight, int(flight.picks.frame[pair[0]]))
+        was = "one has no image" if np.isnan(before_px) else f"residuals are {before_px:.1f} px"
+        done = 'both are used; [solve] blunders = "drop" leaves them out'
+        if flight.options.drop_blunders:
+            done = "both are left out"
+            if not left_out[pair].all():
+                done = "both are used, as one landmark alone is left without them"
+        tell.append(
+            f"{label}: {one} and {other} {ARE_EXCHANGED}: {was}, and {after_px:.1f} px with each "
+            f"other's label; {done}"
+        )
+    if found.not_searched:
+        count = count_text(found.not_searched, "frame")
+        tell.append(f"{count} with picks that do not fit: not searched for exchanged labels")
+    return [Finding(one, flight.source, severity="warning") for one in tell]
