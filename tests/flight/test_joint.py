@@ -137,8 +137,8 @@ def test_the_size_of_all_residuals_is_the_joint_cost_over_its_freedom() -> None:
     solution, dense = solved("least-squares", 2)
     freedom = len(dense.residual) - 3 * dense.frames
     size, chance = size_of_residuals(solution, np.ones(dense.frames, bool))
-    assert_close("degrees of freedom", size**2 * freedom, solution.normal.frame_cost.sum())
-    assert_close("degrees of freedom", chance, chi2.sf(solution.normal.frame_cost.sum(), freedom))
+    assert_close("degrees of freedom", size**2 * freedom, solution.normal.cost)
+    assert_close("degrees of freedom", chance, chi2.sf(solution.normal.cost, freedom))
     assert size_of_residuals(solution, np.zeros(dense.frames, bool)) == (1.0, 1.0)
 
 

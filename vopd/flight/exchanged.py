@@ -34,7 +34,8 @@ KEPT = 4  # exchanges of a frame, the best by its rotation alone, whose place is
 TRIAL_PASSES = 20  # which are enough for a rotation that fits
 ALIKE = 6.0  # in twice the log likelihood: what explains the residuals as well
 OF_ONE_PICK = 4.0  # in the same: two numbers that one gross pick has, and an exchange has not
-REJECTED = 1.5  # times the stated standard deviations: residuals that are none of an exchange
+REJECTED = 2.0  # times the standard deviations in force: residuals that are none of an exchange
+FAR = 10.0  # times the usual ones, where none is in force
 IN_MOST = 0.5  # of the frames with both landmarks: their labels are exchanged in the whole flight
 FEWEST_FRAMES = 3  # of those
 LEAST_CHANCE = 1e-300  # that is not 0
@@ -106,7 +107,10 @@ def exchanges(estimates: FlightEstimates, frames: Bools, out: Bools) -> Exchange
     if estimates.solved.landmark_m is not None:
         marks = replace(marks, position_m=estimates.solved.landmark_m)
     variance = np.zeros(len(marks.name))
-    known = np.diag(joint.factored.common)[len(model.names) :]
+    try:
+        known = np.diag(joint.factored.common)[len(model.names) :]
+    except VopdError:  # nothing is known of what is common
+        return NO_EXCHANGE
     variance[model.free] = known.reshape(-1, 3).mean(axis=1)
     own = replace(as_solved(flight, joint), path=path, landmarks=marks)
     wide = widened_by(
@@ -206,6 +210,7 @@ def _exchanges(
         cost = float(fit.cost[1 + best])
         chance = _chance(cost, freedom, known)
         misfits = chance < SIGNIFICANCE and cost > REJECTED**2 * freedom
+        misfits |= np.isnan(chance) and cost > FAR**2 * freedom
         if misfits or (gain > gain[best] - ALIKE).sum() > 1:
             continue
         sizes = float(fit.rms_px[0]), float(fit.rms_px[1 + best])

@@ -26,7 +26,7 @@ from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, Shutter
 from vopd.flight.joint import JointSolution, covariance_of_sums, propagated, solve_jointly
 from vopd.flight.readout import row_parts, turning_rates
-from vopd.flight.sizes import explained, residual_freedom, size_of_residuals
+from vopd.flight.sizes import cost_of_frames, explained, residual_freedom, size_of_residuals
 from vopd.flight.solve import FlightBlocks, FlightPart
 
 REJECTED = 1.5  # times the stated standard deviation of a pick
@@ -83,7 +83,7 @@ def ordinary_frames(joint: JointSolution) -> Bools:
     """Leave out frames that misfit by themselves, which are flagged, where these are few, (F,)."""
     model = joint.model
     picks = np.bincount(model.flight.picks.frame[model.pick], minlength=model.frames)
-    chance = chdtrc(np.maximum(2.0 * picks - 3.0, 1.0), joint.normal.frame_cost)
+    chance = chdtrc(np.maximum(2.0 * picks - 3.0, 1.0), cost_of_frames(joint))
     odd = (picks >= 2) & (chance < SIGNIFICANCE)
     if odd.sum() > FEW * (picks >= 2).sum():
         return np.ones(model.frames, bool)

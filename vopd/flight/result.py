@@ -236,7 +236,6 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
     gross = gross_picks(first, suspected)
     swaps = gross_exchanges(first, suspected, gross)
     swapped = swaps.marked(len(gross))
-    gross &= ~np.isin(flight.picks.frame, flight.picks.frame[swapped])  # they are tested again
     read, out = flight, gross | swapped
     robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
     same = None if robust else solve(flight, out, before=first)

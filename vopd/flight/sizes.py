@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import chdtrc
 
-from vopd.arrays import Array, Bools
+from vopd.arrays import Array, Bools, Floats
 from vopd.flight.joint import DERIVATIVE, JointSolution
 from vopd.flight.normal import Factored
 
@@ -83,6 +83,27 @@ def sigma_freedom(solution: JointSolution) -> float:
     return float(exact - errors - total.imag / DERIVATIVE)
 
 
+def cost_of_frames(solution: JointSolution) -> Floats:
+    """Share the cost of a joint solution among its frames, (F,).
+
+    The squares of errors over their prior standard deviations are shared evenly by the picks that
+    depend on them: those of a landmark by its own, those of parameters by all.
+
+    Args:
+        solution: of the flight
+    """
+    model, state = solution.model, solution.state
+    landmark = np.zeros(len(model.flight.landmarks.name))
+    error_m, count = state.landmark_m[model.free].ravel(), len(model.names)
+    squares = (error_m / model.common_sigma[count:]) ** 2
+    landmark[model.free] = squares.reshape(-1, 3).sum(axis=1)
+    landmark /= np.maximum(np.bincount(model.landmark, minlength=len(landmark)), 1)
+    parameters = float(((state.parameter / model.sigma) ** 2).sum())
+    share = landmark[model.landmark] + parameters / max(len(model.pick), 1)
+    frame = model.flight.picks.frame[model.pick]
+    return np.asarray(solution.normal.frame_cost + np.bincount(frame, share, model.frames))
+
+
 def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, float]:
     """Compare the residuals of some frames together with what is stated of all errors.
 
@@ -103,7 +124,7 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     free, held = float((~np.isfinite(model.common_sigma)).sum()), model.flight.options.held
     free += 0.0 if held is None else held.unknowns
     freedom = float((2.0 * picks - 3.0)[count].sum()) - free
-    cost = float(solution.normal.frame_cost[count].sum())
+    cost = float(cost_of_frames(solution)[count].sum())
     if not freedom > 0.0:
         return 1.0, 1.0
     return float(np.sqrt(cost / freedom)), float(chdtrc(freedom, cost))
