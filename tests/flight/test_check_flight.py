@@ -18,8 +18,8 @@ from tests.kit.flight_project import TOML, marks_m, write_project
 from vopd.findings import Finding, VopdError
 from vopd.flight import check_flight as check_module
 from vopd.flight import mistakes
+from vopd.flight.blunders import ARE_EXCHANGED
 from vopd.flight.check_flight import check_flight, far_landmarks, messages_of_files
-from vopd.flight.exchanged import ARE_EXCHANGED
 from vopd.flight.flight import Flight
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of, read_flight

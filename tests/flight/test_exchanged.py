@@ -15,7 +15,7 @@ from tests.kit.flight_project import uneven_flight
 from tests.kit.simulated_flights import write_flight
 from tests.tolerances import assert_close
 from vopd.flight import exchanged
-from vopd.flight.exchanged import ARE_EXCHANGED
+from vopd.flight.blunders import ARE_EXCHANGED
 from vopd.flight.flight import FlightOptions
 from vopd.flight.read import read_flight
 from vopd.flight.result import FlightResult, solve_flight_read

@@ -29,7 +29,7 @@ from vopd.attitude.residuals import (
 from vopd.attitude.sigmas import Sigmas, given_components, in_force
 from vopd.attitude.uncertainty import HALF_WIDTH
 from vopd.estimate import Estimate
-from vopd.findings import Finding
+from vopd.findings import Finding, count_text
 from vopd.flight.errors import priors_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, FrameSlots, frame_label, pick_label
@@ -48,7 +48,34 @@ LANDMARK_SIGNIFICANCE = 0.0005  # the probability of a false alarm in a flight, 
 DETERMINED = 5.0  # standard deviations of a shift that is told
 SHOWN_BY = 0.5  # of a landmark's shift, by the median of its frames
 LARGE = 0.1  # of the focal length: what wrong positions and lenses may do in an image
+LEAST_CHANCE = 1e-300  # that is not 0
 SHOWN = 1e-6  # of the best direction of a shift: what is known less is not known
+
+
+class Exchanges(NamedTuple):
+    """Labels that are exchanged, each in one frame."""
+
+    picks: Ints  # (E, 2)
+    before_px: Floats  # (E,) root mean square of the frame's residuals; NaN: one has no image
+    after_px: Floats  # (E,) with the labels exchanged
+    chance: Floats  # (E,) of these; NaN: not known
+    not_searched: int = 0  # frames that do not fit, as all of them have too many picks
+
+    def chances(self, count: int) -> Floats:
+        """Spread the chances over the picks, as `Estimate.exchanged` has them, (P,)."""
+        chance = np.zeros(count)
+        known = np.nan_to_num(np.maximum(self.chance, LEAST_CHANCE), nan=-1.0)
+        chance[self.picks] = known[:, None]
+        return chance
+
+    def marked(self, count: int) -> Bools:
+        """Mark the picks of all exchanges, (P,)."""
+        marks = np.zeros(count, bool)
+        marks[self.picks.ravel()] = True
+        return marks
+
+
+NO_EXCHANGE = Exchanges(np.zeros((0, 2), np.int64), *np.zeros((3, 0)))
 
 
 class Blunders(NamedTuple):
@@ -582,6 +609,7 @@ def _shift_counts(
 # What is said of them
 
 WRONG = "does not fit the other landmarks"
+ARE_EXCHANGED = "are exchanged"
 KEPT = '[solve] blunders = "drop" leaves it out'
 
 
@@ -634,6 +662,34 @@ def blunder_findings(found: Blunders, flight: Flight) -> list[Finding]:
 
 def _one_of(labels: list[str]) -> str:
     return f"{', '.join(labels[:-1])} or {labels[-1]}"
+
+
+def exchange_findings(found: Exchanges, flight: Flight, left_out: Bools) -> list[Finding]:
+    """Describe exchanged labels.
+
+    Args:
+        found: the exchanges
+        flight: the flight
+        left_out: picks that are left out, (P,)
+    """
+    tell = []
+    for pair, before_px, after_px in zip(*found[:3], strict=True):
+        one, other = (flight.landmarks.name[k] for k in flight.picks.landmark[pair])
+        label = frame_label(flight, int(flight.picks.frame[pair[0]]))
+        was = "one has no image" if np.isnan(before_px) else f"residuals are {before_px:.1f} px"
+        done = 'both are used; [solve] blunders = "drop" leaves them out'
+        if flight.options.drop_blunders:
+            done = "both are left out"
+            if not left_out[pair].all():
+                done = "both are used, as one landmark alone is left without them"
+        tell.append(
+            f"{label}: {one} and {other} {ARE_EXCHANGED}: {was}, and {after_px:.1f} px with each "
+            f"other's label; {done}"
+        )
+    if found.not_searched:
+        count = count_text(found.not_searched, "frame")
+        tell.append(f"{count} with picks that do not fit: not searched for exchanged labels")
+    return [Finding(one, flight.source, severity="warning") for one in tell]
 
 
 def pick_distances_px(solved: SolvedFlight) -> Floats:

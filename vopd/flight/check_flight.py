@@ -8,9 +8,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError, count_text
-from vopd.flight.blunders import WRONG
+from vopd.flight.blunders import ARE_EXCHANGED, WRONG
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
-from vopd.flight.exchanged import ARE_EXCHANGED
 from vopd.flight.flight import Flight, frame_label
 from vopd.flight.misfit import SPEAK_FOR
 from vopd.flight.mistakes import TYPICAL, UNEXPLAINED, other_clock, usual_mistakes

@@ -17,11 +17,11 @@ from scipy.special import chdtrc, fdtrc
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.residuals import SIGNIFICANCE
-from vopd.findings import Finding, VopdError, count_text
-from vopd.flight.blunders import pick_distances_px
+from vopd.findings import VopdError
+from vopd.flight.blunders import NO_EXCHANGE, Exchanges, pick_distances_px
 from vopd.flight.equations import LEAST_SIGMA_M, Priors
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.flight import Flight, TrackFixes, frame_label
+from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.free import as_solved
 from vopd.flight.joint import solve_jointly, widened_by
 from vopd.flight.solve import FlightBlocks, SolvedFlight, path_part, solve
@@ -38,34 +38,6 @@ REJECTED = 2.0  # times the standard deviations in force: residuals that are non
 FAR = 10.0  # times the usual ones, where none is in force
 IN_MOST = 0.5  # of the frames with both landmarks: their labels are exchanged in the whole flight
 FEWEST_FRAMES = 3  # of those
-LEAST_CHANCE = 1e-300  # that is not 0
-ARE_EXCHANGED = "are exchanged"
-
-
-class Exchanges(NamedTuple):
-    """Labels that are exchanged, each in one frame."""
-
-    picks: Ints  # (E, 2)
-    before_px: Floats  # (E,) root mean square of the frame's residuals; NaN: one has no image
-    after_px: Floats  # (E,) with the labels exchanged
-    chance: Floats  # (E,) of these; NaN: not known
-    not_searched: int = 0  # frames that do not fit, as all of them have too many picks
-
-    def chances(self, count: int) -> Floats:
-        """Spread the chances over the picks, as `Estimate.exchanged` has them, (P,)."""
-        chance = np.zeros(count)
-        known = np.nan_to_num(np.maximum(self.chance, LEAST_CHANCE), nan=-1.0)
-        chance[self.picks] = known[:, None]
-        return chance
-
-    def marked(self, count: int) -> Bools:
-        """Mark the picks of all exchanges, (P,)."""
-        marks = np.zeros(count, bool)
-        marks[self.picks.ravel()] = True
-        return marks
-
-
-NO_EXCHANGE = Exchanges(np.zeros((0, 2), np.int64), *np.zeros((3, 0)))
 
 
 def gross_exchanges(solved: SolvedFlight, suspected: Bools, out: Bools) -> Exchanges:
@@ -76,8 +48,6 @@ def gross_exchanges(solved: SolvedFlight, suspected: Bools, out: Bools) -> Excha
         suspected: frames with residuals far larger than most have, (F,)
         out: gross picks, (P,)
     """
-    if not suspected.any():
-        return NO_EXCHANGE
     flight = solved.flight
     place_m = np.tile(flight.path.bias_sigma_m, (len(flight.frame), 1))
     if flight.path.fixes is not None:
@@ -96,7 +66,7 @@ def exchanges(estimates: FlightEstimates, frames: Bools, out: Bools) -> Exchange
         out: picks that do not fit, (P,)
     """
     joint, reading = estimates.joint, estimates.reading
-    if joint is None or reading is None or not frames.any():
+    if joint is None or reading is None:
         return NO_EXCHANGE
     model = joint.model
     flight, marks = model.flight, model.flight.landmarks
@@ -366,34 +336,3 @@ def _in_few_frames(flight: Flight, found: list[_Likely], searched: Bools) -> Exc
         return NO_EXCHANGE
     sizes = np.array([(one.before_px, one.after_px, one.chance) for one in kept])
     return Exchanges(np.array([one.trial.pair for one in kept]), *sizes.T)
-
-
-# What is said of them
-
-
-def exchange_findings(found: Exchanges, flight: Flight, left_out: Bools) -> list[Finding]:
-    """Describe exchanged labels.
-
-    Args:
-        found: the exchanges
-        flight: the flight
-        left_out: picks that are left out, (P,)
-    """
-    tell = []
-    for pair, before_px, after_px in zip(*found[:3], strict=True):
-        one, other = (flight.landmarks.name[k] for k in flight.picks.landmark[pair])
-        label = frame_label(flight, int(flight.picks.frame[pair[0]]))
-        was = "one has no image" if np.isnan(before_px) else f"residuals are {before_px:.1f} px"
-        done = 'both are used; [solve] blunders = "drop" leaves them out'
-        if flight.options.drop_blunders:
-            done = "both are left out"
-            if not left_out[pair].all():
-                done = "both are used, as one landmark alone is left without them"
-        tell.append(
-            f"{label}: {one} and {other} {ARE_EXCHANGED}: {was}, and {after_px:.1f} px with each "
-            f"other's label; {done}"
-        )
-    if found.not_searched:
-        count = count_text(found.not_searched, "frame")
-        tell.append(f"{count} with picks that do not fit: not searched for exchanged labels")
-    return [Finding(one, flight.source, severity="warning") for one in tell]

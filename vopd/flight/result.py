@@ -18,8 +18,11 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.blunders import (
+    NO_EXCHANGE,
     Blunders,
+    Exchanges,
     blunder_findings,
+    exchange_findings,
     find_blunders,
     gross_picks,
     suspected_frames,
@@ -31,7 +34,6 @@ from vopd.flight.estimate import (
     camera_angles,
     vehicle_angles,
 )
-from vopd.flight.exchanged import exchange_findings, exchanges, gross_exchanges
 from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
 from vopd.flight.free import as_solved, free_parameters, not_held_findings, without_parameter
 from vopd.flight.held import least_held, solved_findings, undetermined
@@ -234,7 +236,7 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
     first = solve(flight)
     suspected = suspected_frames(first)
     gross = gross_picks(first, suspected)
-    swaps = gross_exchanges(first, suspected, gross)
+    swaps = _gross_exchanges(first, suspected, gross)
     swapped = swaps.marked(len(gross))
     read, out = flight, gross | swapped
     robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
@@ -251,7 +253,7 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
             estimates, gross, lambda out, before: _settled_again(flight, out, before, tell), swapped
         )
         clean = without or settled(flight, found.left_out | swapped, estimates.joint)
-        swaps = exchanges(clean, _do_not_fit(found, clean, swapped), found.pick)
+        swaps = _exchanges(clean, found, swapped)
         before, swapped = swapped, swaps.marked(len(gross))
         if np.array_equal(swapped, before):
             break
@@ -288,14 +290,27 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
 ROUNDS_OF_LABELS = 3  # of solving without exchanged labels, and testing all frames again
 
 
-def _do_not_fit(found: Blunders, estimates: FlightEstimates, swapped: Bools) -> Bools:
-    """Mark frames with picks that do not fit, that misfit, or that have no solution, (F,)."""
+def _gross_exchanges(first: SolvedFlight, suspected: Bools, gross: Bools) -> Exchanges:
+    """Find exchanged labels in frames with residuals far larger than most have."""
+    if not suspected.any():
+        return NO_EXCHANGE
+    from vopd.flight.exchanged import gross_exchanges
+
+    return gross_exchanges(first, suspected, gross)
+
+
+def _exchanges(estimates: FlightEstimates, found: Blunders, swapped: Bools) -> Exchanges:
+    """Find exchanged labels in frames with picks that do not fit, that misfit, or are unsolved."""
     solved, reading = estimates.solved, estimates.reading
     assert reading is not None
     frames = np.asarray(reading.chance < SIGNIFICANCE)
     odd = found.pick | found.unclear | swapped | (solved.attitudes.set_aside > 0)
     frames[solved.flight.picks.frame[odd]] = True
-    return frames
+    if not frames.any():
+        return NO_EXCHANGE
+    from vopd.flight.exchanged import exchanges
+
+    return exchanges(estimates, frames, found.pick)
 
 
 def _two_left(flight: Flight, out: Bools) -> Bools:
