@@ -257,7 +257,7 @@ class Estimate(FrameEstimate):
     velocity_sigma: Floats | None = None
     """(F, 3) of each frame's velocity, north, east, down; NaN where it is not known."""
     further: Mapping[str, Floats] = field(default_factory=dict)
-    """(F, 2L, C) changes of the residuals by further errors that are common to the frames.
+    """(F, 2L, C) changes of the residuals by further errors, common to the frames if in `COMMON`.
 
     By component, one standard deviation each.
     """

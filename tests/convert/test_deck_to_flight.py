@@ -506,7 +506,7 @@ def test_keys_that_the_cards_decide() -> None:
     assert found["atmosphere"] == {"refraction": "off"}
     for section in ("landmarks", "track"):
         assert found[section]["height"] == "ellipsoid"
-    assert "solve" not in keys(project_of())
+    assert keys(project_of())["solve"] == {"position": "fixed"}
 
 
 @pytest.mark.parametrize(

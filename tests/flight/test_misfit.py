@@ -9,6 +9,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved
+from tests.kit.command import ROOT
 from tests.kit.command import vopd as command
 from tests.kit.flight_mistakes import MistakeRow
 from tests.kit.simulated_flights import write_flight
@@ -80,6 +81,22 @@ def test_an_exchange_is_named_and_the_status_is_3(mistake: str, words: str, tmp_
     if mistake == "v upward":
         done = command("attitude", tmp_path / "flight.toml", "-o", tmp_path / "a.csv")
         assert done.status == 3 and "warning: " in done.stderr and words in done.stderr
+
+
+@pytest.mark.parametrize(("height_m", "misfits"), [(399.7, False), (-2936.0, True)])
+def test_a_camera_on_a_post_that_is_stated_too_low(
+    height_m: float, misfits: bool, tmp_path: Path
+) -> None:
+    """All images as one: of five summits 64 m are 4 px, which may be so, and 3.4 km are 200."""
+    project = tmp_path / "flight.toml"
+    for file in (ROOT / "examples" / "summits").iterdir():
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    project.write_text(project.read_text().replace("z_m = 463.7", f"z_m = {height_m}"))
+    for strict in ((), ("--strict",)):
+        done = command("attitude", project, "-o", tmp_path / "a.csv", *strict)
+        assert done.status == (3 if misfits or strict else 0)
+        assert ("the flight misfits: " in done.stderr) == misfits
+        assert "the residuals speak for the camera's position" in done.stderr
 
 
 def test_values_are_those_of_freeing_the_error(tmp_path: Path) -> None:

@@ -153,8 +153,9 @@ def test_attitudes_before_any_solve() -> None:
 
 
 def told(
-    picks: list[int], lost: list[bool], unknown: tuple[int, ...] = (), names: bool = False
-) -> list[Finding]:
+    picks: list[int], lost: list[bool], unknown: tuple[int, ...] = (), names: bool = False,
+    stray: int = -1,
+) -> list[Finding]:  # fmt: skip
     """What is said of frames with so many picks, some without an attitude or a position."""
     frames = len(picks)
     rotation, position = np.ones((frames, 3, 3)), np.ones((frames, 3))
@@ -167,7 +168,9 @@ def told(
         path=SimpleNamespace(position_m=position),
         source="flight.toml",
     )
-    solved: Any = SimpleNamespace(attitudes=SimpleNamespace(rotation=rotation))
+    converged = np.arange(frames) != stray
+    attitudes = SimpleNamespace(rotation=rotation, converged=converged)
+    solved: Any = SimpleNamespace(attitudes=attitudes)
     return frames_unsolved(flight, solved)
 
 
@@ -180,6 +183,11 @@ def test_frames_with_an_attitude_or_without_a_position_are_not_named() -> None:
     assert told([3, 1, 0], [False] * 3) == []
     assert told([3, 1, 0], [True] * 3, unknown=(0, 1, 2)) == []
     assert_approved(told([3, 1, 2], [True] * 3, unknown=(0,)))
+
+
+def test_a_frame_that_did_not_converge_is_named() -> None:
+    assert_approved(told([3, 1, 4], [False, True, False], stray=2))
+    assert len(told([3], [True], stray=0)) == 1  # it has no attitude to converge
 
 
 @pytest.mark.parametrize("count", [4, 5, 6, 12])

@@ -176,9 +176,13 @@ def test_what_is_exact_and_what_is_not_stated(tmp_path: Path) -> None:
     assert options.exact == ("position", "landmark", "focal", "time")
     assert {"principal_point", "wind", "mount", "bias"} <= {*options.not_stated}
     assert options.parameter_sigma == {"focal": 0.0, "k1": 0.01, "clock": 0.0, "refraction": 0.065}
-    more = "[uncertainty]\np1p2 = 0.1\nclock_rate_ppm = 20\nreadout_ms = 2\n[atmosphere]\n"
+    with refused(VopdError):  # without a rolling shutter
+        flight(tmp_path, more="[uncertainty]\nreadout_ms = 2\n")
+    more = "[uncertainty]\np1p2 = 0.1\nclock_rate_ppm = 20\n[atmosphere]\n"
+    options = flight(tmp_path, more=f'{more}refraction = "off"\n').options
+    assert "refraction" in options.not_stated and "refraction" not in options.exact
     options = flight(tmp_path, more=f'{more}refraction = "off"\nsigma_k = 0.5\n').options
-    expected = {"p1": 0.1, "p2": 0.1, "clock_rate": 2e-5, "readout": 2e-3, "refraction": 0.5}
+    expected = {"p1": 0.1, "p2": 0.1, "clock_rate": 2e-5, "refraction": 0.5}
     expected["clock"] = 0.0
     assert {name: round(one, 12) for name, one in options.parameter_sigma.items()} == expected
 
@@ -192,8 +196,8 @@ def test_a_lens_has_only_its_own_coefficients(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("sigma_m", '"exakt"'), ("sigma_m", "-1"), ("sigma_m", "[1, 2]"), ("sigma_m", "true"),
-     ("velocity_sigma_m_s", "[1, 2]")],
+    [("sigma_m", '"exakt"'), ("sigma_m", '[1, "exact", 1]'), ("sigma_m", "-1"),
+     ("sigma_m", "[1, 2]"), ("sigma_m", "true"), ("velocity_sigma_m_s", "[1, 2]")],
 )  # fmt: skip
 def test_wrong_values_are_named(key: str, value: str, tmp_path: Path) -> None:
     exact = 'sigma_m = "exact"\nsigma_t_s'

@@ -25,6 +25,7 @@ from vopd.flight.stated import Notes
 from vopd.flight.track import (
     FrameTimes,
     PathRead,
+    doubts_of_leaps,
     first_whole_second,
     frames_of,
     height_datum,
@@ -128,6 +129,26 @@ def test_sigmas_and_lever_arm_are_the_project_s_or_the_file_s() -> None:
     assert found.fixes is not None and found.fixes.sigma_m.tolist() == own.tolist()
     assert found.lever_arm_m is None and found.bias_sigma_m.tolist() == [0.0] * 3
     assert path(np.array([1.0]), [], JERK, sigma_m="exact").fixes is None
+
+
+def test_a_track_that_is_exact_is_not_so_between_its_positions() -> None:
+    found = path(np.array([1.5]), [], JERK, sigma_m="exact").fixes
+    assert found is not None and found.exact and found.weight.shape == (1, 4)
+    assert found.sigma_m[::3].tolist() == [[0.0] * 3] * 6
+    assert found.frame_sigma_m.max() > 0.1
+
+
+def test_a_position_that_the_track_leaps_to_is_named() -> None:
+    """60 m aside for one of four seconds: there and back 120 m/s^2; 40 m, 80 m/s^2."""
+    position = np.array([START + k * SPEED for k in range(5)])
+    rows = TrackRows(position, False, None, "seconds", np.arange(5.0), "CSV", line=(2, 3, 4, 5, 6))
+    for aside_m, named in ((40.0, False), (60.0, True)):
+        moved = position + aside_m * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
+        (*said,) = doubts_of_leaps(rows, moved, "t.csv")
+        assert [("line 5: the path bends by 120 m/s^2" in one) for one in said] == [True] * named
+    noisy = position + 5.0 * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
+    quick = replace(rows, time_s=np.arange(5.0) / 100.0)
+    assert doubts_of_leaps(quick, noisy, "t.csv") == []
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,9 @@ from vopd.flight.flight import TrackFixes
 from vopd.flight.velocity import (
     Roughness,
     gap_curvature,
+    gap_twist,
     missed_curvature,
+    off_chord,
     polynomial_weights,
     roughness,
     track_velocity,
@@ -275,6 +277,25 @@ def test_a_frame_between_fixes_has_a_part_of_the_gap() -> None:
     moved = found.at_frames(errors[..., None])[..., 0]
     assert_close("table value", moved[0], 0.75 * errors[0] - 0.375 * errors[1] + 0.25 * errors[2])
     assert_close("table value", moved[1:], errors[[2, 4]])
+
+
+def test_a_cubic_path_between_fixes_is_its_chord_curvature_and_change() -> None:
+    """4 t^3 in a gap from 1 to 3 s: at 1.5 s 13.5; its chord 30, its curvature in the middle 48."""
+    time_s = np.array([1.0, 3.0])
+    off = off_chord(np.array([0.25]), np.diff(time_s))
+    assert_close("table value", off, [[-0.375, 0.0625]])
+    assert_close("table value", 0.75 * 4.0 + 0.25 * 108.0 + off @ [48.0, 24.0], [13.5])
+    time_s = np.arange(6.0)
+    position = np.stack([time_s**3, time_s**2, 0.0 * time_s], axis=1)
+    found = gap_twist(time_s, position, rough_as(6, 0.5, 0.0))
+    assert_close("table value", found, np.tile([np.sqrt(2.0 * (36.0 - 20.0 * 0.25)), 0, 0], (5, 1)))
+    assert not gap_twist(time_s[:3], position[:3], rough_as(3, 0.5, 0.0)).any()
+    fixes = TrackFixes(np.array([1]), np.array([[0.75, 0.25]]), np.full((3, 3), 0.1))
+    shapes = np.ones((2, 3)), np.full((2, 3), 2.0)
+    both = with_gaps(fixes, np.array([0.0, 1.0, 3.0]), *shapes)
+    assert both.first.tolist() == [3]
+    assert_close("table value", both.weight, [[0.75, -0.375, 0.0625, 0.25]])
+    assert_close("table value", both.sigma_m[:, 0], [0.1, 1.0, 2.0, 0.1, 1.0, 2.0, 0.1])
 
 
 PATHS = {  # metres a radian a second, seconds between fixes, sigma, stated sigma

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import zip_longest
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +17,9 @@ from vopd.attitude.vertical import lean_deg
 from vopd.estimate import Position, Vertical
 from vopd.findings import Finding, Report, count_text
 from vopd.version import __version__
+
+if TYPE_CHECKING:
+    from vopd.attitude.mean import MeanAttitude
 
 # Offset of a file's positions from the source's own coordinates.
 
@@ -106,7 +111,7 @@ DEFLECTION = (
     "; down is the ellipsoid's normal, from which a level differs by the deflection of the "
     "vertical, up to .03 degree in mountains"
 )
-MOST_JOBS = 8  # whose reading sigma is stated
+MOST_JOBS = 8  # whose reading sigma, and what else is their own, is stated
 
 
 def conventions(histories: Sequence[History]) -> dict[str, str]:
@@ -124,8 +129,8 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
         "fixes": about.fixes or about.words.no_fixes,
         "from frame": f"north, east, down at the vehicle; down {about.down}",
         "vertical": _vertical(histories),
-        **(GENERAL | dict(about.words.conventions)),
-        **_included(histories),
+        **(GENERAL | _own_words(histories)),
+        **included_statements(histories),
         "sigmas": f"{SIGMAS}; components: {', '.join(components)}{_model_error(histories)}",
         "intervals": INTERVALS,
         "covariance": COVARIANCE,
@@ -138,15 +143,59 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
     return {name: sentence for name, sentence in stated.items() if sentence}
 
 
-def _included(histories: Sequence[History]) -> dict[str, str]:
-    """Name the errors that the standard deviations include and leave out, where keys state them."""
-    first = histories[0]
-    keys = first.about.words.sigma_keys
-    if not keys:
-        return {}
+def _own_words(histories: Sequence[History]) -> dict[str, str]:
+    """State what the words of each source say: once where all say the same.
+
+    The zero of the time, which need not be one, is stated by the file's format.
+    """
+    first = dict(histories[0].about.words.conventions)
+    told = {h.about.source: dict(h.about.words.conventions) for h in histories[: MOST_JOBS + 1]}
+    names = dict.fromkeys(name for own in told.values() for name in own)
+    more = len(histories) - MOST_JOBS
     return {
-        "sigmas_include": included_text(first),
-        "sigmas_not_included": left_out_text(first, keys) or "nothing that the project can state",
+        name: first[name]
+        if name == "time"
+        else _of_each([(source, own.get(name, "")) for source, own in told.items()], more)
+        for name in names
+    }
+
+
+def _of_each(texts: Sequence[tuple[str, str]], more: int) -> str:
+    """Join the texts of sources: one where all are alike, else each with its source.
+
+    Args:
+        texts: of some sources, with their names; an empty one is left out
+        more: how many jobs there are besides the first `MOST_JOBS`
+    """
+    if len({text for _, text in texts}) == 1:
+        return texts[0][1]
+    told = [f"{source}: {text}" for source, text in texts[:MOST_JOBS] if text]
+    if more > 0:
+        told.append(f"{count_text(more, 'more source')}: see its own table")
+    return "; ".join(told)
+
+
+def included_statements(
+    histories: Sequence[History], means: Sequence[MeanAttitude] = ()
+) -> dict[str, str]:
+    """Name the errors that the standard deviations include and leave out, where keys state them.
+
+    Args:
+        histories: one or more jobs, of one kind of source
+        means: of each, if their standard deviations are meant
+    """
+    if not histories[0].about.words.sigma_keys:
+        return {}
+    include, leave_out = [], []
+    for one, mean in zip_longest(histories[: MOST_JOBS + 1], means[: MOST_JOBS + 1]):
+        keys = one.about.words.sigma_keys
+        include.append((one.about.source, included_text(one, mean)))
+        left = left_out_text(one, keys, mean) or "nothing that the project can state"
+        leave_out.append((one.about.source, left))
+    more = len(histories) - MOST_JOBS
+    return {
+        "sigmas_include": _of_each(include, more),
+        "sigmas_not_included": _of_each(leave_out, more),
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.sigmas import INPUTS, Sigmas, angle_gains, given_components, in_force
 from vopd.estimate import Block, Estimate, Units
+
+if TYPE_CHECKING:
+    from vopd.attitude.mean import MeanAttitude
 
 
 def label(component: str) -> str:
@@ -22,28 +25,34 @@ def label(component: str) -> str:
     return component.replace("_", " ")
 
 
-def included_text(history: History) -> str:
+def included_text(history: History, mean: MeanAttitude | None = None) -> str:
     """Describe the errors that the standard deviations include, and how large they are.
 
-    The sizes are those in the first frame that has an attitude.
+    The sizes are those of the mean, or in the first frame that has an attitude.
 
     Args:
         history: of a job, or of its first frames
+        mean: the mean attitude of the job, if its standard deviations are meant
     """
     first = int(history.has_attitude.argmax())
+    of, each = "the mean attitude", {} if mean is None else mean.components
+    if mean is None:
+        of = f"frame {history.estimate.frame_label(first)}"
+        each = {name: own[first] for name, own in history.uncertainty.components.items()}
     sizes: dict[str, list[str]] = {"yaw, pitch and roll": [], "alpha, beta and eta": []}
-    for name, own in history.uncertainty.components.items():
-        angles, size_deg = _largest(own[first])
+    for name, own in each.items():
+        angles, size_deg = _largest(own)
         size = f"below {LEAST_DEG}" if size_deg < LEAST_DEG else f"{size_deg:.2g}"
         sizes[angles].append(f"{label(name)} {size}")
-    each = [
+    texts = [
         f"{', '.join(some)} degree, the largest of {angles}"
         for angles, some in sizes.items()
         if some
     ]
-    return f"{'; '.join(each)}; frame {history.estimate.frame_label(first)}"
+    return f"{'; '.join(texts)}; {of}"
 
 
+ATTACK_ALONE = ("velocity", "wind")  # move the angles of attack, which a mean does not have
 LEAST_DEG = 0.0001  # smaller errors are told without their size
 OF_ATTACK = 100.0  # times the vehicle's: an error of the angles of attack
 
@@ -52,27 +61,33 @@ def _largest(angles_deg: Floats) -> tuple[str, float]:
     """Take the largest of a frame's vehicle angles, or of its angles of attack if they alone move.
 
     Args:
-        angles_deg: of camera, vehicle and attack, (9,)
+        angles_deg: of camera, vehicle and attack, (9,), or without attack, (6,)
     """
     known = np.nan_to_num(angles_deg, posinf=np.inf)
-    vehicle, attack = float(known[3:6].max()), float(known[6:9].max())
+    vehicle, attack = float(known[3:6].max()), float(known[6:9].max(initial=0.0))
     if attack > OF_ATTACK * vehicle:
         return "alpha, beta and eta", attack
     return "yaw, pitch and roll", vehicle
 
 
-def left_out_text(history: History, where: Mapping[str, str]) -> str:
+def left_out_text(
+    history: History, where: Mapping[str, str], mean: MeanAttitude | None = None
+) -> str:
     """Describe the errors that the standard deviations leave out; of a flight with round sizes.
 
     Args:
         history: of a job, or of its first frames
         where: where each component can be stated; those that are not here are not named
+        mean: the mean attitude of the job, if its standard deviations are meant
     """
     blocks = history.estimates()
     if history.about.words.sigma_keys:
         blocks = ((frames, one) for frames, one in [_first_frame(history)])
     kept = [one for _, one in blocks]
-    told = [one for one in left_out(kept, history.uncertainty.components) if one in where]
+    known = history.uncertainty.components
+    if mean is not None:
+        known = dict.fromkeys((*mean.components, *ATTACK_ALONE), known["reading"])
+    told = [one for one in left_out(kept, known) if one in where]
     effects = usual_effects(kept[0], told) if history.about.words.sigma_keys else {}
     return ", ".join(
         f"{label(name)} ({where[name]}{': ' * (name in effects)}{effects.get(name, '')})"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.conventions import included_statements
 from vopd.attitude.sigmas import COMMON
 from vopd.attitude.table import MATRICES, TableArrays, TableColumn, columns_of
 from vopd.attitude.uncertainty import student_factor
@@ -267,6 +268,7 @@ def mean_statements(
     components = ", ".join(dict.fromkeys(name for one in means for name in one.components))
     together = any(one.sum_errors is not None for one in histories)
     return kept | {
+        **included_statements(histories, means),
         "sigmas": "one standard deviation of the mean, degrees, without Student's factor; "
         f"components: {components}",
         "intervals": "95 %, with Student's factor; half_width_95 is half the width of an interval",

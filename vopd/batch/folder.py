@@ -145,6 +145,7 @@ class SourceRecord:
         not_converged: frames that did not converge
         flagged: frames that have any flag
         warnings: number of warnings
+        mistaken: 1 where the residuals of a flight speak for an error of its inputs
         flags: frames that have each flag, of flags that any frame has
         outputs: the files that were written, in the output folder, and their hashes
         seconds: the time that it took; of sources that are solved together, in proportion
@@ -164,6 +165,7 @@ class SourceRecord:
     not_converged: int = 0
     flagged: int = 0
     warnings: int = 0
+    mistaken: int = 0
     flags: dict[str, int] = field(default_factory=dict)
     outputs: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
@@ -483,6 +485,7 @@ COLUMNS = {
     "not_converged": "frames that did not converge",
     "flagged": "frames that have any flag",
     "warnings": "number of warnings",
+    "mistaken": "1 where the residuals of a flight speak for an error of its inputs",
 }
 """The columns of the Parquet file before those of the flags."""
 

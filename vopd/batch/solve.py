@@ -211,6 +211,7 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
         not_converged=lost,
         flagged=sum(int(h.flags.any().sum()) for h in histories),
         warnings=len(now.findings),
+        mistaken=int(now.flight is not None and now.flight.mistaken),
         flags={flag: count for flag, count in raised.items() if count},
         outputs={file: hashlib.sha256(one).hexdigest() for file, one in contents.items()},
     )

@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from typing import Any
 
 import click
 
 from vopd.attitude.history import History
 from vopd.attitude.included import included_text, left_out_text
+from vopd.attitude.mean import MeanAttitude
 from vopd.cli.console import Messages, Progress
 from vopd.cli.histories import collect_jobs
 from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
@@ -159,24 +161,26 @@ def command(
                 file.write(page)
     progress.close()
     if not options.quiet:
-        for sentence in _left_out([job.head for job in found.jobs]):
+        means = [job.whole.mean() for job in found.jobs] if mean else []
+        for sentence in _left_out([job.head for job in found.jobs], means):
             click.echo(sentence, err=True)
     ctx.exit(found.status(options, messages))
 
 
-def _left_out(heads: Sequence[History]) -> list[str]:
+def _left_out(heads: Sequence[History], means: Sequence[MeanAttitude]) -> list[str]:
     """Say which errors the sigmas contain and which not, once for sources that are alike.
 
     Args:
         heads: the history of each job, or of its first frames
+        means: the mean attitude of each, if that is written
     """
     sources: dict[str, dict[str, None]] = {}
-    for one in heads:
+    for one, mean in zip_longest(heads, means):
         keys = one.about.words.sigma_keys
-        left = left_out_text(one, keys or SIGMA_OPTIONS)
+        left = left_out_text(one, keys or SIGMA_OPTIONS, mean)
         told = f"the sigmas do not include errors of: {left}"
         if keys:
-            told = f"the sigmas include errors of: {included_text(one)}"
+            told = f"the sigmas include errors of: {included_text(one, mean)}"
             told += f"; not included: {left}" * bool(left)
         if left or keys:
             sources.setdefault(told, {})[one.about.source] = None

@@ -25,12 +25,13 @@ class Collected(NamedTuple):
     untold: list[HistoryParts]  # whose frames have not been counted
     failed: bool  # some source could not be read or solved
     misfits: bool  # some flight does
+    mistaken: int  # flights whose residuals speak for an error of their inputs
 
     def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
 
         It is 3 where a frame did not converge, a flight misfits, or with `--strict` a frame has
-        any flag.
+        any flag or the residuals of a flight speak for an error of its inputs.
         """
         for job in self.untold:
             for finding in findings_of(job.about, job.summary):
@@ -42,8 +43,12 @@ class Collected(NamedTuple):
         if options.strict and flagged and not options.quiet:
             are = "frame is" if flagged == 1 else "frames are"
             click.echo(f"--strict: {flagged} {are} flagged", err=True)
+        if options.strict and self.mistaken and not options.quiet:
+            of = "a flight" if self.mistaken == 1 else f"{self.mistaken} flights"
+            click.echo(f"--strict: residuals of {of} speak for an error of the inputs", err=True)
         unconverged = any(job.summary.unconverged for job in self.jobs)
-        return 3 if unconverged or self.misfits or (options.strict and flagged) else 0
+        doubtful = options.strict and (flagged or self.mistaken)
+        return 3 if unconverged or self.misfits or doubtful else 0
 
 
 def collect_jobs(
@@ -67,7 +72,7 @@ def collect_jobs(
     """
     if options.solve.fixes and not options.quiet:
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
-    found = Collected([], [], False, False)
+    found = Collected([], [], False, False, 0)
     messages, progress = Messages(options.quiet, on_message), Progress("frames")
     for some in in_groups(solve_sources(decks, options.solve)):
         solved = [one for one in some if isinstance(one, SolvedJob)]
@@ -85,7 +90,9 @@ def collect_jobs(
             if isinstance(one, SolvedJob):
                 made = one_part(next(of_jobs))
             else:
-                found = found._replace(misfits=found.misfits or one.misfits)
+                found = found._replace(
+                    misfits=found.misfits or one.misfits, mistaken=found.mistaken + one.mistaken
+                )
                 made = one.history_parts(options.history)
                 made = made if by_parts else one_part(made.whole)
             if made.counted:

@@ -63,8 +63,18 @@ _SIGMAS = (
         "fiducial",
         "of a fiducial's film coordinate, mm; by default from the fiducials.",
     ),
-    ("--landmark-sigma", "landmark", "of a landmark's position, along each axis, ft or m."),
-    ("--position-sigma", "position", "of the camera's position, along each axis, ft or m."),
+    (
+        "--landmark-sigma",
+        "landmark",
+        "of a landmark's position, along each axis, ft or m; a flight is solved with it, and its "
+        "angles move.",
+    ),
+    (
+        "--position-sigma",
+        "position",
+        "of the camera's position, along each axis, ft or m; a flight is solved with it, and its "
+        "angles move.",
+    ),
     ("--focal-sigma", "focal_length", "of the focal length, mm or px."),
     ("--time-sigma", "time_s", "of the times of the frames, s."),
     ("--velocity-sigma", "velocity", "of the velocity, along each axis, ft/s or m/s."),
@@ -194,7 +204,12 @@ def history_options(function: AnyCommand) -> AnyCommand:
             for name, _, text in _SIGMAS
         ),
         *_OF_HISTORY.values(),
-        click.option("--strict", is_flag=True, help="Exit with status 3 if any frame has a flag."),
+        click.option(
+            "--strict",
+            is_flag=True,
+            help="Exit with status 3 if any frame has a flag, or the residuals of a flight speak "
+            "for an error of its inputs.",
+        ),
         quiet_option,
     )
     return _with(options, with_options)

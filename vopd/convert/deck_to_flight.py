@@ -53,7 +53,8 @@ an inch on the film reader, counted from the frame's centre as the fiducials hav
 the three readings of a point is a pick, the lens's distortion (group 1) taken off. Heights
 are those of the cards, taken as above the ellipsoid as vopd run --fix all takes them; the
 cards know no refraction. They do not say how exact landmarks, positions, velocities and
-times are: "exact" leaves these out of the uncertainty until you write what they are. The
+times are: "exact" leaves these out of the uncertainty until you write what they are; then
+leave out position = "fixed", which holds the positions between those of the cards, too. The
 three readings tell how exact the picks are."""
 
 
@@ -210,6 +211,7 @@ def _values(job: Job, size_px: tuple[int, int], notes: list[str]) -> KeyValues:
         values["track", "file"], values["track", "height"] = '"track.csv"', '"ellipsoid"'
         for key in ("sigma_m", "sigma_t_s", "velocity_sigma_m_s"):
             values["track", key] = _EXACT
+        values["solve", "position"] = '"fixed"'
     else:
         latitude, longitude, height = _positions(job)
         keys = ("lat_deg", "lon_deg", "h_m")
@@ -297,8 +299,10 @@ def _wind(job: Job) -> str:
 
 # A flight in memory
 
-SAID_EXACT = ("position", "landmark", "time", "velocity", "refraction")
-NOT_SAID = ("focal", "principal_point", "distortion", "readout", "wind", "mount", "bias")
+SAID_EXACT = ("position", "landmark", "time", "velocity")
+NOT_SAID = (
+    "focal", "principal_point", "distortion", "readout", "refraction", "wind", "mount", "bias",
+)  # fmt: skip
 
 
 def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
@@ -348,7 +352,7 @@ def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
         ),
         mount=mount_by_angles([0.0, 0.0, turn]) if turn else FORWARD,
         refraction=Refraction(0.0, False),
-        options=FlightOptions(exact=SAID_EXACT, not_stated=NOT_SAID),
+        options=FlightOptions(exact=SAID_EXACT, not_stated=NOT_SAID, may_misfit=False),
         findings=tuple(findings),
     )
 

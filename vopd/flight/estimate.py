@@ -36,7 +36,7 @@ from vopd.flight.flight import Flight, FrameSlots, Refraction
 from vopd.flight.free import free_text
 from vopd.flight.held import other_solutions_deg, position_ratio
 from vopd.flight.joint import JointSolution
-from vopd.flight.lines_of_sight import EARTH_RADIUS_M
+from vopd.flight.lines_of_sight import EARTH_RADIUS_M, sight_lines
 from vopd.flight.solve import (
     IMAGE_FROM_CAMERA,
     FlightBlocks,
@@ -263,12 +263,7 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         repeated="by points picked several times"
         if np.isfinite(flight.picks.repeatability_px)
         else "as stated in the project",
-        sigma_keys={
-            name: key
-            for name, key in SIGMA_KEYS.items()
-            if name not in flight.options.exact
-            and (name != "readout" or flight.shutter is not None)
-        },
+        sigma_keys=_sigma_keys(solved),
         flags={
             "undetermined": (
                 "fewer than two landmarks in different directions, or no position: no angles; "
@@ -296,6 +291,40 @@ def _unknowns(solved: SolvedFlight) -> str:
     if solved.landmark_m is None:
         return "rotation by {} with the camera's position given"
     return "rotation by {}, with positions and landmarks under their standard deviations"
+
+
+def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
+    """Say where components of the uncertainty can be stated that the project does not call exact.
+
+    Refraction that is left out is one of them where it would raise lines of sight enough.
+    """
+    flight = solved.flight
+    keys = {name: key for name, key in SIGMA_KEYS.items() if name not in flight.options.exact}
+    if flight.shutter is None:
+        keys.pop("readout", None)
+    if flight.refraction.k == 0.0 and "refraction" not in flight.options.parameter_sigma:
+        raised_deg = _standard_refraction_deg(solved)
+        keys.pop("refraction", None)
+        if raised_deg >= LEAST_RAISED_DEG:
+            keys["refraction"] = (
+                f"[atmosphere] refraction: the standard one raises lines of sight by "
+                f"{raised_deg:.2g} degree at most"
+            )
+    return keys
+
+
+LEAST_RAISED_DEG = 0.001  # by refraction that is left out: less is not named
+
+
+def _standard_refraction_deg(solved: SolvedFlight) -> float:
+    """Estimate how far standard refraction raises the longest line of sight, degrees."""
+    flight, picks = solved.flight, solved.flight.picks
+    mark_m = flight.landmarks.position_m[picks.landmark]
+    far = np.linalg.norm(mark_m - solved.camera_m[picks.frame], axis=1)
+    pick, one = int(np.nan_to_num(far).argmax()), np.zeros(1, np.int64)
+    camera_m = solved.camera_m[picks.frame[pick]]
+    lines = sight_lines(camera_m[None], mark_m[pick][None], one, one, Refraction())
+    return float(np.nan_to_num(np.degrees(lines.raised_rad[0])))
 
 
 def _refraction(refraction: Refraction, solved: SolvedFlight) -> str:
@@ -407,10 +436,8 @@ class FlightEstimates:
         """Add to the estimate of some frames what the joint solution knows of them."""
         slots, here = _slots(part), np.tile(one.used, 2)
         further = {name: slots.coordinates(own[part.picks]) for name, own in self._further.items()}
-        one = replace(
-            one,
-            further={name: np.where(here[..., None], own, 0.0) for name, own in further.items()},
-        )
+        further = {name: np.where(here[..., None], own, 0.0) for name, own in further.items()}
+        one = replace(one, further={**one.further, **further})
         if joint.passes:
             one = self._with_stated_residual(one, part, joint)
         elif self._held is None:
@@ -658,6 +685,12 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     partials = slots.coordinates(by_turns)
     turn_gain = gain_of_turns(partials, slots.coordinates(_twice(weight)))
     body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
+    responses = pick_responses(solved, slots, used, seen, attack, body_turns)
+    fixes, fix_sigma, further = flight.path.fixes, None, {}
+    if fixes is not None and fixes.exact:
+        further["interpolation"] = responses.position * fixes.frame_sigma_m[:, None]
+    elif fixes is not None:
+        fix_sigma = fixes.frame_sigma_m
     return Estimate(
         about=About(
             flight.source,
@@ -692,14 +725,15 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         partials=partials @ turns_by_angles(radians),
         gain=angles_by_turns(radians) @ turn_gain,
         body_gain=flight.mount @ IMAGE_FROM_CAMERA @ turn_gain,
-        responses=pick_responses(solved, slots, used, seen, attack, body_turns),
+        responses=responses,
         reading_spread=picks.repeatability_px,
         reading_floor=picks.least_sigma_px,
         relative_sigma=slots.spread(picks.sigma_px / picks.one_sigma_px),
         landmark_names=whole.landmark_names,
         frame_names=list(flight.image_name),
         stated=_stated(flight),
-        fix_sigma=None if flight.path.fixes is None else flight.path.fixes.frame_sigma_m,
+        fix_sigma=fix_sigma,
+        further=further,
         landmark_sigma=slots.spread(flight.landmarks.sigma_m[picks.landmark])
         if flight.landmarks.sigma_m.any()
         else None,

@@ -74,14 +74,19 @@ class TrackFixes:
         weight: the frame's part in that fix and those after it, (F, W): 1 - a and a between
             two fixes, 1 at a fix
         sigma_m: prior standard deviations, east, north, up, (J, 3)
-        between: those that are no fix but the curvature of the gap between two, m/s^2, (J,);
-            None: there is none
+        between: those that are no fix but the shape of the path between two, its curvature,
+            m/s^2, or the change of that, m/s^3, (J,); None: there is none
     """
 
     first: Ints
     weight: Floats
     sigma_m: Floats
     between: Bools | None = None
+
+    @property
+    def exact(self) -> bool:
+        """Whether the fixes have no errors, and only the path between them has."""
+        return self.between is not None and not self.sigma_m[~self.between].any()
 
     def of_frames(self, frames: Ints) -> TrackFixes:
         """Take the parts that some of the frames have in the fixes, by their indices."""
@@ -244,6 +249,8 @@ class FlightOptions:
         free: parameters that are solved for, by the names of `vopd.flight.free.FREE`
         kept: those of them that the picks do not hold
         held: what was solved for by `vopd adjust` before; None: nothing was
+        may_misfit: whether its residuals are held against a usual pick's; not those of a deck,
+            of which no command says that it misfits
     """
 
     loss: str = "least-squares"
@@ -256,6 +263,7 @@ class FlightOptions:
     free: tuple[str, ...] = ()
     kept: tuple[NotHeld, ...] = ()
     held: HeldParameters | None = None
+    may_misfit: bool = True
 
 
 @dataclass(frozen=True, eq=False)

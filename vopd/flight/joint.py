@@ -331,6 +331,8 @@ def covariance(solution: JointSolution) -> Covariance:
             gaps = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE * between[:, None])
             component["interpolation"] = np.asarray(-marginals(gaps)[0].imag / DERIVATIVE)
             component["position"] -= component["interpolation"]
+            if model.priors.fixes.exact:
+                del component["position"]
     total = np.asarray(turn.real)
     given = sum(component.values(), np.zeros_like(total))
     reading = total - given
@@ -466,7 +468,8 @@ def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats,
         if between is not None:
             found["interpolation"] = np.einsum("jik,jil->kl", scaled[between], scaled[between])
             scaled = scaled[~between]
-        found["position"] = np.einsum("jik,jil->kl", scaled, scaled)
+        if not model.priors.fixes.exact:
+            found["position"] = np.einsum("jik,jil->kl", scaled, scaled)
     seen = normal.seen(turn, place, common) * normal.weight[:, None, None]
     found = {"reading": np.einsum("pik,pil->kl", seen, seen)} | found
     return sum(found.values(), np.zeros((k, k))), found

@@ -64,17 +64,23 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
                 f"deviations explain (chance below {SIGNIFICANCE:g})"
             )
         return ""
-    expected_px = USUAL_PX if stated_px is None else stated_px
-    ratio, freedom = reading.sigma / expected_px, reading.freedom
+    picks, sigma_px = joint.model.flight.picks, reading.sigma
+    expected_px, of = USUAL_PX, f"{USUAL_PX:g} px, which is usual"
+    if stated_px is not None:
+        expected_px, of = stated_px, f"the stated sigma_px = {stated_px:g}"
+    else:  # a point that is picked several times is not identified better for it
+        sigma_px *= float(np.median(picks.sigma_px)) / picks.one_sigma_px
+        if picks.repeatability_px > 1.0:
+            expected_px *= picks.repeatability_px
+            of = f"{expected_px:.2g} px, {USUAL_PX:g} times the spread of repeated picks"
+        of += ", as sigma_px is not stated"
+    ratio, freedom = sigma_px / expected_px, reading.freedom
     if not np.isfinite(freedom) or not ratio > REJECTED:
         return ""
     if not chdtrc(freedom, freedom * ratio**2) < SIGNIFICANCE:
         return ""
-    of = f"the stated sigma_px = {expected_px:g}"
-    if stated_px is None:
-        of = f"{expected_px:g} px, which is usual, as sigma_px is not stated"
     return (
-        f"the flight misfits: its residuals speak for picks of {reading.sigma:.2g} px, "
+        f"the flight misfits: its residuals speak for picks of {sigma_px:.2g} px, "
         f"{ratio:.1f} times {of} (chance below {SIGNIFICANCE:g})"
     )
 
@@ -412,7 +418,7 @@ def sizes_text(flight: Flight, left_out: Bools | None = None) -> str:
     model = first.model
     known = np.isfinite(model.common_sigma).tolist()
     there = {"reading", *(c for c, one in zip(model.component, known, strict=True) if one)}
-    there |= {"position"} if priors.fixes is not None else set()
+    there |= {"position"} if priors.fixes is not None and not priors.fixes.exact else set()
     found = {name: size_spoken_for(first, name) for name in SIZES if name in there}
     best = max(gain for _, gain in found.values())
     alike = [name for name, (_, gain) in found.items() if gain > best - ALIKE]
@@ -532,9 +538,7 @@ def flight_findings(
     if joint is None or reading is None:
         return [], False
     stated = flight.picks.one_sigma_px if flight.picks.stated else None
-    # repeated readings say how well a point is read, not how well it is identified
-    repeated = stated is None and bool(np.isfinite(flight.picks.repeatability_px))
-    misfit = "" if repeated else misfit_text(joint, reading, stated)
+    misfit = misfit_text(joint, reading, stated) if flight.options.may_misfit else ""
     texts = [misfit, too_wide_text(joint, reading), ""]
     exact = not joint.passes
     if len(joint.model.pick) > MOST_PICKS:

@@ -332,6 +332,9 @@ class Section:
                 raise self.error(key, message)
             return (0.0,) * row.size
         if isinstance(value, list | tuple):
+            if EXACT in value:
+                message = f'{shown(value)}: "{EXACT}" stands for all: in a list, 0 is exact'
+                raise self.error(key, message)
             found = self._list(key, value, row.size)
         else:
             found = (self._number(key, value),) * row.size

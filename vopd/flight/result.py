@@ -38,7 +38,7 @@ from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
 from vopd.flight.free import as_solved, free_parameters, not_held_findings, without_parameter
 from vopd.flight.held import least_held, solved_findings, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
-from vopd.flight.misfit import flight_findings
+from vopd.flight.misfit import SPEAK_FOR, flight_findings
 from vopd.flight.read import read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.readout import picks_at_frame_times
@@ -69,6 +69,11 @@ class FlightResult:
     estimates: FlightEstimates
     findings: tuple[Finding, ...]
     misfits: bool = False
+
+    @property
+    def mistaken(self) -> bool:
+        """Whether the residuals speak for an error of the inputs, which `findings` name."""
+        return any(one.message.startswith(SPEAK_FOR) for one in self.findings)
 
     @property
     def flight(self) -> Flight:
@@ -562,13 +567,21 @@ def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
     return tell
 
 
+NOT_CONVERGED = (
+    "the solve did not converge, and the angles are those of its last step; look at the picks and "
+    "at the stated standard deviations"
+)
+
+
 def frames_unsolved(flight: Flight, solved: SolvedFlight) -> list[Finding]:
-    """List frames without an attitude, by reason."""
-    lost = np.isnan(solved.attitudes.rotation[:, 0, 0]) & np.isfinite(flight.path.position_m[:, 0])
+    """List frames without an attitude, by reason, and those that did not converge."""
+    unknown = np.isnan(solved.attitudes.rotation[:, 0, 0])
+    lost = unknown & np.isfinite(flight.path.position_m[:, 0])
     picked = np.bincount(flight.picks.frame, minlength=len(flight.frame))
     reasons = (
         (lost & (picked < 2), "fewer than two landmarks: two of three angles at most, no attitude"),
         (lost & (picked >= 2), "its landmarks lie on one line of sight, or too few can be used"),
+        (~unknown & ~solved.attitudes.converged, NOT_CONVERGED),
     )
     tell = []
     for which, why in reasons:

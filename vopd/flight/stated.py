@@ -155,19 +155,29 @@ def flight_options(
         VopdError: where a value is not as it should be, or the lens has no such coefficient
     """
     solve, found = project.section("solve"), dict(read.sigma)
-    found["refraction"] = HALF * abs(refraction.k)
+    if refraction.k:
+        found["refraction"] = HALF * abs(refraction.k)
     for row in COMMON:
         section = project.section(row.section)
         values = section.sigma(row.key)
         if values is None:
             continue
+        rolls = project.section("camera").has("readout_ms")
+        if row.key == "readout_ms" and max(values) > 0.0 and not rolls:
+            message = (
+                "the camera has no rolling shutter: give its [camera] readout_ms, readout and "
+                "frame_time, or leave the key out"
+            )
+            raise section.error(row.key, message)
         unit = float(read.lens.focal_px.mean()) if row.key == "focal_rel" else row.unit
         for name, value in zip(row.names, values * (len(row.names) // len(values)), strict=True):
             if value > 0.0 and COMPONENT[name] == "distortion":
                 _check_coefficient(section, row.key, name, read.lens.kind)
             found[name] = value * unit
     sizes: dict[str, float | None] = {
-        "position": float(path.bias_sigma_m.max()) if path.fixes is None else 1.0,
+        "position": float(path.bias_sigma_m.max())
+        if path.fixes is None or path.fixes.exact
+        else 1.0,
         "landmark": float(landmarks.sigma_m.max(initial=0.0)),
         **dict.fromkeys(COMPONENT[name] for row in COMMON for name in row.names),
         "velocity": None if path.velocity_sigma_m_s is None else path.velocity_sigma_m_s.max(),

@@ -20,6 +20,8 @@ from vopd.flight.stated import MissingSigma, Notes, RowSigmas, key_sigma, row_si
 from vopd.flight.velocity import (
     Roughness,
     gap_curvature,
+    gap_twist,
+    off_chord,
     roughness,
     track_velocity,
     with_gaps,
@@ -400,7 +402,8 @@ def velocity_by_fit(
 
 FRAMES_AT_ONCE = 20_000
 LEAST_BENT = 0.01  # of a position's sigma: a path that bends less between positions is straight
-LEAST_TOLD_M = 1e-3  # of noise: less is not told in numbers
+LEAST_TWISTED = 0.1  # likewise, of a path whose curvature changes within a gap
+LEAST_TOLD_M = 1e-3  # of noise: less is not told in numbers; of an exact track: less is straight
 
 
 class PathRead(NamedTuple):
@@ -455,6 +458,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     else:
         path = path_by_time(section, rows, position, times, notes, file.name)
         doubts = doubts_of_rounded_times(section, times, path)
+        doubts += doubts_of_leaps(rows, position, file.name)
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
     return PathRead(path, notes.said, times, doubts, notes.missing)
@@ -528,21 +532,7 @@ def path_by_time(
         of_frames = _columns_at(at, time_s, sigma_m_s)
     unknown = ~inside[:, None]
     key_sigma(section, "sigma_t_s", "", notes)
-    fixes = None
-    if sigma_m.any():
-        before = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
-        part = (at - time_s[before]) / np.diff(time_s)[before]
-        weight = np.where(unknown, 0.0, np.stack([1.0 - part, part], axis=1))
-        # between two rows the errors are mixed linearly, also where positions are not
-        fixes = TrackFixes(before, weight, sigma_m)
-        curvature = gap_curvature(time_s, east_north_up(position), rough, way)
-        off_m = (
-            0.5
-            * np.prod(weight, axis=1)[:, None]
-            * (np.diff(time_s)[:, None] ** 2 * curvature)[before]
-        )
-        if (off_m > LEAST_BENT * sigma_m[before]).any():
-            fixes = with_gaps(fixes, time_s, curvature)
+    fixes = path_errors(at, inside, time_s, position, sigma_m, rough, way)
     return CameraPath(
         np.where(unknown, np.nan, here),
         fixes,
@@ -553,6 +543,47 @@ def path_by_time(
         lever_arm_m=lever_arm(section),
         row_s=time_s,
     )
+
+
+def path_errors(
+    at: Floats, inside: Bools, time_s: Floats, position: Floats, sigma_m: Floats,
+    rough: Roughness, way: str,
+) -> TrackFixes | None:  # fmt: skip
+    """Find the errors of interpolated positions: those of the fixes, and of the path between them.
+
+    Args:
+        at: the frames' times, within the track, (F,)
+        inside: frames that the track covers, (F,)
+        time_s: of the track, (T,)
+        position: of the track, Earth-centred, (T, 3)
+        sigma_m: of its fixes, east, north, up, (T, 3); 0: exact
+        rough: noise and curvature of the track
+        way: of interpolation
+
+    Returns:
+        None where the positions are exact, and the path between them nearly straight.
+    """
+    before = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
+    step_s = np.diff(time_s)[before]
+    part = (at - time_s[before]) / step_s
+    exact = not sigma_m.any()
+    if exact and not (inside & (part > 0.0) & (part < 1.0)).any():
+        return None
+    weight = np.where(inside[:, None], np.stack([1.0 - part, part], axis=1), 0.0)
+    # between two rows the errors are mixed linearly, also where positions are not
+    fixes = TrackFixes(before, weight, sigma_m)
+    if exact:  # what is left over is the path's, but for the decimals of the file
+        rough = track_roughness(time_s, position, np.full_like(sigma_m, LEAST_TOLD_M))
+    local_m = east_north_up(position)
+    off = np.abs(off_chord(part, step_s)) * inside[:, None]
+    least_m = np.where(sigma_m > 0.0, sigma_m, LEAST_TOLD_M / LEAST_BENT)[before]
+    bend = gap_curvature(time_s, local_m, rough, way)
+    if not (off[:, :1] * bend[before] > LEAST_BENT * least_m).any():
+        return None if exact else fixes
+    twist = gap_twist(time_s, local_m, rough)
+    if way == "linear" and (off[:, 1:] * twist[before] > LEAST_TWISTED * least_m).any():
+        return with_gaps(fixes, time_s, bend, twist)
+    return with_gaps(fixes, time_s, bend)
 
 
 NO_TIMES = (
@@ -570,6 +601,35 @@ def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPat
     return [
         f"the images' times are whole seconds, in which the camera moves {speed:.1f} m: "
         "give [track] sigma_t_s, .3 for times that are cut off so"
+    ]
+
+
+MOST_BENT_M_S2, LEAST_LEAP_M = 100.0, 10.0  # beyond both a path is no vehicle's
+
+
+def doubts_of_leaps(rows: TrackRows, position: Floats, name: str) -> list[str]:
+    """Warn of a position to and from which no vehicle moves.
+
+    Such a path, taken for one that bends so between its positions, would be uncertain by as much.
+
+    Args:
+        rows: of a track by time
+        position: its positions, Earth-centred, (T, 3)
+        name: of its file
+    """
+    assert rows.time_s is not None
+    step_s = np.diff(rows.time_s)[:, None]
+    turned = np.linalg.norm(np.diff(np.diff(position, axis=0) / step_s, axis=0), axis=1)
+    before_s, after_s = step_s[:-1, 0], step_s[1:, 0]
+    leap = turned * np.minimum(before_s, after_s) > LEAST_LEAP_M
+    bent = np.where(leap, 2.0 * turned / (before_s + after_s), 0.0)
+    if not bent.max(initial=0.0) > MOST_BENT_M_S2:
+        return []
+    row = int(bent.argmax()) + 1
+    line = f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
+    return [
+        f"{name}: {line}: the path bends by {bent[row - 1]:.3g} m/s^2 there: is this position "
+        "right, and its time?"
     ]
 
 

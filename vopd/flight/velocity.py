@@ -385,28 +385,79 @@ def gap_curvature(time_s: Floats, position_m: Floats, rough: Roughness, way: str
         shown[some] = np.einsum("fw,fwi->fi", bend, away) ** 2
         shown[some] -= (bend[..., None] ** 2 * noise).sum(axis=1)
         curvature[some] = jerk[some] * missed_curvature(tau, bend)[:, None]
-    near = np.cumsum(np.concatenate([np.zeros((1, 3)), np.nan_to_num(shown)]), axis=0)
-    width = min(NEAR_GAPS, len(shown))
-    first = np.clip(np.arange(len(shown)) - width // 2, 0, len(shown) - width)
-    mean = (near[first + width] - near[first]) / width
-    return np.asarray(np.sqrt(np.nan_to_num(np.maximum(mean, 0.0) + curvature)))
+    return np.asarray(np.sqrt(np.nan_to_num(_near_gaps(shown) + curvature)))
 
 
-def with_gaps(fixes: TrackFixes, time_s: Floats, curvature: Floats) -> TrackFixes:
-    """Add the curvature of each gap to the errors of a track, between those of its two fixes.
+def _near_gaps(squares: Floats) -> Floats:
+    """Average squares over `NEAR_GAPS`; 0 where noise that was taken off leaves none, (T-1, 3)."""
+    near = np.cumsum(np.concatenate([np.zeros((1, 3)), np.nan_to_num(squares)]), axis=0)
+    width = min(NEAR_GAPS, len(squares))
+    first = np.clip(np.arange(len(squares)) - width // 2, 0, len(squares) - width)
+    return np.asarray(np.maximum(near[first + width] - near[first], 0.0) / width)
 
-    A frame at the part a of a gap dt long is off its chord by -a (1 - a) dt^2 / 2 times the
-    curvature.
+
+WITHIN = 2.0  # mean of a white third derivative: its variance in one gap over that in three
+
+
+def gap_twist(time_s: Floats, position_m: Floats, rough: Roughness) -> Floats:
+    """Estimate how the curvature of the path changes within each gap, m/s^3, (T-1, 3).
+
+    That is the third derivative that the four nearest fixes show, their noise taken off.
+
+    Args:
+        time_s: of the fixes, ascending, (T,)
+        position_m: east, north, up of any origin, (T, 3)
+        rough: noise of the track
+
+    Returns:
+        Standard deviations; 0 where fewer than `FEWEST_FIXES` cannot show any.
+    """
+    shown = np.zeros((len(time_s) - 1, 3))
+    middle = (time_s[1:] + time_s[:-1]) / 2.0
+    for k in range(0, len(middle) if len(time_s) >= FEWEST_FIXES else 0, AT_ONCE):
+        some = slice(k, k + AT_ONCE)
+        index, tau = _window(4, middle[some], time_s)
+        apart = tau[:, :, None] - tau[:, None, :] + np.eye(4)
+        third = 6.0 / apart.prod(axis=2)
+        away = position_m[index] - position_m[index[:, :1]]
+        noise = np.nan_to_num(rough.noise_m[index] ** 2)
+        shown[some] = np.einsum("fw,fwi->fi", third, away) ** 2
+        shown[some] -= (third[..., None] ** 2 * noise).sum(axis=1)
+    return np.asarray(np.sqrt(WITHIN * _near_gaps(shown)))
+
+
+def off_chord(part: Floats, step_s: Floats) -> Floats:
+    """Weigh curvature and its change in how far the path is off the chord of a gap, (F, 2).
+
+    Args:
+        part: a, of the gap that is over, (F,)
+        step_s: length of the gap, (F,)
+
+    Returns:
+        -a (1 - a) dt^2 / 2 of the curvature in the middle, a (1 - a) (1 - 2 a) dt^3 / 12 of its
+        change a second.
+    """
+    bend = part * (1.0 - part) * step_s**2 / 2.0
+    return np.stack([-bend, bend * (1.0 - 2.0 * part) * step_s / 6.0], axis=1)
+
+
+def with_gaps(fixes: TrackFixes, time_s: Floats, *shapes: Floats) -> TrackFixes:
+    """Add the shape of the path in each gap to the errors of a track, between its two fixes.
 
     Args:
         fixes: errors of the fixes alone, of frames between two of them, (F, 2)
         time_s: of the fixes, (T,)
-        curvature: prior standard deviations, m/s^2, east, north, up, (T-1, 3)
+        shapes: prior standard deviations of curvature, m/s^2, and of its change, m/s^3, or of the
+            curvature alone, east, north, up, (T-1, 3) each
     """
-    a = fixes.weight[:, 1]
-    step = np.append(np.diff(time_s), 0.0)[fixes.first]
-    sigma_m = np.empty((2 * len(time_s) - 1, 3))
-    sigma_m[0::2], sigma_m[1::2] = fixes.sigma_m, curvature
-    before = fixes.weight[:, 0]
-    weight = np.stack([before, -0.5 * a * before * step**2, a], axis=1)
-    return TrackFixes(2 * fixes.first, weight, sigma_m, np.arange(len(sigma_m)) % 2 == 1)
+    before, a = fixes.weight.T
+    step_s = np.append(np.diff(time_s), 0.0)[fixes.first]
+    # frames that the track does not cover have no part in it
+    off = np.where((before + a > 0.0)[:, None], off_chord(a, step_s), 0.0)[:, : len(shapes)]
+    each = len(shapes) + 1
+    sigma_m = np.empty((each * (len(time_s) - 1) + 1, 3))
+    sigma_m[0::each] = fixes.sigma_m
+    for k, sigma in enumerate(shapes, 1):
+        sigma_m[k::each] = sigma
+    weight = np.column_stack([before, off, a])
+    return TrackFixes(each * fixes.first, weight, sigma_m, np.arange(len(sigma_m)) % each > 0)
