@@ -368,17 +368,19 @@ class Model:
             rows: of some frames
         """
         count, n = rows.picks.shape
-        parts = [] if self.priors.fixes is None else [rows.by_place.reshape(count, 2 * n, 3)]
-        parts.append(rows.by_parameter.reshape(count, 2 * n, len(self.names)))
-        index = np.tile(np.arange(len(self.names)), (count, 1))
-        if len(self.free):
-            own = np.zeros((count, n, 2, n, 3))
-            at = np.arange(n)
-            own[:, at, :, at] = rows.by_landmark.swapaxes(0, 1)
-            parts.append(own.reshape(count, 2 * n, 3 * n))
+        first, known = 0 if self.priors.fixes is None else 3, len(self.names)
+        marks = 3 * n if len(self.free) else 0
+        out = np.zeros((count, n, 2, first + known + marks))
+        out[..., :first] = rows.by_place[..., :first]
+        out[..., first : first + known] = rows.by_parameter
+        index = np.tile(np.arange(known), (count, 1))
+        if marks:
+            for k in range(n):
+                column = first + known + 3 * k
+                out[:, k, :, column : column + 3] = rows.by_landmark[:, k]
             column = self._column[self.landmark[rows.picks]]
             index = np.hstack([index, (column[..., None] + np.arange(3)).reshape(count, 3 * n)])
-        return np.concatenate(parts, axis=2), index
+        return out.reshape(count, 2 * n, -1), index
 
     def _linearised(
         self, state: State, lens: Lens, frames: Ints, picks: Ints, away_m: Floats,
@@ -395,22 +397,24 @@ class Model:
         line = apparent(
             away_m @ axes.swapaxes(1, 2), camera.height_m[:, None], height_m, refraction
         )
-        ray = line.direction @ state.rotation[frames].swapaxes(1, 2)
-        rotation = state.rotation[frames, None]
+        turning = state.rotation[frames]
+        ray = direction = line.direction @ turning.swapaxes(1, 2)
         if row_turn is not None:
-            ray, rotation = (row_turn @ ray[..., None])[..., 0], row_turn @ rotation
+            ray = (row_turn @ direction[..., None])[..., 0]
         seen = project(lens, ray)
-        by_direction = seen.by_turns @ (crossing(ray) @ rotation)
-        by_away = by_direction @ line.by_away
-        by_place = -by_away - seen.by_turns @ (rotation @ vertical_by_position(camera)[:, None])
-        by_place[..., 2] += (by_direction @ line.by_height[..., None])[..., 0]
-        by_place = by_place @ (axes @ self.axes[frames].swapaxes(1, 2))[:, None]
         by_turn = seen.by_turns if row_turn is None else seen.by_turns @ row_turn
+        by_direction = _of_frames(by_turn @ crossing(direction), turning)
+        by_away = by_direction @ line.by_away
+        by_place = -by_away - _of_frames(by_turn, turning @ vertical_by_position(camera))
+        by_place[..., 2] += (by_direction @ line.by_height[..., None])[..., 0]
+        by_place = _of_frames(by_place, axes @ self.axes[frames].swapaxes(1, 2))
         if flight.path.lever_arm_m is not None:
             arm = crossing(flight.mount.T @ flight.path.lever_arm_m)
-            by_turn = by_turn + by_place @ (state.rotation[frames].swapaxes(1, 2) @ arm)[:, None]
-        own_axes = flight.landmarks.axes[self.landmark[picks]].swapaxes(2, 3)
-        by_landmark = by_away @ (axes[:, None] @ own_axes) if len(self.free) else by_away
+            by_turn = by_turn + _of_frames(by_place, turning.swapaxes(1, 2) @ arm)
+        by_landmark = by_away
+        if len(self.free):
+            own_axes = flight.landmarks.axes[self.landmark[picks]].swapaxes(2, 3)
+            by_landmark = _of_frames(by_away, axes) @ own_axes
         by_parameter = by_lens_parameters(flight.lens, self.names, state.parameter, ray, seen)
         by_refraction = by_direction @ line.by_refraction[..., None]
         self._by_others(by_parameter, state, frames, picks, by_place, by_refraction, seen.by_turns)
@@ -448,6 +452,11 @@ class Model:
                 moved = by_place @ self.velocity_m_s[frames, None, :, None]
                 part = self.readout.part[self.pick[picks]][..., None]
                 out[..., column] = (turned + moved)[..., 0] * part
+
+
+def _of_frames(rows: Floats, matrix: Floats) -> Floats:
+    """Multiply rows of picks (B, n, 2, 3) by the matrices of their frames (B, 3, 3)."""
+    return np.asarray((rows.reshape(len(rows), -1, 3) @ matrix).reshape(rows.shape))
 
 
 def _parts(count: Ints) -> list[tuple[Ints, Ints]]:

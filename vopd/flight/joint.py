@@ -24,7 +24,7 @@ from vopd.flight.solve import LOSSES, NOISE_AT_MOST_RAD, SolvedFlight, solve
 # Gauss and Newton with Levenberg's damping
 
 PASSES = 60
-DONE = 1e-16  # square of a step that ends the solve, in standard deviations of all unknowns
+DONE = 1e-16  # square of a step that needs not be taken, in standard deviations of all unknowns
 SMALL = 1e-9  # square of a step whose change of the cost is rounding; one that does not shrink ends
 NEAR = 1.0  # square of a step from where on Newton's are tried
 NEARER = 0.1  # of that, where they have led away
@@ -35,18 +35,19 @@ LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e10
 class JointSolution:
     """A flight's rotations, with the places and parameters that were solved with them.
 
-    `solved` has the cameras as solved; `turn` is the last correction, (F, 3).
+    `solved` has the cameras as solved.
     """
 
     model: Model
     state: State
     solved: SolvedFlight
     passes: int  # 0 where nothing but rotations is unknown
+    formed: Normal | None = None  # `normal`, if the last step has left it
 
     @cached_property
     def normal(self) -> Normal:
         """The reweighted normal equations at the solution."""
-        return Normal(self.model, self.state)
+        return self.formed or Normal(self.model, self.state)
 
     @cached_property
     def factored(self) -> Factored:
@@ -164,7 +165,7 @@ def solve_jointly(
     found = replace(
         first, flight=flight, camera_m=camera_m, attitudes=attitudes, landmark_m=landmark_m
     )
-    return JointSolution(model, normal.state, found, passes)
+    return JointSolution(model, normal.state, found, passes, normal if normal.plain else None)
 
 
 MOST_COMMON = 3_000  # unknowns that all frames have in common: a dense matrix
@@ -248,7 +249,8 @@ def _descend(normal: Normal) -> tuple[Normal, Floats, int]:
             there = Normal(model, tried, newton, damping=less)
             worse = there.frame_cost > normal.frame_cost
             if there.cost <= normal.cost or (size < SMALL and np.isfinite(there.cost)):
-                settled = size < DONE or (size < SMALL and size > 0.25 * before)
+                shrinks = size / before if np.isfinite(before) else 1.0
+                settled = size * min(shrinks, 1.0) < DONE or (size < SMALL and shrinks > 0.25)
                 normal, own, before = there, less, size
                 common = common / 10.0 if common > LEAST_DAMPING else 0.0
                 if settled and not own.any() and common == 0.0:

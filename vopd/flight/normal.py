@@ -7,6 +7,7 @@ between, which are coupled to their neighbours alone.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from vopd.flight.equations import LinearisedPicks, Model, State
 from vopd.flight.solve import LOSSES
 from vopd.geometry.banded import BlockTridiagonal
 
+MOST_KEPT = 50_000  # picks whose equations are kept, about 300 bytes each
 LEAST_CURVED = 1e-3  # of the reweighted equations: with less the loss's curvature has no minimum
 
 
@@ -57,6 +59,7 @@ class Normal:
         border: of their places and what is common, handed to the fixes, (3J, K)
         common: of what is common, (K, K)
         log_determinant: of the turns
+        plain: whether nothing but the reweighting is in them
     """
 
     def __init__(
@@ -73,8 +76,9 @@ class Normal:
             damping: Levenberg's of each frame, (F,): a part of the diagonal
         """
         self.model, self.state, self._newton, self._carry = model, state, newton, carry
-        self.damping = damping
+        self.damping = None if damping is None or not damping.any() else damping
         kind = np.result_type(np.float64, type(carry)) if carry else np.dtype(np.float64)
+        self.plain = not (newton or carry) and self.damping is None
         self.size = len(model.common_sigma)
         self._wide = self.size + 3  # landmarks that are exact write into the last three
         self.fixes = model.priors.fixes
@@ -88,8 +92,11 @@ class Normal:
         self.parts: list[Eliminated] = []
         self.frame_cost = model.prior_cost_of_frames(state)
         self.cost, self.log_determinant = model.prior_cost(state), 0.0
+        self._kept: list[LinearisedPicks] | None = [] if len(model.pick) <= MOST_KEPT else None
         for rows in model.rows(state):
             self._eliminate(rows)
+            if self._kept is not None:
+                self._kept.append(rows)
         self.border, self.common = self._border[:, : self.size], self._common[:-3, :-3]
         common = np.concatenate([state.parameter, state.landmark_m[model.free].ravel()])
         self.right = RightSide(
@@ -129,14 +136,19 @@ class Normal:
         beside = further - turn @ (inverse @ mixed)  # what no turn of the frame explains
         plain = loss is LOSSES["least-squares"] and self.damping is None
         # as a square it is never negative, whatever the rounding
-        left = (beside.swapaxes(1, 2) if plain else across_further) @ beside
+        left = beside.swapaxes(1, 2) if plain else across_further
         self.parts.append(Eliminated(rows.frames, inverse, mixed, index))
         self._turn[rows.frames] = right[..., 0]
         if self.fixes is not None:
             self._place[rows.frames], right_further = right_further[:, :3], right_further[:, 3:]
-            left = self._hand_on(rows.frames, left, index)
+            self._hand_on(rows.frames, left[:, :3] @ beside, index)
+            left, beside = left[:, 3:], beside[..., 3:]
         _add(self._right, index, right_further)
-        _add(self._common, index[:, :, None] * self._wide + index[:, None], left)
+        if (index == index[0]).all():  # the same landmarks: one product of all frames
+            total = np.tensordot(left, beside, axes=([0, 2], [0, 1]))
+            np.add.at(self._common, (index[0][:, None], index[0]), total)
+        else:
+            _add(self._common, index[:, :, None] * self._wide + index[:, None], left @ beside)
 
     def _weighted(
         self, rows: LinearisedPicks, turn: Floats, further: Floats, weight: Floats, z: Floats
@@ -159,18 +171,21 @@ class Normal:
         across, more = (one.reshape(count, 2 * n, -1).swapaxes(1, 2) for one in weighted)
         return across, more
 
-    def _hand_on(self, frames: Ints, left: Array, index: Ints) -> Array:
-        """Hand what frames say of their places to the fixes; the rest is returned."""
+    def _hand_on(self, frames: Ints, left: Array, index: Ints) -> None:
+        """Hand what frames say of their places (B, 3, q) to the fixes."""
         assert self.fixes is not None
-        self.place[frames] = left[:, :3, :3]
+        self.place[frames] = left[..., :3]
         if self.size:
             weight, first = self.fixes.by_block[frames], self.fixes.block[frames]
             for slot in np.flatnonzero(weight.any(axis=0)):
                 fix = first * self.fixes.together + slot
                 row = (3 * fix)[:, None, None] + np.arange(3)[:, None]
-                values = left[:, :3, 3:] * weight[:, slot, None, None]
+                values = left[..., 3:] * weight[:, slot, None, None]
                 _add(self._border, row * self._wide + index[:, None], values)
-        return left[:, 3:, 3:]
+
+    def _rows(self) -> Iterable[LinearisedPicks]:
+        """Iterate over the equations of all picks."""
+        return self.model.rows(self.state) if self._kept is None else self._kept
 
     def right_side(self, values: Floats) -> RightSide:
         """Multiply the transposed rows by values of the picks.
@@ -181,7 +196,7 @@ class Normal:
         k = values.shape[2]
         turn, place = np.zeros((self.model.frames, 3, k)), np.zeros((self.model.frames, 3, k))
         common = np.zeros((self._wide, k))
-        for rows in self.model.rows(self.state):
+        for rows in self._rows():
             count, n = rows.picks.shape
             own = values[rows.picks].reshape(count, 2 * n, k)
             turn[rows.frames] = rows.by_turn.reshape(count, 2 * n, 3).swapaxes(1, 2) @ own
@@ -203,7 +218,7 @@ class Normal:
         k = turn.shape[2]
         out = np.zeros((len(self.model.pick), 2, k))
         padded = np.concatenate([common, np.zeros((3, k))])
-        for rows in self.model.rows(self.state):
+        for rows in self._rows():
             count, n = rows.picks.shape
             further, index = self.model.further(rows)
             moved = padded[index]
