@@ -65,13 +65,14 @@ STANDS = DRONE._replace(
 )  # fmt: skip
 LENS = ("focal", "centre", "k1", "k2")
 MOVING = (*LENS, "clock", "landmarks")
+ALL = (*MOVING, "aspect", "p1p2", "clock-rate", "track-offset")
 
 PARAMETER_ROWS = (
     ParameterRow("lens, clock, landmarks", DRONE, MOVING),
     ParameterRow("the same, velocities given", DRONE._replace(velocity=True), MOVING),
     ParameterRow("the same, sigma_px not stated", DRONE._replace(sigma_px=False), MOVING),
-    ParameterRow("lens whole, clock, its rate, offset", WHOLE,
-                 (*MOVING, "aspect", "p1p2", "clock-rate", "track-offset")),
+    ParameterRow("lens whole, clock, its rate, offset", WHOLE, ALL),
+    ParameterRow("lens whole, velocities given", WHOLE._replace(velocity=True), ALL),
     ParameterRow("rolling shutter", ROLLING, (*MOVING, "readout")),
     ParameterRow("fisheye, lens and clock", FISHEYE, MOVING),
     ParameterRow("camera that stands, lens", STANDS, (*LENS, "landmarks")),

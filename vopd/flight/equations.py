@@ -376,8 +376,8 @@ class Model:
         index = np.tile(np.arange(known), (count, 1))
         if marks:
             for k in range(n):
-                column = first + known + 3 * k
-                out[:, k, :, column : column + 3] = rows.by_landmark[:, k]
+                at = first + known + 3 * k
+                out[:, k, :, at : at + 3] = rows.by_landmark[:, k]
             column = self._column[self.landmark[rows.picks]]
             index = np.hstack([index, (column[..., None] + np.arange(3)).reshape(count, 3 * n)])
         return out.reshape(count, 2 * n, -1), index

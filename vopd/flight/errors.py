@@ -130,6 +130,30 @@ def stated_changes_by_name(solution: JointSolution) -> tuple[dict[str, float], F
     return sigma, change * list(sigma.values())
 
 
+def places_by_stated(solution: JointSolution) -> Floats:
+    """Estimate the covariances of the solved places by errors that are stated and not solved for.
+
+    A clock moves the cameras besides, as it does where it is solved for.
+
+    Args:
+        solution: of the flight
+
+    Returns:
+        East, north, up of every frame, m^2, (F, 3, 3).
+    """
+    model, (sigma, change) = solution.model, stated_changes_by_name(solution)
+    weighted = -change * solution.normal.weight[:, None, None]
+    _, fix, common = solution.factored.solve(solution.normal.right_side(weighted))
+    place = model.place_by_common(np.arange(model.frames)) @ common
+    if model.priors.fixes is not None:
+        place = place + model.priors.fixes.at_frames(fix)
+    for column, (name, one) in enumerate(sigma.items()):
+        if name in ("clock", "clock_rate"):
+            since_s = model.since_s[:, None] if name == "clock_rate" else 1.0
+            place[:, :, column] += model.velocity_m_s * since_s * one
+    return np.asarray(place @ place.swapaxes(1, 2))
+
+
 class HeldEffects(NamedTuple):
     """What the errors of held parameters do in F frames: C columns of one standard deviation."""
 

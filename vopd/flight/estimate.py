@@ -29,6 +29,7 @@ from vopd.flight.errors import (
     covariance_of_common,
     errors_of_sums,
     held_effects,
+    places_by_stated,
     stated_changes,
     turns_by_errors,
 )
@@ -445,7 +446,7 @@ class FlightEstimates:
         if self.reading is None:
             return one
         known = np.isfinite(self.solved.camera_m[part.frames])
-        place_m2 = joint.covariance.place_m2[part.frames]
+        place_m2 = (joint.covariance.place_m2 + self._places_by_stated)[part.frames]
         late_s = {}
         if self._held is not None:
             place = self._held.place[part.frames]
@@ -490,6 +491,11 @@ class FlightEstimates:
         assert self.joint is not None
         changes = stated_changes(self.joint)
         return {name: self._pixels(one) for name, one in changes.items() if name in FURTHER}
+
+    @cached_property
+    def _places_by_stated(self) -> Floats:
+        assert self.joint is not None
+        return places_by_stated(self.joint)
 
     @cached_property
     def _position_ratio(self) -> Floats:

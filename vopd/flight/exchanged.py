@@ -275,6 +275,7 @@ def _copies(flight: Flight, trials: list[_Trial]) -> tuple[Flight, Bools]:
         landmark=np.concatenate([one.label for one in trials]),
         pixel=flight.picks.pixel[picks],
         sigma_px=flight.picks.sigma_px[picks],
+        part=None if flight.picks.part is None else flight.picks.part[picks],
     )
     copies = replace(
         flight, frame=np.arange(len(trials)), image_name=(), time_s=flight.time_s[frames],

@@ -34,6 +34,7 @@ class Picks:
     one_sigma_px: float = 1.0  # usual standard deviation of one pick, as stated
     least_sigma_px: float = 0.3  # below this a smaller one is not believed: rounding to pixels
     stated: bool = False  # whether the standard deviations are those of the project or a file
+    part: Floats | None = None  # (P,) `row_parts`, where pixels are shifted to their frames' times
 
     def with_sigma(self, one_sigma_px: float) -> Picks:
         """Scale all standard deviations to another usual one of a pick."""

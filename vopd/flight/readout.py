@@ -28,6 +28,8 @@ def row_parts(flight: Flight) -> Floats:
     """
     shutter, pixel = flight.shutter, flight.picks.pixel
     assert shutter is not None
+    if flight.picks.part is not None:
+        return flight.picks.part
     axis = int(shutter.way in ("down", "up"))
     part = pixel[:, axis] / (flight.lens.size_px[axis] - 1.0)
     if shutter.way in ("up", "left"):
@@ -123,6 +125,9 @@ def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> Flight:
         solved: the same flight, its picks as read or shifted before
     """
     rates = turning_rates(flight, solved.attitudes.rotation)
-    shift = row_shifts_px(flight, solved.attitudes.rotation, rates, solved.lines.distance_m)
-    picks = replace(flight.picks, pixel=flight.picks.pixel - shift)
+    # the lens and, by the clock, the velocity may have been solved for
+    now = replace(flight, lens=solved.flight.lens, path=solved.flight.path)
+    shift = row_shifts_px(now, solved.attitudes.rotation, rates, solved.lines.distance_m)
+    part = row_parts(flight)
+    picks = replace(flight.picks, pixel=flight.picks.pixel - shift, part=part)
     return replace(flight, picks=picks, path=replace(flight.path, turning_rad_s=rates))

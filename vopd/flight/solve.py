@@ -429,6 +429,7 @@ class FlightBlocks:
             landmark=flight.picks.landmark[rows],
             pixel=flight.picks.pixel[rows],
             sigma_px=flight.picks.sigma_px[rows],
+            part=None if flight.picks.part is None else flight.picks.part[rows],
         )
         part = replace(
             flight,
