@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import io
+import os
 import re
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
 from math import floor, log10
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -95,24 +98,46 @@ def matplotlib_figure(size_in: Inches) -> Iterator[Any]:
         yield figure_class(figsize=size_in, layout="constrained")
 
 
-def save(figure: Figure, suffix: str, dpi: int = 150) -> bytes:
+def save(
+    figure: Figure, suffix: str, dpi: int = 150, note: Callable[[str], object] = lambda _: None
+) -> bytes:
     """Write the figure to a file; the same figure always gives the same bytes.
 
     Args:
         figure: what `draw` has made
         suffix: of `SUFFIXES`
         dpi: dots an inch, for .png
+        note: is given a sentence if no installed font has some characters
+
+    Raises:
+        VopdError: where the figure cannot be written
     """
     _, style = _matplotlib()
     file = io.BytesIO()
-    with style():
+    with style(), warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
         engine = figure.get_layout_engine()
         if engine is not None:
             engine.execute(figure)
             figure.set_layout_engine(None)  # with one, savefig draws everything twice
-        figure.savefig(file, format=suffix[1:], metadata=_UNDATED[suffix], dpi=dpi)
+        try:
+            figure.savefig(file, format=suffix[1:], metadata=_UNDATED[suffix], dpi=dpi)
+        except (ValueError, OverflowError, OSError) as error:
+            if "SOURCE_DATE_EPOCH" not in os.environ:  # which PDF reads, whatever it has then
+                raise
+            raise VopdError("SOURCE_DATE_EPOCH is not a number of seconds since 1970") from error
         figure.set_layout_engine(engine)
+    missing = {found[1] for one in warned if (found := MISSING.match(str(one.message)))}
+    if missing and suffix != ".svg":
+        names = ", ".join(sorted(chr(int(code)) for code in missing)[:5])
+        note(f"no font has {names}; install Noto Sans CJK, or draw as .svg")
+    for one in warned:
+        if not (MISSING.match(str(one.message)) or "constrained_layout" in str(one.message)):
+            warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
     return _renamed(file.getvalue()) if suffix == ".svg" else file.getvalue()
+
+
+MISSING = re.compile(r"Glyph (\d+) .* missing from")
 
 
 def _renamed(text: bytes) -> bytes:
@@ -153,7 +178,7 @@ _SETTINGS: dict[Any, Any] = {
     "axes.formatter.useoffset": False,
     "legend.frameon": False,
     "svg.hashsalt": "vopd",
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",  # texts are texts: the viewer has fonts for them
     "path.simplify": True,
 }
 
@@ -166,7 +191,27 @@ def style() -> Iterator[None]:
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
+        mpl.rcParams["font.family"] = [*mpl.rcParams["font.family"], *_more_fonts()]
         yield
+
+
+MORE_FONTS = (
+    "Noto Sans CJK JP", "Noto Sans CJK SC", "Noto Sans JP", "Noto Sans SC", "Source Han Sans",
+    "IPAexGothic", "IPAGothic", "TakaoPGothic", "WenQuanYi Zen Hei", "WenQuanYi Micro Hei",
+    "Droid Sans Fallback", "Hiragino Sans", "Yu Gothic", "MS Gothic", "PingFang SC",
+    "Microsoft YaHei", "SimHei", "Noto Sans KR", "Malgun Gothic", "Apple SD Gothic Neo",
+    "Arial Unicode MS",
+)  # fmt: skip
+"""Fonts for Japanese, Chinese and Korean names, which matplotlib's own font does not have."""
+
+
+@cache
+def _more_fonts() -> list[str]:
+    """List those of `MORE_FONTS` that are installed."""
+    from matplotlib.font_manager import fontManager
+
+    installed = {font.name for font in fontManager.ttflist}
+    return [name for name in MORE_FONTS if name in installed]
 
 
 def caption(histories: Sequence[History]) -> str:
@@ -189,8 +234,16 @@ def label(history: History, histories: Sequence[History]) -> str:
     return plain(history.about.label if len(sources) > 1 else f"job {history.about.job}")
 
 
+LONGEST_TEXT = 300  # characters
+
+
 def plain(text: str) -> str:
-    """Escape text for matplotlib: no formulas, and `?` for unprintable characters."""
+    """Escape text for matplotlib: no formulas, and `?` for unprintable characters.
+
+    Of a text that no figure has room for the end is left out.
+    """
+    if len(text) > LONGEST_TEXT:
+        text = f"{text[: LONGEST_TEXT - 1]}…"
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")
 
 
@@ -542,7 +595,11 @@ def _label(histories: Sequence[History], number: int) -> str:
     """Name a landmark as the first job does that has a name for it."""
     names = (h.estimate.landmark_names.get(number) for h in histories)
     label = next((name for name in names if name), str(number))
-    return plain(label if len(label) <= SHOWN else label[: SHOWN - 1] + "…")
+    return plain(_short(label))
+
+
+def _short(label: str, most: int = SHOWN) -> str:
+    return label if len(label) <= most else f"{label[: most - 1]}…"
 
 
 def _labels(axis: Any, labels: list[str]) -> None:
@@ -620,7 +677,7 @@ def image(figure: Any, histories: Sequence[History], frame: int | str | None) ->
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)
     few = len(measured) <= LABELLED
     for number, point in zip(rows.landmark[shown] if few else (), measured, strict=few):
-        label = plain(e.landmark_label(number))
+        label = plain(_short(e.landmark_label(number), 40))
         axis.annotate(label, point, (7, 7), textcoords="offset points")
     axis.set(xlim=(far, -far), ylim=(-far, far), aspect="equal")  # x grows to the left
     axis.set_xlabel(f"x, {e.units.image} {words.surface}, to the left")
@@ -829,7 +886,7 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
         axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label="principal point")
         if len(images) <= MOST_LABELS:
             for label, point in zip(picture.labels, images, strict=True):
-                axis.annotate(plain(label), point, (7, 7), textcoords="offset points")
+                axis.annotate(plain(_short(label, 40)), point, (7, 7), textcoords="offset points")
         axis.set(xlim=(-far, far), ylim=(-far, far), aspect="equal")
         axis.set_xlabel(f"x, {picture.unit} in the image, to the right")
         axis.set_ylabel(f"y, {picture.unit} in the image, up")

@@ -42,7 +42,9 @@ def content(data: bytes) -> str:
     text = data.decode("utf-8", "backslashreplace")
     if text.startswith("<?xml") and "<svg" in text:
         size = re.findall(r'<svg[^>]* viewBox="([^"]*)"', text)
-        texts = [one for one in re.findall(r"<!-- (.*?) -->", text) if re.search("[a-z]", one)]
+        texts = [
+            one for one in re.findall(r"<text[^>]*>(.*?)</text>", text) if re.search("[a-z]", one)
+        ]
         return "\n".join(["SVG", *size, *texts, ""])
     return LEFT_OUT.sub(_left_out, text)
 

@@ -434,7 +434,7 @@ def test_flags_of_frames_without_an_attitude_are_not_in_the_legend() -> None:
 SETTINGS = {
     "font.size": 9.0, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False,
     "axes.spines.right": False, "axes.spines.left": True, "axes.formatter.useoffset": False,
-    "legend.frameon": False, "svg.hashsalt": "vopd", "svg.fonttype": "path", "path.simplify": True,
+    "legend.frameon": False, "svg.hashsalt": "vopd", "svg.fonttype": "none", "path.simplify": True,
     "lines.linewidth": 1.5,
 }  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import sys
@@ -130,7 +131,10 @@ def at_the_boundary(command: Callable[[], object]) -> int:
         discard_output()
     except OSError as error:  # a full disk, noticed while writing or while flushing
         discard_output()
-        click.echo(f"{error.filename or 'standard output'}: {error.strerror}", err=True)
+        where = error.filename or "standard output"
+        if error.errno in (errno.EMFILE, errno.ENFILE):
+            where = "the system's limit (ulimit -n)"
+        click.echo(f"{where}: {error.strerror}", err=True)
         return 1
     except MemoryError:
         click.echo("there is not enough memory for this input", err=True)

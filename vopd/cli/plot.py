@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -170,7 +171,8 @@ def command(
     left_out = left_out_text(histories)
     if left_out and name != "image" and not options.quiet:
         click.echo(f"drawn are {left_out}; --job draws another", err=True)
-    content = save(draw(name, histories, frame, inches), suffix, dpi or 150)
+    note = (lambda _: None) if options.quiet else partial(click.echo, err=True)
+    content = save(draw(name, histories, frame, inches), suffix, dpi or 150, note)
     with whole_file(output) as file:
         file.write(content)
     ctx.exit(status)
@@ -196,7 +198,8 @@ def _stars(
         source = ctx.get_parameter_source(parameter.name or "")
         if source == click.core.ParameterSource.COMMANDLINE and parameter.name not in known:
             raise click.UsageError(f"{parameter.opts[0]} is not for star photographs.")
-    return save(plot_stars(names, frame, inches), suffix, dpi)
+    note = partial(click.echo, err=True)
+    return save(plot_stars(names, frame, inches), suffix, dpi, note)
 
 
 def _suffix(output: str, form: str | None) -> str:

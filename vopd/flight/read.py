@@ -313,6 +313,18 @@ def _contrary(away: Floats, sigma: Floats, inverse: Ints, points: int) -> Bools:
 # The flight of a project file
 
 
+def _name(section: Section) -> str:
+    """Read the name of a flight, one line: exports and cards have one line for it.
+
+    Raises:
+        VopdError: where it has control characters
+    """
+    name = section.text("name")
+    if not name.isprintable():
+        raise section.error("name", f"{shown(name)} has control characters: write one line")
+    return name
+
+
 def read_flight(name: str, location: str | None = None) -> Flight:
     """Read the flight of a project file.
 
@@ -360,7 +372,7 @@ def flight_of(project: Project) -> Flight:
     findings += frames_uncovered(project, camera, label)
     refraction = refraction_of(project.section("atmosphere"))
     flight = Flight(
-        name=project.section("flight").text("name"),
+        name=_name(project.section("flight")),
         source=name,
         lens=lens.lens,
         frame=number,

@@ -1,0 +1,250 @@
+"""The table of hostile constants: files that ask for much in few bytes, by format.
+
+A row is an input that somebody may send. `test_hostile.py` puts every row through its commands on
+a pseudo-terminal and watches time, memory, traceback, control characters and the sentence.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from tests.kit.command import CASE_4, DECKS, ROOT
+from tests.kit.tagged_images import tagged_image
+
+Content = str | bytes | Callable[[Path], object]
+Files = dict[str, Content]
+
+HILL: Files = {path.name: path.read_bytes() for path in (ROOT / "examples" / "hill").iterdir()}
+TOML = (ROOT / "examples" / "hill" / "flight.toml").read_text()
+PICKS = (ROOT / "examples" / "hill" / "picks.csv").read_text()
+STARS = (DECKS / "stars" / "table_6_3.csv").read_text()
+
+SECONDS = 1.0  # of the processor that a command may take, after imports
+MEGABYTES = 100.0  # by which its memory may grow
+LONGEST = 4_000  # characters that it may say
+
+
+class Hostile(NamedTuple):
+    """An input, and what is said of it."""
+
+    name: str
+    files: Files
+    sentence: str  # a part of it; empty where the input is taken as it is
+    commands: tuple[str, ...] = ("attitude flight.toml -o out.csv", "check flight.toml")
+    seconds: float = SECONDS
+    megabytes: float = MEGABYTES
+
+
+# Files of a project, one of which is replaced
+
+
+def project(addition: str = "", **replaced: Content) -> Files:
+    """Write the project of examples/hill with lines added to its end, and files replaced."""
+    files = HILL | {"flight.toml": TOML + addition}
+    return files | {name.replace("__", "."): content for name, content in replaced.items()}
+
+
+def solve(line: str) -> Files:
+    """Add a line to the section [solve]."""
+    return project(f"\n[solve]\n{line}\n")
+
+
+def lens(suffix: str, text: str) -> Files:
+    """Write a project whose lens is in a file."""
+    name = f"lens.{suffix}"
+    toml = re.sub(r"(?m)^lens = \{.*$", f'lens = "{name}"', TOML)
+    return HILL | {"flight.toml": toml, name: text}
+
+
+def other(key: str, name: str, content: Content) -> Files:
+    """Write a project whose picks, landmarks or track are in another file."""
+    toml = TOML.replace(f'file = "{key}.csv"', f'file = "{name}"')
+    return HILL | {"flight.toml": toml, name: content}
+
+
+def first_number(text: str) -> str:
+    """Replace the first number with decimals of the picks."""
+    return re.sub(r"\d+\.\d+", text, PICKS, count=1)
+
+
+# What is hostile
+
+
+def pipe(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def zeros(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+def sparse(path: Path) -> None:
+    """A file of 4 GB that takes no room."""
+    with path.open("wb") as file:
+        file.truncate(4 << 30)
+
+
+def pixels(width: int, height: int) -> Callable[[Path], None]:
+    """An image whose header says a size."""
+
+    def make(path: Path) -> None:
+        tagged_image(path, (48, 0, 0.0), (15, 0, 0.0), altitude_m=300.0)
+        content = path.read_bytes()
+        start = content.rindex(b"\xff\xc0") + 5
+        size = height.to_bytes(2, "big") + width.to_bytes(2, "big")
+        path.write_bytes(content[:start] + size + content[start + 4 :])
+
+    return make
+
+
+def damaged(path: Path) -> None:
+    """An image whose list of tags has other numbers of values than are there."""
+    tagged_image(path, (48, 0, 0.0), (15, 0, 0.0), altitude_m=300.0, taken="2026:01:01 00:00:00")
+    content = bytearray(path.read_bytes())
+    start = content.index(b"Exif\0\0") + 6
+    content[start + 20 : start + 60 : 3] = b"\xee" * 14
+    path.write_bytes(content)
+
+
+def aliases(count: int) -> str:
+    """YAML of 9 ** count elements in `count` lines."""
+    lines = ["a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    for k in range(1, count):
+        here = chr(97 + k)
+        lines.append(f"{here}: &{here} [" + ", ".join([f"*{chr(96 + k)}"] * 9) + "]")
+    return "\n".join([*lines, ""])
+
+
+DEEP = "[" * 5000 + "]" * 5000
+LARGE, LONG = "9" * 400, "9" * 5000
+PARTS = ".".join(["a"] * 50_000)
+BOMB = '<!DOCTYPE a [<!ENTITY a "aaaaaaaaaa">' + "".join(
+    f'<!ENTITY {chr(98 + k)} "{f"&{chr(97 + k)};" * 10}">' for k in range(10)
+)
+NESTED = "lists or tables stand in each other by the hundreds"
+DIGITS = "a whole number has thousands of digits"
+ESCAPE = "\x1b]0;title\x07\x9b31m"
+CVAT = '<annotations><track label="a"><points frame="{}" points="1,2"/></track></annotations>'
+SHAPES = '{{"imageWidth": 1920, "imageHeight": 1080, "imagePath": "a.jpg", "shapes": {}}}'
+GPX = '<gpx version="1.1">{}</gpx>'
+NO_DEVICE, NO_PIPE = "is a device, not a file", "is a pipe or a socket, not a file"
+BATCH = ("batch in -d out",)
+IMAGES = ("new made --images img",)
+STAR = ("stars solve s.csv --focal 76",)
+
+TABLE = (
+    # TOML
+    Hostile("toml key of 50,000 parts", project(f"\n{PARTS} = 1\n"), "more than 50 parts"),
+    Hostile("toml section of 50,000 parts", project(f"\n[{PARTS}]\n"), "more than 50 parts"),
+    Hostile("toml mapping of 50,000 parts", solve(f"loss = {{{PARTS} = 1}}"), "more than 50 parts"),
+    Hostile("toml lists", solve(f"loss = {DEEP}"), NESTED),
+    Hostile("toml 5,000 digits", solve(f"loss = {LONG}"), DIGITS),
+    Hostile("toml 400 digits", solve(f"loss = {LARGE}"), "is not a text in quotes"),
+    Hostile("toml hexadecimal", solve(f"loss = 0x{'f' * 5000}"), "of digits is not a text"),
+    Hostile("toml 5 MB", solve(f"loss = 1.{'1' * 5_000_000}"), "more than 1 MB"),
+    Hostile("toml sections", project("\n".join(f"[s{k}]" for k in range(5_000))), "[s0]"),
+    Hostile("toml null", project(flight__toml=TOML.replace("picks.csv", "p\\u0000")), "null char"),
+    Hostile("toml escape", project(f'\n["{ascii(ESCAPE)[1:-1].replace("x", "u00")}"]\n'), "x1b"),
+    Hostile("toml pipe", project(flight__toml=pipe), NO_PIPE),
+    Hostile("toml device", project(flight__toml=zeros), NO_DEVICE),
+    Hostile("name of two lines", project(flight__toml=re.sub("name = .*", r'name = "a\\nb"', TOML)),
+            "has control characters", ("punch flight.toml", "check flight.toml")),
+    # lenses
+    Hostile("json lists", lens("json", f'{{"camera_matrix": {DEEP}}}'), NESTED),
+    Hostile("json 5,000 digits", lens("json", f'{{"camera_matrix": {LONG}}}'), DIGITS),
+    Hostile("json 400 digits", lens("json", f'{{"image_width": {LARGE}, "image_height": 9, '
+            '"camera_matrix": [1, 0, 1, 0, 1, 1, 0, 0, 1]}'), "a number is too large"),
+    Hostile("opensfm lists", lens("json", f'{{"width": 1, "focal": {DEEP}}}'), NESTED),
+    Hostile("mrcal lists", lens("cameramodel", f'{{"lensmodel": "LENSMODEL_A", "a": {DEEP}}}'),
+            "nested"),
+    Hostile("mrcal signs", lens("cameramodel", f'{{"a": "LENSMODEL_A", "b": {"-" * 50_000}1}}'),
+            NESTED),
+    Hostile("yaml lists", lens("yml", f"camera_matrix: {DEEP}"), NESTED),
+    Hostile("yaml lines", lens("yml", "camera_matrix: \n" + "- " * 20_000), NESTED),
+    Hostile("yaml aliases", lens("yml", f"{aliases(9)}camera_matrix: *i"), "more than 100 elem"),
+    Hostile("yaml in itself", lens("yml", "camera_matrix: &a {data: *a}"), "or of rows of numb"),
+    Hostile("yaml digits", lens("yml", f"camera_matrix: {LONG}"), DIGITS),
+    Hostile("yaml 2 MB", lens("yml", f"camera_matrix: [{'1,' * 1_000_000}1]"), "more than 1 MB"),
+    Hostile("yaml 120,000 values", lens("yml", f"camera_matrix: [{'1,' * 120_000}1]"),
+            "more than 100000 values"),
+    Hostile("yaml date", lens("yml", "camera_matrix: 9999-99-99"), "not valid YAML"),
+    Hostile("xml entities", lens("xml", f"{BOMB}]><opencv_storage>&k;</opencv_storage>"),
+            "it declares an entity"),
+    Hostile("xml depth", lens("xml", f"<opencv_storage>{'<a>' * 10_000}{'</a>' * 10_000}"
+            "</opencv_storage>"), "no camera matrix"),
+    Hostile("colmap arabic", lens("txt", "1 PINHOLE 1920 1080 1000 1000 ٩٦٠ 540\n"),
+            "'٩٦٠' is not a number"),
+    Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe},
+            NO_PIPE),
+    # picks
+    Hostile("cvat 30 digits", other("picks", "p.xml", CVAT.format("9" * 30)), "has 30 digits"),
+    Hostile("cvat separator", other("picks", "p.xml", CVAT.format("1_0")), "not a whole number"),
+    Hostile("cvat entities", other("picks", "p.xml", f"{BOMB}]><annotations>&k;</annotations>"),
+            "it declares an entity"),
+    Hostile("cvat points", other("picks", "p.xml", '<annotations><track label="a"><points '
+            f'frame="0" points="{"x" * 1_000_000}"/></track></annotations>'), "fewer values"),
+    Hostile("labelme lists", other("picks", "p.json", SHAPES.format(DEEP)), NESTED),
+    Hostile("labelme 400 digits", other("picks", "p.json", SHAPES.format(
+            f'[{{"label": "a", "shape_type": "point", "points": [[{LARGE}, 1]]}}]')), "too large"),
+    Hostile("picks separator", project(picks__csv=first_number("2_95.684")), "is not a number"),
+    Hostile("picks arabic", project(picks__csv=first_number("٢٩٥.٦٨٤")), "is not a number"),
+    Hostile("picks fullwidth", project(picks__csv=first_number("\uff12\uff19")), "is not a num"),
+    Hostile("picks cell", project(picks__csv=first_number("1" * 100_000)), "not a finite number"),
+    Hostile("picks line", project(picks__csv=PICKS + "x" * 5_000_000), "more than 1000000 char"),
+    Hostile("picks columns", project(picks__csv="landmark,u_px,v_px" + ",a" * 100_000),
+            "100003 columns, 1000 at most"),
+    Hostile("picks quotes", project(picks__csv=PICKS + '0,"' + "x\n" * 100_000), "quoted cell"),
+    Hostile("picks null", project(picks__csv=PICKS + "0,\0,1,2\n"), "it has null characters"),
+    Hostile("picks escape", project(picks__csv=PICKS + f"0,{ESCAPE},1,2\n"), r"\x1b]0;title"),
+    Hostile("picks 4 GB", project(picks__csv=sparse), "it has null characters"),
+    Hostile("picks pipe", project(picks__csv=pipe), NO_PIPE),
+    Hostile("picks device", project(picks__csv=zeros), NO_DEVICE),
+    # landmarks
+    Hostile("geojson lists", other("landmarks", "l.json", f'{{"type": "Feature", "a": {DEEP}}}'),
+            NESTED),
+    Hostile("geojson escape", other("landmarks", "l.json", '{"type": "Feature", "geometry": '
+            '{"type": "Point", "coordinates": [1, 2, 3]}, "properties": {"name": "\\u001b[2J"}}'),
+            "known are \\x1b[2J", ("check flight.toml",)),
+    Hostile("gcp system", other("landmarks", "g.txt", "+proj=utm +zone=33 " + "+x " * 50_000
+            + "\n1 2 3 4 5 a.jpg n\n"), "more than 20000 characters"),
+    Hostile("landmarks device", project(landmarks__csv=zeros), NO_DEVICE),
+    # tracks
+    Hostile("gpx entities", other("track", "t.gpx", BOMB + "]>" + GPX.format("&k;")),
+            "it declares an entity"),
+    Hostile("gpx depth", other("track", "t.gpx", GPX.format("<trk>" * 5_000 + "</trk>" * 5_000)),
+            "not valid GPX"),
+    Hostile("track year 1", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
+            "0001-01-01T00:00:00+14:00,48,15,300\n"), "is not a date and time"),
+    Hostile("track year 9999", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
+            "9999-12-31T23:59:59-14:00,48,15,300\n"), "is not a date and time"),
+    Hostile("epoch year 1", project(flight__toml=re.sub("(?m)^epoch = .*",
+            "epoch = 0001-01-01T00:00:00+14:00", TOML)), "is a date and time with its zone"),
+    Hostile("epoch year 9999", project(flight__toml=re.sub("(?m)^epoch = .*",
+            "epoch = 9999-12-31T23:59:59-14:00", TOML)), "is a date and time with its zone"),
+    # images
+    Hostile("image 196 megapixels", {"img/a.jpg": pixels(14_000, 14_000)}, "", IMAGES),
+    Hostile("image 4 gigapixels", {"img/a.jpg": pixels(65_000, 65_000)}, "", IMAGES),
+    Hostile("image damaged", {"img/a.jpg": damaged}, "a.jpg has damaged tags", IMAGES),
+    Hostile("image pipe", {"img/a.jpg": pipe}, NO_PIPE, IMAGES),
+    # decks, stars, listings, manifests, folders
+    Hostile("deck device", {"x.dat": zeros}, "is a device, not a file",
+            ("run x.dat", "check x.dat", "attitude x.dat", "cards x.dat")),
+    Hostile("deck escape", {"x.dat": CASE_4.read_bytes().replace(b"1", b"\x9b", 1)}, "x.dat: card",
+            ("run x.dat", "check x.dat")),
+    Hostile("folder with a pipe", {"in/x.dat": pipe, "in/y.dat": CASE_4.read_bytes()}, NO_PIPE,
+            BATCH),
+    Hostile("folder with a device", {"in/x.dat": zeros}, NO_DEVICE, BATCH),
+    Hostile("manifest null", {"m": "a\0b.dat\n"}, "a null character", ("batch --manifest m -d o",)),
+    Hostile("manifest name", {"m": "a" * 1_000_000}, "4096 char", ("batch --manifest m -d o",)),
+    Hostile("manifest device", {"m": zeros}, NO_DEVICE, ("batch --manifest m -d out",)),
+    Hostile("stars device", {"s.csv": zeros}, NO_DEVICE, STAR),
+    Hostile("stars separator", {"s.csv": re.sub(r"(?m)^-?[\d.]+,", "1_0.5,", STARS)},
+            "s.csv: line", STAR),
+    Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'}, NESTED,
+            ("stars solve s.json --focal 76",)),
+    Hostile("name of a file", {}, r"a\x1b[31m", ("check a\x1b[31m", "stars solve a\x1b[31m")),
+)  # fmt: skip
