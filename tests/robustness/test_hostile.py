@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import pytest
 
-from tests.robustness.hostile import LONGEST, TABLE, Hostile
+from tests.kit.hostile import LONGEST, TABLE, Hostile
 
 pty = pytest.importorskip("pty", reason="no pseudo-terminals here")
 LOADED = (

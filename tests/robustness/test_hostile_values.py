@@ -1,4 +1,4 @@
-"""Costs of unusual inputs; files that ask for much stand in the table of hostile.py."""
+"""Costs of unusual inputs; files that ask for much stand in the table of kit/hostile.py."""
 
 from __future__ import annotations
 
