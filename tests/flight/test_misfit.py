@@ -14,6 +14,7 @@ from tests.kit.command import vopd as command
 from tests.kit.flight_mistakes import MistakeRow
 from tests.kit.simulated_flights import write_flight
 from tests.tolerances import assert_close
+from vopd.findings import VopdError
 from vopd.flight import misfit
 from vopd.flight.joint import JointSolution
 from vopd.flight.misfit import input_errors, sampled, significant_errors, weighed
@@ -149,6 +150,26 @@ def test_a_reading_sigma_that_is_stated_much_too_large(tmp_path: Path) -> None:
     result = vopd.solve_flight(project)
     (text,) = said(result)
     assert not result.misfits and text.startswith("sigma_px = 3 is stated larger than the picks")
+
+
+def test_landmarks_of_one_frame_each_do_not_make_picks_look_better(tmp_path: Path) -> None:
+    """Their own errors take up nearly all residuals, and are a part of what is tested."""
+    plan = MistakeRow("", 0.02).plan
+    plan = plan._replace(own=True, errors=plan.errors._replace(landmark_m=(2.0,)))
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    assert said(vopd.solve_flight(tmp_path / "flight.toml")) == []
+
+
+def test_angles_stand_where_no_explanation_has_a_solution(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise VopdError("no solution within rounding")
+
+    monkeypatch.setattr(misfit, "significant_errors", refused)
+    result = solved(tmp_path, "clock", 30.0)
+    assert result.misfits and result.solved.all()
+    assert misfit.UNTRIED in [one.message for one in result.findings]
 
 
 def test_frames_are_drawn_over_the_whole_flight(

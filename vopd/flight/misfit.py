@@ -19,7 +19,7 @@ from scipy.special import chdtrc, chdtri, fdtrc
 from vopd.arrays import Bools, Floats
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
-from vopd.findings import Finding
+from vopd.findings import Finding, VopdError
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, Readout
 from vopd.flight.errors import priors_of, stated_changes
 from vopd.flight.estimate import FlightEstimates
@@ -43,6 +43,7 @@ NOTHING_SHOWS = 1e-9  # of an error's squares in the image: less is rounding
 
 
 SPEAK_FOR = "the residuals speak for"
+UNTRIED = "what explains them is not known: with the errors that were tried there is no solution"
 
 
 # A flight that misfits
@@ -539,26 +540,45 @@ def flight_findings(
         return [], False
     stated = flight.picks.one_sigma_px if flight.picks.stated else None
     misfit = misfit_text(joint, reading, stated) if flight.options.may_misfit else ""
-    texts = [misfit, too_wide_text(joint, reading), ""]
+    texts = [misfit, too_wide_text(joint, reading)]
+    try:
+        texts += _explanations(flight, estimates, left_out, wrong, bool(misfit))
+    except (VopdError, np.linalg.LinAlgError):  # the angles stand without
+        texts += [UNTRIED] * bool(misfit)
+    where = flight.source
+    return [Finding(text, where, severity="warning") for text in texts if text], bool(misfit)
+
+
+def _explanations(
+    flight: Flight, estimates: FlightEstimates, left_out: Bools, wrong: Bools, misfits: bool
+) -> list[str]:
+    """Name errors of a flight's inputs that explain its residuals.
+
+    Raises:
+        VopdError: if the flight has no solution with one of them
+    """
+    joint, reading = estimates.joint, estimates.reading
+    assert joint is not None and reading is not None
+    stated = flight.picks.one_sigma_px if flight.picks.stated else None
     exact = not joint.passes
     if len(joint.model.pick) > MOST_PICKS:
         some = sampled(joint.model.flight)
         joint = solve_jointly(some.flight, priors_of(some.flight), ~left_out[some.picks])
     expected_px = USUAL_PX if stated is None else stated
-    if misfit:
+    if misfits:
         from vopd.flight.mistakes import exchanges  # which takes results
 
-        texts.append(exchanges(flight, expected_px))
-    if not texts[-1]:
-        larger = reading.sigma / expected_px if misfit and reading.source != "stated" else 1.0
-        found = significant_errors(joint, reading.source == "stated", larger)
-        named = np.append(wrong, False)[[one.error.landmark for one in found]]
-        if found and not named.any():
-            names = " or ".join(one.error.text(one.value) for one in found)
-            chance = max(one.chance for one in found)
-            texts.append(f"{SPEAK_FOR} {names} (chance {chance:.1g})")
-        elif not found and misfit and stated is not None and not exact:
-            some = sampled(flight)
-            texts.append(sizes_text(some.flight, left_out[some.picks]))
-    where = flight.source
-    return [Finding(text, where, severity="warning") for text in texts if text], bool(misfit)
+        text = exchanges(flight, expected_px)
+        if text:
+            return [text]
+    larger = reading.sigma / expected_px if misfits and reading.source != "stated" else 1.0
+    found = significant_errors(joint, reading.source == "stated", larger)
+    named = np.append(wrong, False)[[one.error.landmark for one in found]]
+    if found and not named.any():
+        names = " or ".join(one.error.text(one.value) for one in found)
+        chance = max(one.chance for one in found)
+        return [f"{SPEAK_FOR} {names} (chance {chance:.1g})"]
+    if not found and misfits and stated is not None and not exact:
+        some = sampled(flight)
+        return [sizes_text(some.flight, left_out[some.picks])]
+    return []

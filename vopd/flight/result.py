@@ -257,12 +257,17 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
         found, without = find_blunders(
             estimates, gross, lambda out, before: _settled_again(flight, out, before, tell), swapped
         )
-        clean = without or settled(flight, found.left_out | swapped, estimates.joint)
+        try:
+            clean = without or settled(flight, found.left_out | swapped, estimates.joint)
+        except VopdError:  # too little is left that could tell
+            break
         swaps = _exchanges(clean, found, swapped)
         before, swapped = swapped, swaps.marked(len(gross))
         if np.array_equal(swapped, before):
             break
         estimates = settled(flight, gross | swapped)
+    else:
+        without = None
     apart = found.left_out | swapped
     if flight.options.drop_blunders:
         apart &= found.left_out | _two_left(flight, apart)
