@@ -54,6 +54,7 @@ class Words:
     """
 
     source: str = "source"  # what the source is: a column's name, and in sentences
+    jobs: bool = True  # whether it has several
     no_fixes: str = ""  # what it means that no erratum is corrected; empty where there is none
     surface: str = "in the image"  # where image coordinates are measured
     centre: str = "principal point"  # what they are counted from
@@ -86,7 +87,12 @@ class About(NamedTuple):
     @property
     def label(self) -> str:
         """Name of the source and number of the job, such as `flight.dat, job 2`."""
-        return f"{self.source}, job {self.job}"
+        return f"{self.source}, job {self.job}" if self.words.jobs else self.source
+
+    @property
+    def finding_job(self) -> int | None:
+        """The job's number in findings; None for a source without jobs."""
+        return self.job if self.words.jobs else None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -255,7 +255,7 @@ def test_findings_of_a_check_stand_in_order(
 ) -> None:
     """Where landmarks are far no usual mistake is looked for."""
     path = str(write_project(tmp_path))
-    monkeypatch.setattr(check_module, "usual_mistakes", lambda project, result: ["a mistake"])
+    monkeypatch.setattr(check_module, "usual_mistakes", lambda *_: ["a mistake"])
     usual = [Finding("a mistake", path, severity="warning")]
     assert check_flight(path) == usual
     rows = (tmp_path / "picks.csv").read_text().splitlines()
@@ -280,9 +280,9 @@ def test_a_solve_without_an_attitude_is_an_error(
     solved: list[bool], told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = str(write_project(tmp_path))
-    result = SimpleNamespace(solved=np.array(solved), findings=())
-    monkeypatch.setattr(check_module, "solve_flight_read", lambda flight: result)
-    monkeypatch.setattr(check_module, "usual_mistakes", lambda project, result: [])
+    result = SimpleNamespace(solved=np.array(solved), findings=(), misfits=False)
+    monkeypatch.setattr(check_module, "solve_flight_read", lambda flight, project: result)
+    monkeypatch.setattr(check_module, "usual_mistakes", lambda *_: [])
     found = check_flight(path)
     assert bool(found) == bool(told)
     assert_approved(found)
@@ -293,7 +293,7 @@ def test_a_solve_that_is_refused_is_an_error_without_the_file_s_name(
 ) -> None:
     path = str(write_project(tmp_path))
 
-    def fails(flight: Flight) -> None:
+    def fails(flight: Flight, project: object) -> None:
         raise VopdError(f"{path}: odd")
 
     monkeypatch.setattr(check_module, "solve_flight_read", fails)

@@ -52,8 +52,7 @@ def test_nothing_is_said_of_a_mistake_of_a_third_of_the_noticeable_size(
     ("mistake", "words"),
     [
         ("clock", "offset_s"), ("frame rate", "frame_rate_hz"), ("focal length", "focal length"),
-        ("k1", "k1 ="), ("heights", "same level"), ("position", "camera's position"),
-        ("readout", "readout_ms"),
+        ("k1", "k1 ="), ("heights", "same level"), ("readout", "readout_ms"),
     ],
 )  # fmt: skip
 def test_a_mistake_of_three_times_the_noticeable_size_is_named(
@@ -61,6 +60,22 @@ def test_a_mistake_of_three_times_the_noticeable_size_is_named(
 ) -> None:
     (text,) = said(solved(tmp_path, mistake))
     assert words in text and text.startswith("the residuals speak for ")
+
+
+@pytest.mark.parametrize(
+    ("mistake", "fix_m", "noticed", "words"),
+    [
+        ("clock", 0.02, 100.0, "[track] offset_s = -1."), ("clock", 2.0, 7.0, "offset_s = -1."),
+        ("heights", 0.02, 10.0, "same level"), ("heights", 2.0, 25.0, "same level"),
+        ("position", 0.02, 10.0, "camera's position"), ("position", 2.0, 10.0, "camera's position"),
+    ],
+)  # fmt: skip
+def test_an_error_of_everyday_size_is_named_alone(
+    mistake: str, fix_m: float, noticed: float, words: str, tmp_path: Path
+) -> None:
+    """A clock is not the position, which takes three values; nor is the position a clock."""
+    *_, text = said(solved(tmp_path, mistake, noticed, fix_m))
+    assert words in text and " or " not in text
 
 
 def test_a_landmark_that_does_not_fit_in_its_frames_is_named_once(tmp_path: Path) -> None:
@@ -124,7 +139,7 @@ def test_values_are_those_of_freeing_the_error(tmp_path: Path) -> None:
     scale = np.sqrt(np.diag(dense))
     both = scale[:, None] * scale
     assert_close("ratio of three digits", square / both, dense / both)
-    (index,) = next(e.columns for e in errors if "focal" in e.text(np.zeros(1)))
+    (index,) = next(e.columns for e in errors if "focal" in e.parameters)
     found = significant_errors(one, True)
     assert found[0].error.columns == (index,)
     assert_close("ratio of three digits", found[0].value[0], right[index] / square[index, index])
@@ -185,4 +200,5 @@ def test_frames_are_drawn_over_the_whole_flight(
 def test_sentences(tmp_path: Path) -> None:
     one = joint(solved(tmp_path))
     errors, _ = input_errors(one)
-    assert_approved([each.text(0.1 * np.ones(len(each.columns))) for each in errors])
+    tenth = [0.1 * np.ones(len(each.columns)) for each in errors]
+    assert_approved([each.text(v, v / 7.0) for each, v in zip(errors, tenth, strict=True)])

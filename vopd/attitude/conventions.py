@@ -38,7 +38,7 @@ def report_own_position(histories: Sequence[History], report: Report) -> None:
         if text:
             about = one.about
             message = f"in this file {text.removeprefix('; ')}"
-            report(Finding(message, about.source, job=about.job, severity="warning"))
+            report(Finding(message, about.source, job=about.finding_job, severity="warning"))
 
 
 def farthest_from_own_text(histories: Sequence[History]) -> str:

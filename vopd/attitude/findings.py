@@ -113,4 +113,6 @@ def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
             f"{count_text(left, 'more frame misfits', 'more frames misfit')}; the flags say what "
             f"explains {'it' if left == 1 else 'them'}"
         )
-    return [Finding(one, about.source, job=about.job, severity="warning") for one in messages]
+    return [
+        Finding(one, about.source, job=about.finding_job, severity="warning") for one in messages
+    ]

@@ -141,6 +141,18 @@ def _trace_within(columns: Floats, middle: Floats, variance: Floats) -> Floats:
 # Test of a frame's residuals.
 
 SIGNIFICANCE = 0.001  # the probability that a frame without a wrong reading is called a misfit
+LEAST_CHANCE = 1e-6  # that is written: tails of the distributions are not known so far out
+
+
+def chance_text(chance: float) -> str:
+    """Write a chance in a sentence: `.012`, `2e-05`, `below 1e-6`.
+
+    Args:
+        chance: 0 to 1
+    """
+    if chance < LEAST_CHANCE:
+        return "below 1e-6"
+    return f"{chance:.2g}".replace("0.", ".", 1) if chance >= 0.001 else f"{chance:.0e}"
 
 
 class Pool(NamedTuple):

@@ -83,7 +83,7 @@ def _left_out(history: History, k: int, why: str) -> Finding:
     return Finding(
         f"frame {history.estimate.frame_label(k)}, row {k + 1}, is left out: {why}",
         source=about.source,
-        job=about.job,
+        job=about.finding_job,
         severity="warning",
     )
 
@@ -161,7 +161,7 @@ def _overlap(one: TimedAttitude, other: TimedAttitude) -> Finding:
     return Finding(
         f"overlaps {one.history.about.label} in time: readers cannot tell which one applies",
         source=other.history.about.source,
-        job=other.history.about.job,
+        job=other.history.about.finding_job,
         severity="warning",
     )
 
@@ -354,7 +354,7 @@ def _finite(segment: TimedAttitude, report: Report) -> Bools:
     e, about = segment.history.estimate, segment.history.about
     for k in segment.frames[~known]:
         message = f"frame {e.frame_label(k)} has no finite variances: it is left out of COV"
-        report(Finding(message, about.source, job=about.job, severity="warning"))
+        report(Finding(message, about.source, job=about.finding_job, severity="warning"))
     return np.asarray(known)
 
 

@@ -58,7 +58,11 @@ def camera_poses(history: History, report: Report) -> CameraPoses:
             "frame has no attitude or position and is left out",
             "frames have no attitude or position and are left out",
         )
-        report(Finding(message, history.about.source, job=history.about.job, severity="warning"))
+        report(
+            Finding(
+                message, history.about.source, job=history.about.finding_job, severity="warning"
+            )
+        )
     axes = camera_axes(np.radians(e.camera_deg[frames]))  # left, up in the picture, forward
     camera = (axes * np.array([-1.0, -1.0, 1.0])[:, None]).swapaxes(1, 2)
     longitude, latitude, height = where[frames].T

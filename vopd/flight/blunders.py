@@ -610,20 +610,30 @@ def _shift_counts(
 
 WRONG = "does not fit the other landmarks"
 ARE_EXCHANGED = "are exchanged"
+MOST_NAMED = 3  # picks and landmarks of a flight that misfits
 KEPT = '[solve] blunders = "drop" leaves it out'
 
 
-def blunder_findings(found: Blunders, flight: Flight) -> list[Finding]:
-    """Describe the blunders of a flight.
+def blunder_findings(
+    found: Blunders, flight: Flight, misfits: bool = False, explained: bool = False
+) -> list[Finding]:
+    """Describe the blunders of a flight; those of one that misfits together.
 
     Args:
         found: its blunders
         flight: the flight
+        misfits: whether the flight does: many of them may come of that
+        explained: whether an error that is not theirs explains that
     """
     off_px = found.off_px
     picks, name = flight.picks, flight.landmarks.name
+    where = [name[k] for k in np.flatnonzero(found.landmark | found.unclear_landmark)]
+    where = where if explained else []
+    where += [pick_label(flight, int(k)) for k in np.flatnonzero(found.pick)]
+    unclear = np.unique(picks.frame[found.unclear]).tolist()
+    where += [f"some of {frame_label(flight, frame)}" for frame in unclear]
     tell = []
-    for k in np.flatnonzero(found.landmark):
+    for k in np.flatnonzero(found.landmark & (not explained)):
         own = picks.landmark == k
         known = off_px[own & np.isfinite(off_px)]
         seen, gone = len(known), int((own & found.left_out).sum())
@@ -638,19 +648,22 @@ def blunder_findings(found: Blunders, flight: Flight) -> list[Finding]:
             f"{name[k]} {WRONG} over its {seen} frames, it is "
             f"{np.median(known):.1f} px off: look at its coordinates{fits}; {done}"
         )
-    if found.unclear_landmark.any():
+    if found.unclear_landmark.any() and not explained:
         labels = [name[k] for k in np.flatnonzero(found.unclear_landmark)]
         tell.append(
             f"the coordinates of {_one_of(labels)} do not fit the other landmarks, and nothing "
             "tells which; all are used"
         )
-    for k in np.flatnonzero(found.pick):
+    together = where and misfits and (explained or len(where) > MOST_NAMED)
+    if together:
+        tell.append(_together(where, flight))
+    for k in np.flatnonzero(found.pick & (not together)):
         done = "it is left out" if flight.options.drop_blunders else f"it is used; {KEPT}"
         tell.append(
             f"{pick_label(flight, int(k))} does not fit the others, it is {off_px[k]:.1f} px "
             f"off; {done}"
         )
-    for frame in np.unique(picks.frame[found.unclear]):
+    for frame in np.unique(picks.frame[found.unclear & (not together)]):
         own = np.flatnonzero(found.unclear & (picks.frame == frame))
         labels = [name[k] for k in picks.landmark[own]]
         tell.append(
@@ -658,6 +671,18 @@ def blunder_findings(found: Blunders, flight: Flight) -> list[Finding]:
             "nothing tells which; all are used"
         )
     return [Finding(one, flight.source, severity="warning") for one in tell]
+
+
+def _together(labels: list[str], flight: Flight) -> str:
+    """Describe the picks and landmarks that do not fit in a flight that misfits."""
+    left = len(labels) - MOST_NAMED
+    names = ", ".join(labels[:MOST_NAMED]) + f" and {left} more" * (left > 0)
+    done = f"used; {KEPT}"
+    if flight.options.drop_blunders:
+        done = 'left out by [solve] blunders = "drop", if it is clear which'
+    return (
+        f"not fitting the others, which may come of the misfit (mend that first): {names}; {done}"
+    )
 
 
 def _one_of(labels: list[str]) -> str:

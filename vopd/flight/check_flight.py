@@ -12,7 +12,7 @@ from vopd.flight.blunders import ARE_EXCHANGED, WRONG
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
 from vopd.flight.flight import Flight, frame_label
 from vopd.flight.misfit import SPEAK_FOR
-from vopd.flight.mistakes import TYPICAL, UNEXPLAINED, other_clock, usual_mistakes
+from vopd.flight.mistakes import other_clock, usual_mistakes
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import solve_flight_read
@@ -40,7 +40,7 @@ def check_flight(name: str) -> list[Finding]:
     far = list(far_landmarks(flight))
     found = [*flight.findings, *_warned(name, [*messages_of_files(flight), *far])]
     try:
-        result = solve_flight_read(flight)
+        result = solve_flight_read(flight, project=lambda: project)
     except VopdError as error:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
     if not result.solved.any():
@@ -48,17 +48,9 @@ def check_flight(name: str) -> list[Finding]:
     if far:
         return found  # the solve can tell no more
     found += [f for f in result.findings if f not in flight.findings]
-    named = {one.message for one in found}
-    explained = any(
-        SPEAK_FOR in message or WRONG in message or ARE_EXCHANGED in message for message in named
-    )
-    more = [
-        message
-        for message in usual_mistakes(project, result)
-        if message not in named and not (explained and UNEXPLAINED in message)
-    ]
-    if any(TYPICAL in message and UNEXPLAINED not in message for message in more):
-        found = [one for one in found if SPEAK_FOR not in one.message]  # solved again, it is nearer
+    causes = SPEAK_FOR, WRONG, ARE_EXCHANGED
+    named = any(words in one.message for one in result.findings for words in causes)
+    more = [] if result.misfits else usual_mistakes(project, result, named)
     return [*found, *_warned(name, more)]
 
 

@@ -259,6 +259,7 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         )
     return Words(
         source="project",
+        jobs=False,
         landmark="its name",
         reading="a pick's u or v",
         repeated="by points picked several times"

@@ -35,6 +35,7 @@ class Picks:
     least_sigma_px: float = 0.3  # below this a smaller one is not believed: rounding to pixels
     stated: bool = False  # whether the standard deviations are those of the project or a file
     part: Floats | None = None  # (P,) `row_parts`, where pixels are shifted to their frames' times
+    v_up: bool = False  # whether v was counted upward where they were read
 
     def with_sigma(self, one_sigma_px: float) -> Picks:
         """Scale all standard deviations to another usual one of a pick."""
@@ -285,6 +286,8 @@ class Flight:
     refraction: Refraction = field(default_factory=Refraction)
     options: FlightOptions = field(default_factory=FlightOptions)
     shutter: Shutter | None = None  # None: all rows are of one time
+    frame_rate_hz: float | None = None  # by which frames have times; None: their times are given
+    offset_s: float = 0.0  # that the project adds to the track's times
     grid: MapGrid | None = None  # of the landmarks' CRS, if that is projected
     about: tuple[
         str, ...

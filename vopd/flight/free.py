@@ -291,16 +291,17 @@ def shown_name(parameter: str, stands: bool = False) -> str:
     return SHOWN_NAME.get(parameter, parameter)
 
 
-def value_text(parameter: str, value: float, sigma: float) -> str:
+def value_text(parameter: str, value: float, sigma: float, sign: str = "") -> str:
     """Write the value of a parameter and its standard deviation, with the digits that this has.
 
     Args:
         parameter: of `vopd.flight.equations`
         value: in the units of a table
         sigma: likewise; infinite: there is none
+        sign: "+" writes it before positive values
     """
     unit, digits = UNIT.get(parameter, ""), decimals(sigma)
-    text = f"{value:.7g}" if digits is None else f"{value:.{digits}f} +- {sigma:.2g}"
+    text = f"{value:{sign}.7g}" if digits is None else f"{value:{sign}.{digits}f} +- {sigma:.2g}"
     return f"{text} {unit}".rstrip()
 
 

@@ -114,6 +114,7 @@ class JointSolution:
 def solve_jointly(
     flight: Flight, priors: Priors, used: Bools | None = None, start: State | None = None,
     readout: Readout | None = None, first: SolvedFlight | None = None,
+    since_s: Floats | None = None,
 ) -> JointSolution:  # fmt: skip
     """Solve rotations, places and parameters of a flight.
 
@@ -126,6 +127,7 @@ def solve_jointly(
         start: where to begin; None: at the stated places
         readout: of a rolling shutter
         first: the flight solved with the same picks; None: it is solved at the stated places
+        since_s: times by which the clock's rate counts, (F,); None: since their middle
 
     Raises:
         VopdError: if the picks do not determine a parameter, or unknowns are too many
@@ -136,6 +138,7 @@ def solve_jointly(
     rotation, weight = first.attitudes.rotation, first.attitudes.weight
     solved, taken = np.isfinite(rotation[:, 0, 0]), first.used & (weight > 0.0)
     model = Model(flight, priors, taken, solved, flight.picks.sigma_px, readout, loss)
+    model.since_s = model.since_s if since_s is None else since_s
     known = np.where(solved[:, None, None], rotation, np.eye(3))
     _check_size(model)
     if priors.fixes is None and not len(model.common_sigma) and readout is None:

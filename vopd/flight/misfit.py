@@ -4,7 +4,8 @@ A flight misfits where its residuals, on the covariance of all that is stated, a
 stated standard deviation of the picks by chance once in `SIGNIFICANCE` and by more than a ratio.
 An error of an input that changes the images by d a unit has the estimate d'Wr / d'Wd with the
 variance 1 / d'Wd: W weighs the residuals r as all that is stated does, once everything else is
-fitted. Neither takes another solve.
+fitted. Neither takes another solve. Where one is significant, the flight is solved again with each
+error unknown, and these solutions are compared.
 """
 
 from __future__ import annotations
@@ -18,16 +19,18 @@ from scipy.special import chdtrc, chdtri, fdtrc
 
 from vopd.arrays import Bools, Floats
 from vopd.attitude.reading_sigma import JobReadingSigma
-from vopd.attitude.residuals import SIGNIFICANCE
+from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.findings import Finding, VopdError
-from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, Readout
-from vopd.flight.errors import priors_of, stated_changes
+from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, Priors, Readout
+from vopd.flight.errors import priors_of, stated_changes, stated_changes_by_name
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.flight import Flight, Shutter
+from vopd.flight.flight import CameraPath, Flight, Shutter
+from vopd.flight.free import value_text
 from vopd.flight.joint import JointSolution, covariance_of_sums, propagated, solve_jointly
 from vopd.flight.readout import row_parts, turning_rates
 from vopd.flight.sizes import cost_of_frames, explained, residual_freedom, size_of_residuals
 from vopd.flight.solve import FlightBlocks, FlightPart
+from vopd.geometry.earth import NED_FROM_ENU
 
 REJECTED = 1.5  # times the stated standard deviation of a pick
 FEW = 0.1  # of the frames: more of them that misfit are the flight's misfit
@@ -36,14 +39,25 @@ ALIKE = 6.0  # in chi-square: errors that explain the residuals as well
 MOST_PICKS = 20_000  # of a longer flight frames are drawn
 MOST_LANDMARKS = 40  # that are tried one by one
 LEAST_FREEDOM = 4.0  # beside what is tried
+MOST_SOLVED = 2  # landmarks with which a flight is solved again
 PLAIN = 4.0  # times the least gain: an error is named whatever it does to angles
 MOST_LEFT = 0.1  # of the residuals' squares, where an error is named that leaves a misfit
 WIDE_95 = 1.96  # half of a 95 % interval, standard deviations
 NOTHING_SHOWS = 1e-9  # of an error's squares in the image: less is rounding
-
+USUAL = {
+    **{"clock": 10.0, "clock_rate": 0.3, "focal": 0.3, "k1": 0.3, "refraction": 0.3},
+    **{"readout": 0.03, "east": 100.0, "north": 100.0, "up": 100.0},
+}
+"""Sizes of errors as they happen, standard deviations, s, px a px, m; a landmark's is that up."""
 
 SPEAK_FOR = "the residuals speak for"
 UNTRIED = "what explains them is not known: with the errors that were tried there is no solution"
+TYPICAL = "px in a typical frame"
+OF_LANDMARK = "are its coordinates and its name right?"
+UNEXPLAINED = (
+    "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
+    "lens (of this camera, at this image size?), and at what the frames' numbers and times mean"
+)
 
 
 # A flight that misfits
@@ -122,7 +136,8 @@ class TriedError(NamedTuple):
     """An error of the inputs that a flight may have: where its columns are, and its words."""
 
     columns: tuple[int, ...]
-    text: Callable[[Floats], str]  # by its values
+    text: Callable[[Floats, Floats], str]  # by its values and their standard deviations
+    parameters: tuple[str, ...] = ()  # of `vopd.flight.equations`; a landmark's: none
     landmark: int = -1  # index of the one that it is of
 
 
@@ -131,27 +146,60 @@ class Significant(NamedTuple):
 
     error: TriedError
     value: Floats  # of its columns
-    gain: float  # in chi-square, over the variance of the residuals
+    sigma: Floats  # their standard deviations
     chance: float
+    evidence: float  # its gain in chi-square, less what its values cost (Schwarz)
 
 
 def significant_errors(joint: JointSolution, known: bool, larger: float = 1.0) -> list[Significant]:
     """Find the errors of the inputs that explain the residuals best; empty if there is none.
 
-    All trials together find one where there is none in `SIGNIFICANCE` of flights. Those that
-    explain the residuals as well as the best are named with it. None is named where none of
-    these moves an angle, or its mean over the frames, by more than the half-width, unless it is
-    `PLAIN`; nor where the flight misfits and still would.
+    All trials together find one where there is none in `SIGNIFICANCE` of flights. The flight is
+    then solved again with each error unknown under its `USUAL` size. One explains it if it leaves
+    what is stated, or a tenth of the squares; that of the most evidence is named, with those of
+    `ALIKE` less that have no more values. None is named where none of these moves an angle, or its
+    mean over the frames, by more than the half-width, unless it is `PLAIN`.
 
     Args:
         joint: the solution of a flight
         known: whether the standard deviation of the picks is stated, and believed
-        larger: the residuals, in those of a flight that does not misfit
+        larger: the picks' standard deviation in force over that of a flight that does not misfit
     """
     errors, trial = input_errors(joint)
     stated = np.concatenate([np.zeros((len(trial), 2, 0)), *stated_changes(joint).values()], axis=2)
-    change = np.concatenate([stated, trial], axis=2)
-    square, right = weighed(joint, change)
+    first = _first_order(joint, known, errors, trial, stated)
+    limit = SIGNIFICANCE / max(len(first), 1)
+    if not first or min(one.chance for one in first) > limit:
+        return []
+    marks = sorted((o for o in first if o.error.landmark >= 0), key=lambda one: -one.evidence)
+    tried = [one.error for one in first if one.error.landmark < 0]
+    tried += [one.error for one in marks[:MOST_SOLVED]]
+    found = [one for one in _solved_again(joint, known, larger, tried) if one.chance <= limit]
+    found.sort(key=lambda one: -one.evidence)
+    alike = [  # more values are not said beside fewer that explain as well
+        one
+        for one in found
+        if one.evidence > found[0].evidence - ALIKE and len(one.value) <= len(found[0].value)
+    ]
+    if not alike or alike[0].evidence > PLAIN * float(chdtri(len(alike[0].value), limit)):
+        return alike
+    moving = any(_moves_an_angle(joint, trial, stated, one) for one in alike)
+    return alike if moving else []
+
+
+def _first_order(
+    joint: JointSolution, known: bool, errors: list[TriedError], trial: Floats, stated: Floats
+) -> list[Significant]:
+    """Estimate each error that the picks can tell, to first order, and test it.
+
+    Args:
+        joint: the solution of a flight
+        known: whether the standard deviation of the picks is stated, and believed
+        errors: that are tried
+        trial: changes of the images by them, (P, 2, K)
+        stated: changes by errors that are stated and not solved for, (P, 2, C)
+    """
+    square, right = weighed(joint, np.concatenate([stated, trial], axis=2))
     fixed, cost = stated.shape[2], joint.normal.cost
     if fixed:  # what is stated and not solved for is a part of the residuals' covariance
         by_stated = np.linalg.solve(
@@ -161,44 +209,115 @@ def significant_errors(joint: JointSolution, known: bool, larger: float = 1.0) -
         cost -= float(right[:fixed] @ by_stated[:, -1])
         right = right[fixed:] - square[fixed:, :fixed] @ by_stated[:, -1]
         square = square[fixed:, fixed:] - square[fixed:, :fixed] @ by_stated[:, :-1]
-    model = joint.model
-    free = (~np.isfinite(model.common_sigma)).sum()
-    freedom = 2.0 * len(model.pick) - 3.0 * model.solved - free
-    power = (trial**2).sum(axis=(0, 1))
-    picks, found = model.flight.picks, []
-    least = (picks.least_sigma_px / picks.one_sigma_px) ** 2  # less is rounding of the picks
+    power, freedom, found = (trial**2).sum(axis=(0, 1)), _freedom(joint), []
     for one in errors:
         index = list(one.columns)
-        count, own = len(index), square[np.ix_(index, index)]
-        scale = np.sqrt(power[index])
+        own, scale = square[np.ix_(index, index)], np.sqrt(power[index])
         seen = np.diag(own) > NOTHING_SHOWS * power[index]
-        left = freedom - count
-        if not seen.all() or left < LEAST_FREEDOM:
+        if not seen.all() or freedom - len(index) < LEAST_FREEDOM:
             continue
         scaled = own / scale[:, None] / scale
         if np.linalg.cond(scaled) > 1.0 / NOTHING_SHOWS:
             continue
         value = np.linalg.solve(scaled, right[index] / scale) / scale
+        sigma = np.sqrt(np.diag(np.linalg.inv(scaled))) / scale
         gain = float(right[index] @ value)
-        rest = max((cost - gain) / left, least)
-        if known and rest < REJECTED**2:
-            chance, rest = float(chdtrc(count, gain)), 1.0
-        else:
-            chance = float(fdtrc(count, left, gain / count / rest))
-        explains = rest * larger**2 < REJECTED**2 or rest < MOST_LEFT
-        found.append(Significant(one, value, gain / rest, chance if explains else 1.0))
-    limit = SIGNIFICANCE / max(len(found), 1)
-    if not found or min(one.chance for one in found) > limit:
+        rest = max((cost - gain) / (freedom - len(index)), _least_variance(joint.model.flight))
+        found.append(
+            Significant(one, value, sigma, _chance(joint, known, len(index), gain, rest), gain)
+        )
+    return found
+
+
+def _freedom(joint: JointSolution) -> float:
+    """Count the degrees of freedom of the residuals, with errors that are stated taken as known."""
+    free = (~np.isfinite(joint.model.common_sigma)).sum()
+    return float(2.0 * len(joint.model.pick) - 3.0 * joint.model.solved - free)
+
+
+def _least_variance(flight: Flight) -> float:
+    """Rounding of the picks, in their variances: residuals tell no less."""
+    return float((flight.picks.least_sigma_px / flight.picks.one_sigma_px) ** 2)
+
+
+def _chance(joint: JointSolution, known: bool, count: int, gain: float, rest: float) -> float:
+    """Test the gain of some values in chi-square, by F where the variance is not known."""
+    if known and rest < REJECTED**2:
+        return float(chdtrc(count, gain))
+    return float(fdtrc(count, _freedom(joint) - count, gain / count / rest))
+
+
+def _solved_again(
+    joint: JointSolution, known: bool, larger: float, errors: list[TriedError]
+) -> list[Significant]:
+    """Solve a flight with each error unknown in turn, and find those that explain its residuals.
+
+    Estimates to first order fail where an error is large: three values then seem to explain more
+    than the right one. A value costs the logarithm of the number of residuals (Schwarz, Estimating
+    the dimension of a model, Annals of Statistics 6, 1978), and its square over its usual size.
+
+    Args:
+        joint: the solution of the flight
+        known: whether the standard deviation of the picks is stated, and believed
+        larger: that in force over that of a flight that does not misfit
+        errors: those tried
+    """
+    flight, priors = joint.model.flight, joint.model.priors
+    sigma_px = flight.picks.one_sigma_px / larger
+    flight = replace(flight, path=_even_path(joint), picks=flight.picks.with_sigma(sigma_px))
+    priors = replace(priors, parameter={**priors.parameter, **stated_changes_by_name(joint)[0]})
+    without = _solved_with(joint, flight, priors)
+    if without is None:
         return []
-    named = [one for one in found if one.chance <= limit]
-    worth = {id(one): one.gain - 2.0 * (len(one.value) - 1) for one in named}
-    best = max(worth.values())
-    alike = sorted((o for o in named if worth[id(o)] > best - ALIKE), key=lambda o: -worth[id(o)])
-    least = float(chdtri(len(alike[0].value), limit))
-    if alike[0].gain > PLAIN * least:
-        return alike
-    moving = any(_moves_an_angle(joint, trial, stated, one) for one in alike)
-    return alike if moving else []
+    freedom, cost = _freedom(joint), without.normal.cost
+    solved: list[tuple[TriedError, JointSolution, float]] = []
+    for one in errors:
+        again = _solved_with(joint, flight, priors, one)
+        if again is not None:
+            rest = again.normal.cost / (freedom - len(one.columns))
+            solved.append((one, again, max(rest, _least_variance(flight))))
+    least = min((rest for *_, rest in solved), default=1.0)
+    variance = 1.0 if known and least < REJECTED**2 else least
+    found = []
+    for one, again, rest in solved:
+        if rest > max(REJECTED**2, MOST_LEFT * cost / freedom):
+            continue
+        if one.landmark >= 0:
+            place = int(np.searchsorted(again.model.free, one.landmark))
+            index = len(again.model.names) + 3 * place + np.arange(3)
+            value = again.state.landmark_m[one.landmark]
+        else:
+            index = np.array([again.model.names.index(name) for name in one.parameters])
+            value = again.state.parameter[index]
+        sigma = np.sqrt(variance * np.diag(np.asarray(again.factored.common))[index])
+        gain = max(cost - again.normal.cost, 0.0)
+        chance = _chance(joint, known, len(index), gain, rest)
+        evidence = gain / variance - len(index) * np.log(2.0 * len(joint.model.pick))
+        found.append(Significant(one, value, sigma, chance, float(evidence)))
+    return found
+
+
+def _solved_with(
+    joint: JointSolution, flight: Flight, priors: Priors, one: TriedError | None = None
+) -> JointSolution | None:
+    """Solve a flight from its solution with an error unknown; None if there is no solution."""
+    parameter, landmark_m, readout = dict(priors.parameter), priors.landmark_m, None
+    if one is not None and one.landmark >= 0:
+        landmark_m = np.array(joint.state.landmark_m * 0.0 if landmark_m is None else landmark_m)
+        landmark_m[one.landmark] = USUAL["up"]
+    elif one is not None:
+        usual = {**USUAL, "focal": USUAL["focal"] * float(flight.lens.focal_px.mean())}
+        parameter |= {name: usual[name] for name in one.parameters}
+        readout = _readout(joint) if "readout" in one.parameters else None
+    used = np.zeros(len(flight.picks.frame), bool)
+    used[joint.model.pick] = True
+    value = np.array([joint.model.value(joint.state, name) for name in parameter])
+    priors = replace(priors, parameter=parameter, landmark_m=landmark_m)
+    start, since_s = joint.state._replace(parameter=value), _since_first_s(flight)
+    try:
+        return solve_jointly(flight, priors, used, start, readout, joint.solved, since_s)
+    except VopdError:
+        return None
 
 
 def weighed(joint: JointSolution, change: Floats) -> tuple[Floats, Floats]:
@@ -279,14 +398,17 @@ def input_errors(joint: JointSolution) -> tuple[list[TriedError], Floats]:
     where = [full.names.index(name) for name in names]
     slot = np.full(len(flight.landmarks.name), -1)
     slot[marks] = np.arange(len(marks))
-    velocity = _even_velocity(joint) if timed else np.zeros((model.frames, 3))
+    path, since_s = _even_path(joint), _since_first_s(flight)
+    velocity = np.zeros((model.frames, 3))
+    if path.velocity_m_s is not None:
+        velocity = np.nan_to_num(path.velocity_m_s @ NED_FROM_ENU)
     for rows in full.rows(start):
         out[rows.picks, :, : len(names)] = rows.by_parameter[..., where]
         if timed:
             moved = (rows.by_place @ velocity[rows.frames, None, :, None])[..., 0]
-            since_s = (flight.time_s - np.nanmin(flight.time_s))[rows.frames, None, None]
             out[rows.picks, :, names.index("clock")] = moved
-            out[rows.picks, :, names.index("clock_rate")] = moved * np.nan_to_num(since_s)
+            later = moved * since_s[rows.frames, None, None]
+            out[rows.picks, :, names.index("clock_rate")] = later
         own = slot[model.landmark[rows.picks]]
         if len(marks):
             for axis in range(3):
@@ -297,34 +419,48 @@ def input_errors(joint: JointSolution) -> tuple[list[TriedError], Floats]:
     for k, mark in enumerate(marks):
         first = len(names) + 3 * k
         columns = (first, first + 1, first + 2)
-        errors.append(TriedError(columns, _landmark_text(flight, int(mark)), int(mark)))
+        errors.append(
+            TriedError(columns, _landmark_text(flight.landmarks.name[mark]), (), int(mark))
+        )
     return errors, out
 
 
-def _even_velocity(joint: JointSolution) -> Floats:
-    """Take the noise of the fixes out of the velocity, east, north, up (F, 3).
+def _even_path(joint: JointSolution) -> CameraPath:
+    """Take the noise of the fixes out of velocity and acceleration.
 
     Where the positions are as near to an even motion, or to one that changes evenly, as their
-    standard deviations allow, it is that motion's; else it stays what it is.
+    standard deviations allow, these are that motion's; else they stay what they are.
     """
-    flight, velocity = joint.model.flight, joint.model.velocity_m_s
-    fixes, time_s = flight.path.fixes, flight.time_s
-    known = np.isfinite(time_s) & velocity.any(axis=1)
-    if fixes is None or known.sum() < 4:
-        return velocity
-    away_m = flight.path.position_m - flight.path.position_m[known][0]
+    flight = joint.model.flight
+    path, time_s = flight.path, flight.time_s
+    if path.velocity_m_s is None or path.fixes is None:
+        return path
+    known = np.isfinite(time_s) & joint.model.velocity_m_s.any(axis=1)
+    if known.sum() < 4:
+        return path
+    away_m = path.position_m - path.position_m[known][0]
     place_m = np.einsum("fij,fj->fi", joint.model.axes, away_m)[known]
     since_s = time_s[known] - time_s[known].mean()
-    noise = float((fixes.sigma_m**2).mean())
+    noise = float((path.fixes.sigma_m**2).mean())
     for degree in (1, 2):
         powers = since_s[:, None] ** np.arange(degree + 1)
         fit, *_ = np.linalg.lstsq(powers, place_m, rcond=None)
         if ((place_m - powers @ fit) ** 2).mean() < 2.0 * noise:
-            even = velocity.copy()
+            velocity, acceleration = (np.full_like(path.velocity_m_s, np.nan) for _ in range(2))
             rate = np.arange(1, degree + 1)
-            even[known] = (powers[:, :-1] * rate) @ fit[1:]
-            return even
-    return velocity
+            velocity[known] = (powers[:, :-1] * rate) @ fit[1:] @ NED_FROM_ENU
+            acceleration[known] = (2.0 * fit[2] if degree == 2 else np.zeros(3)) @ NED_FROM_ENU
+            return replace(path, velocity_m_s=velocity, acceleration_m_s2=acceleration)
+    return path
+
+
+def _since_first_s(flight: Flight) -> Floats:
+    """Times since that from which a wrong frame rate counts, (F,); 0 where not known."""
+    if flight.frame_rate_hz is not None:
+        return np.asarray(flight.frame / flight.frame_rate_hz)
+    known = np.isfinite(flight.time_s)
+    first_s = flight.time_s[known].min() if known.any() else 0.0
+    return np.nan_to_num(flight.time_s - first_s)
 
 
 def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
@@ -334,50 +470,87 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
     def at(*some: str) -> tuple[int, ...]:
         return tuple(names.index(name) for name in some)
 
+    def keyed(name: str, stated: float, key: str, sign: float = 1.0) -> Callable[..., str]:
+        return lambda v, s: (
+            f"{key}{value_text(name, stated + sign * v[0], s[0])} in the place of {stated:.5g}"
+        )
+
     if "clock" in names:
+        given_s = flight.offset_s
         yield TriedError(
             at("clock"),
-            lambda v: f"the track {-v[0]:+.3g} s: do the clocks differ ([track] offset_s)?",
+            lambda v, s: (
+                "clocks of track and frames that differ, [track] offset_s = "
+                f"{value_text('', given_s - v[0], s[0])} in the place of {given_s:g}"
+            ),
+            ("clock",),
         )
-        yield TriedError(
-            at("clock_rate"),
-            lambda v: f"[picks] frame_rate_hz {1.0 / (1.0 + v[0]):.5g} times as large",
-        )
+        yield TriedError(at("clock_rate"), _rate_text(flight), ("clock_rate",))
     focal = float(lens.focal_px.mean())
     yield TriedError(
-        at("focal"),
-        lambda v: f"a focal length of {focal + v[0]:.5g} px in the place of {focal:.5g}",
+        at("focal"), keyed("focal", focal, "[camera] lens: a focal length of "), ("focal",)
     )
     if "k1" in names:
-        k1 = float(lens.k[0])
-        yield TriedError(at("k1"), lambda v: f"k1 = {k1 + v[0]:.4g} in the place of {k1:.4g}")
+        yield TriedError(at("k1"), keyed("", float(lens.k[0]), "[camera] lens: k1 = "), ("k1",))
     if "refraction" in names:
-        k = flight.refraction.k
-        yield TriedError(
-            at("refraction"),
-            lambda v: f"a coefficient of refraction of {k + v[0]:.3g} in the place of {k:.3g}",
-        )
+        key = "[atmosphere] refraction: a coefficient of "
+        yield TriedError(at("refraction"), keyed("", flight.refraction.k, key), ("refraction",))
+    where = "[position]" if flight.path.stands else "[track]"
     yield TriedError(
         at("up"),
-        lambda v: (
-            f"all landmarks {-v[0]:+.3g} m: are the heights of camera and landmarks counted "
-            "from the same level?"
+        lambda v, s: (
+            f"all landmarks {value_text('up', -v[0], s[0], '+')}: are the heights of camera and "
+            f"landmarks counted from the same level ([landmarks] height, {where} height)?"
         ),
+        ("up",),
     )
     yield TriedError(
         at(*SHIFT),
-        lambda v: "the camera's position {:+.3g} m east, {:+.3g} m north, {:+.3g} m up".format(*v),
+        lambda v, s: f"the camera's position {_metres_text(v, s)} ({where})",
+        SHIFT,
     )
     if "readout" in names:
-        yield TriedError(at("readout"), lambda v: _readout_text(flight, 1000.0 * float(v[0])))
+        yield TriedError(at("readout"), _readout_text(flight), ("readout",))
 
 
-def _readout_text(flight: Flight, more_ms: float) -> str:
-    if flight.shutter is not None:
-        stated_ms = 1000.0 * flight.shutter.readout_s
-        return f"[camera] readout_ms = {stated_ms + more_ms:.3g} in the place of {stated_ms:.3g}"
-    way = "down" if more_ms > 0.0 else "up"
-    return f'a rolling shutter, [camera] readout_ms = {abs(more_ms):.3g} and readout = "{way}"'
+def _metres_text(value: Floats, sigma: Floats) -> str:
+    return ", ".join(
+        f"{value_text('up', v, s, '+')} {way}"
+        for v, s, way in zip(value.tolist(), sigma.tolist(), SHIFT, strict=True)
+    )
+
+
+def _landmark_text(name: str) -> Callable[[Floats, Floats], str]:
+    return lambda v, s: f"the coordinates of {name}, {_metres_text(v, s)} ([landmarks])"
+
+
+def _rate_text(flight: Flight) -> Callable[[Floats, Floats], str]:
+    stated = flight.frame_rate_hz
+    if stated is None:
+        return lambda v, s: (
+            f"the frames' clock slower by {value_text('clock_rate', 1e6 * v[0], 1e6 * s[0])}: "
+            "are [picks] times right?"
+        )
+    return lambda v, s: (
+        f"[picks] frame_rate_hz = {value_text('', stated / (1 + v[0]), stated * s[0])} in the "
+        f"place of {stated:g}"
+    )
+
+
+def _readout_text(flight: Flight) -> Callable[[Floats, Floats], str]:
+    shutter = flight.shutter
+
+    def text(v: Floats, s: Floats) -> str:
+        more_ms, sigma_ms = 1000.0 * float(v[0]), 1000.0 * float(s[0])
+        if shutter is not None:
+            stated_ms = 1000.0 * shutter.readout_s
+            value = value_text("readout", stated_ms + more_ms, sigma_ms)
+            return f"[camera] readout_ms = {value} in the place of {stated_ms:.3g}"
+        way = "down" if more_ms > 0.0 else "up"
+        value = value_text("readout", abs(more_ms), sigma_ms)
+        return f'a rolling shutter, [camera] readout_ms = {value} and readout = "{way}"'
+
+    return text
 
 
 def _readout(joint: JointSolution) -> Readout | None:
@@ -389,11 +562,6 @@ def _readout(joint: JointSolution) -> Readout | None:
     rows = flight.shutter or Shutter(0.0, "down", False)
     part = row_parts(replace(flight, shutter=rows))
     return Readout(0.0 if model.readout is None else model.readout.seconds, part, turning)
-
-
-def _landmark_text(flight: Flight, mark: int) -> Callable[[Floats], str]:
-    name = flight.landmarks.name[mark]
-    return lambda v: "{} {:+.3g} m east, {:+.3g} m north, {:+.3g} m up".format(name, *v)
 
 
 # Sizes of errors that the picks speak for
@@ -521,9 +689,21 @@ def sampled(flight: Flight) -> FlightPart:
     return blocks.part(np.sort(chosen))
 
 
+class Doubts(NamedTuple):
+    """Warnings of a whole flight."""
+
+    findings: list[Finding]
+    misfits: bool
+    explained: bool  # by an error that is no single landmark's
+
+
 def flight_findings(
-    flight: Flight, estimates: FlightEstimates, left_out: Bools, wrong: Bools
-) -> tuple[list[Finding], bool]:
+    flight: Flight,
+    estimates: FlightEstimates,
+    left_out: Bools,
+    wrong: Bools,
+    usual: Callable[[bool], list[str]] = lambda _: [],
+) -> Doubts:
     """Warn of a flight that misfits, and name errors of its inputs that explain it.
 
     Args:
@@ -531,28 +711,37 @@ def flight_findings(
         estimates: its solution, with the reading sigma in force
         left_out: picks that take no part in it, as they are named, (P,)
         wrong: landmarks that are named, which are not named again, (N,)
-
-    Returns:
-        The warnings, and whether the flight misfits.
+        usual: names mistakes that take another reading of the files, if the flight misfits; is
+            given whether an error is named already
     """
     joint, reading = estimates.joint, estimates.reading
     if joint is None or reading is None:
-        return [], False
+        return Doubts([], False, False)
     stated = flight.picks.one_sigma_px if flight.picks.stated else None
     misfit = misfit_text(joint, reading, stated) if flight.options.may_misfit else ""
     texts = [misfit, too_wide_text(joint, reading)]
     try:
-        texts += _explanations(flight, estimates, left_out, wrong, bool(misfit))
+        causes, explained = _explanations(flight, estimates, left_out, wrong, usual, bool(misfit))
     except (VopdError, np.linalg.LinAlgError):  # the angles stand without
-        texts += [UNTRIED] * bool(misfit)
-    where = flight.source
-    return [Finding(text, where, severity="warning") for text in texts if text], bool(misfit)
+        causes, explained = [UNTRIED] * bool(misfit), False
+    findings = [
+        Finding(text, flight.source, severity="warning") for text in [*texts, *causes] if text
+    ]
+    return Doubts(findings, bool(misfit), explained)
 
 
 def _explanations(
-    flight: Flight, estimates: FlightEstimates, left_out: Bools, wrong: Bools, misfits: bool
-) -> list[str]:
+    flight: Flight,
+    estimates: FlightEstimates,
+    left_out: Bools,
+    wrong: Bools,
+    usual: Callable[[bool], list[str]],
+    misfit: bool,
+) -> tuple[list[str], bool]:
     """Name errors of a flight's inputs that explain its residuals.
+
+    Returns:
+        The sentences, and whether an error is named that is no single landmark's.
 
     Raises:
         VopdError: if the flight has no solution with one of them
@@ -560,25 +749,31 @@ def _explanations(
     joint, reading = estimates.joint, estimates.reading
     assert joint is not None and reading is not None
     stated = flight.picks.one_sigma_px if flight.picks.stated else None
+    causes, own = list[str](), False  # whether it is a landmark's or a pick's own error
     exact = not joint.passes
     if len(joint.model.pick) > MOST_PICKS:
         some = sampled(joint.model.flight)
         joint = solve_jointly(some.flight, priors_of(some.flight), ~left_out[some.picks])
     expected_px = USUAL_PX if stated is None else stated
-    if misfits:
+    if misfit:
         from vopd.flight.mistakes import exchanges  # which takes results
 
-        text = exchanges(flight, expected_px)
-        if text:
-            return [text]
-    larger = reading.sigma / expected_px if misfits and reading.source != "stated" else 1.0
-    found = significant_errors(joint, reading.source == "stated", larger)
-    named = np.append(wrong, False)[[one.error.landmark for one in found]]
-    if found and not named.any():
-        names = " or ".join(one.error.text(one.value) for one in found)
-        chance = max(one.chance for one in found)
-        return [f"{SPEAK_FOR} {names} (chance {chance:.1g})"]
-    if not found and misfits and stated is not None and not exact:
+        causes = exchanges(flight, expected_px)
+    if not causes:
+        larger = reading.sigma / expected_px if misfit and reading.source != "stated" else 1.0
+        found = significant_errors(joint, reading.source == "stated", larger)
+        marks = [one.error.landmark for one in found]
+        own = max(marks, default=-1 if not wrong.any() else 0) >= 0
+        if found and not np.append(wrong, False)[marks].any():
+            names = " or ".join(one.error.text(one.value, one.sigma) for one in found)
+            chance = chance_text(max(one.chance for one in found))
+            causes = [f"{SPEAK_FOR} {names} (chance {chance})"]
+        if misfit and not own:
+            causes = usual(bool(causes)) or causes
+    left = [one for one in causes if UNEXPLAINED not in one]
+    if misfit and not left and not own and stated is not None and not exact:
         some = sampled(flight)
-        return [sizes_text(some.flight, left_out[some.picks])]
-    return []
+        causes = [sizes_text(some.flight, left_out[some.picks]) or "".join(causes)]
+    own |= any(OF_LANDMARK in one for one in left)
+    explained = any(words in one for one in left for words in (SPEAK_FOR, TYPICAL))
+    return causes, explained and not own

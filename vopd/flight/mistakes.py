@@ -13,6 +13,7 @@ from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import Flight
+from vopd.flight.misfit import OF_LANDMARK, TYPICAL, UNEXPLAINED
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult
@@ -39,37 +40,35 @@ MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
 CLOSER = 4  # times a level, a clock or a focal length is solved for anew
 M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0
-TYPICAL = "px in a typical frame"
-UNEXPLAINED = (
-    "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
-    "lens (of this camera, at this image size?), and at what the frames' numbers and times mean"
-)
 
 
-def usual_mistakes(project: Project, result: FlightResult) -> Iterator[str]:
+def usual_mistakes(project: Project, result: FlightResult, named: bool = False) -> list[str]:
     """Name the mistake that explains large residuals best.
 
     Args:
         project: the project, which is read anew with another clock
         result: its solution
+        named: whether an error of its inputs is named already; one of `UNIT_MISTAKES` is then
+            named in its place if it explains all residuals
     """
     sigma = float(np.median(result.flight.picks.sigma_px))
     flight = some_frames(result.flight)
     estimate = result.estimate if flight is result.flight else solved_trial(flight)
     before = typical_px(flight, estimate)
     if before > DOUBTED * sigma and freedom(estimate) >= LEAST_FREEDOM:
-        axes = explanations(AXES_MISTAKES, trial_px, project, flight, estimate)
-        found = explanations(USUAL_MISTAKES, trial_px, project, flight, estimate)
+        tables = ((), UNIT_MISTAKES) if named else (AXES_MISTAKES, USUAL_MISTAKES)
+        axes, found = (explanations(table, trial_px, project, flight, estimate) for table in tables)
         # a number that is fitted never fits worse than the mistake that has its value
-        text = _best_text(before, axes, found)
-        if text:
-            yield text
-            return
+        below = DOUBTED * sigma if named else np.inf
+        text = _best_text(before, axes, found, below)
+        if text or named:
+            return [text] * bool(text)
     if before > MISFIT * sigma:
-        yield f"residuals are {before:.1f} {TYPICAL}: {UNEXPLAINED}"
+        return [f"residuals are {before:.1f} {TYPICAL}: {UNEXPLAINED}"]
+    return []
 
 
-def exchanges(flight: Flight, expected_px: float) -> str:
+def exchanges(flight: Flight, expected_px: float) -> list[str]:
     """Name the exchange of image axes or of labels that explains large residuals; or nothing.
 
     Args:
@@ -80,17 +79,20 @@ def exchanges(flight: Flight, expected_px: float) -> str:
     estimate = solved_trial(flight)
     before = typical_px(flight, estimate)
     if freedom(estimate) < LEAST_FREEDOM or before < BETTER * expected_px:
-        return ""
+        return []
     axes, labels = (
         explanations(table, trial_px, None, flight, estimate)
         for table in (AXES_MISTAKES, LABEL_MISTAKES)
     )
-    return _best_text(before, axes, labels)
+    text = _best_text(before, axes, labels)
+    return [text] * bool(text)
 
 
-def _best_text(before: float, axes: list[Explanation], others: list[Explanation]) -> str:
+def _best_text(
+    before: float, axes: list[Explanation], others: list[Explanation], below: float = np.inf
+) -> str:
     """Describe the likeliest mistake that makes residuals `BETTER`; empty if there is none."""
-    best = likeliest([*axes, *others], ALIKE, below=before / BETTER)
+    best = likeliest([*axes, *others], ALIKE, below=min(before / BETTER, below))
     if best is None:
         return ""
     advice = best.advice
@@ -161,11 +163,8 @@ Corrected = Iterator[tuple[Flight, tuple[object, ...]]]
 def _turned_over(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
     """Count v of all pixels the other way than the project says."""
     upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
-    way, key = "the other way", 'up", or "down" where it is "up'
-    if project is not None:
-        up = project.section("picks").text("v") == "up"
-        way, key = ("downward", "down") if up else ("upward", "up")
-    yield replace(flight, picks=replace(flight.picks, pixel=upward)), (way, key)
+    values = ("downward", "down") if flight.picks.v_up else ("upward", "up")
+    yield replace(flight, picks=replace(flight.picks, pixel=upward)), values
 
 
 def _exchanged_axes(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
@@ -324,7 +323,7 @@ LABEL_MISTAKES: tuple[Mistake[Flight], ...] = (
     ),
 )
 
-USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
+UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "heights in feet",
         _from_feet,
@@ -335,6 +334,11 @@ USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
         _by_another_clock,
         "with the track {:+.0f} s: is its clock {}?",
     ),
+)
+"""Units and clocks that a fitted number may stand for."""
+
+USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
+    *UNIT_MISTAKES,
     Mistake(
         "another frame rate",
         _at_another_rate,
@@ -361,7 +365,7 @@ USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "a wrong landmark",
         _without_a_landmark,
-        "without {}: are its coordinates and its name right?",
+        f"without {{}}: {OF_LANDMARK}",
     ),
 )
 """The most telling mistake first."""

@@ -257,6 +257,7 @@ def join_picks(
         pixel=mean[kept],
         sigma_px=sigma[kept],
         repeatability_px=repeatability,
+        v_up=read.up_from is not None,
         **usual,
     )
     return picks, findings
@@ -385,6 +386,8 @@ def flight_of(project: Project) -> Flight:
         mount=mount_of(project.section("vehicle")),
         refraction=refraction,
         shutter=shutter_of(project.section("camera")),
+        frame_rate_hz=_frame_rate_hz(project, times),
+        offset_s=project.section("track").number("offset_s") if project.has("track") else 0.0,
         options=flight_options(project, lens, refraction, camera, landmarks),
         grid=landmark_grid(project, rows, camera),
         about=(
@@ -396,6 +399,14 @@ def flight_of(project: Project) -> Flight:
     )
     check_free(flight)
     return with_held(project, flight)
+
+
+def _frame_rate_hz(project: Project, times: FrameTimes) -> float | None:
+    """Look up the rate by which numbered frames have times."""
+    section = project.section("picks")
+    if times.image or not section.has("frame_rate_hz"):
+        return None
+    return section.number("frame_rate_hz")
 
 
 def _all_as_one(project: Project) -> bool:

@@ -39,6 +39,7 @@ from vopd.flight.free import as_solved, free_parameters, not_held_findings, with
 from vopd.flight.held import least_held, solved_findings, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
 from vopd.flight.misfit import SPEAK_FOR, flight_findings
+from vopd.flight.project import Project, read_project
 from vopd.flight.read import read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.readout import picks_at_frame_times
@@ -223,16 +224,23 @@ def solve_flight(name: str | PathLike[str], location: str | None = None) -> Flig
     Raises:
         VopdError: where a file cannot be read, or no frame has two landmarks
     """
-    return solve_flight_read(read_flight(str(name), location))
+    return solve_flight_read(
+        read_flight(str(name), location), project=lambda: read_project(str(name), location)
+    )
 
 
 @np.errstate(all="ignore")
-def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None) -> FlightResult:
+def solve_flight_read(
+    flight: Flight, tell: Callable[[], object] = lambda: None,
+    project: Callable[[], Project] | None = None,
+) -> FlightResult:  # fmt: skip
     """Find the attitude of every frame of a flight whose project has been read.
 
     Args:
         flight: what the project holds
         tell: is called before each solve of all frames
+        project: gives the project, for mistakes that take another reading of its files, if the
+            flight misfits; None: these are not tried
 
     Raises:
         VopdError: where no frame has two landmarks
@@ -281,20 +289,27 @@ def solve_flight_read(flight: Flight, tell: Callable[[], object] = lambda: None)
         estimates = with_named_picks(flight, without)
     more = least_held(without.joint)
     if more is not None:
-        return solve_flight_read(without_parameter(read, more), tell)
+        return solve_flight_read(without_parameter(read, more), tell, project)
     solved = estimates.solved
     estimates.mark_outliers((found.pick | swapped) & solved.used, swaps.chances(len(swapped)))
-    findings = [*blunder_findings(found, flight)]
+
+    def usual(named: bool) -> list[str]:
+        from vopd.flight.mistakes import usual_mistakes  # which takes results
+
+        return (
+            [] if project is None else usual_mistakes(project(), FlightResult(without, ()), named)
+        )
+
+    doubts = flight_findings(flight, without, apart, found.landmark, usual)
+    if doubts.misfits:  # of a flight as a whole it is not said which frames are not searched
+        swaps = swaps._replace(not_searched=0)
+    findings = [*doubts.findings, *not_held_findings(flight), *solved_findings(without.joint)]
+    findings += exchange_findings(swaps, flight, apart)
+    findings += blunder_findings(found, flight, doubts.misfits, doubts.explained)
     every = found._replace(pick=found.pick | swapped)
     findings += freed_beside_blunders(flight, every, apart)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
-    doubts, misfits = flight_findings(flight, without, apart, found.landmark)
-    if misfits:  # of a flight as a whole it is not said which frames are not searched
-        swaps = swaps._replace(not_searched=0)
-    labels = exchange_findings(swaps, flight, apart)
-    solved_for = [*not_held_findings(flight), *solved_findings(without.joint)]
-    findings = [*solved_for, *labels, *findings]
-    return FlightResult(estimates, (*flight.findings, *findings, *doubts), misfits)
+    return FlightResult(estimates, (*flight.findings, *findings), doubts.misfits)
 
 
 ROUNDS_OF_LABELS = 3  # of solving without exchanged labels, and testing all frames again

@@ -8,7 +8,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from vopd.attitude.residuals import SIGNIFICANCE
+from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.export.tables import not_a_formula
 from vopd.findings import count_text
 from vopd.flight.estimate import turned_vehicle_deg
@@ -28,7 +28,6 @@ from vopd.geometry.linear import norm
 
 SHOWN = 10  # tests in a text besides what is named, the least chances first
 MOST_LANDMARKS = 12  # that a text has all of
-LEAST_CHANCE = 1e-99  # that is written
 COUNTED = {
     LANDMARK: ("landmark", "landmarks"),
     FRAME: ("frame", "frames"),
@@ -205,9 +204,9 @@ def as_text(tested: TestedFlight, prediction: Prediction | None, free: Sequence[
     else:
         k = int(tests.evidence.argmax())
         lines += [
-            f"all fit: the smallest chance is {_chance(tests.chance[k])}, of "
-            f"{label(tests, k, flight)}; {_chance(tests.chance_of_all[k])} with all tests counted "
-            f"(below {limit.split()[0]} it would be named)"
+            f"all fit: the smallest chance is {chance_text(tests.chance[k])}, of "
+            f"{label(tests, k, flight)}; {chance_text(tests.chance_of_all[k])} with all tests "
+            f"counted (below {limit.split()[0]} it would be named)"
         ]
     lines += ["", *_table(tested), "", *prediction_lines(tested, prediction, free)]
     return "\n".join(lines) + "\n"
@@ -233,7 +232,7 @@ def named_text(one: Named, tested: TestedFlight) -> str:
         moves += f"{_degrees(turns)} degree"
         mean = np.degrees(np.linalg.norm(tests.mean_moved_rad[0]))
         moves += f", the mean by {_degrees(mean)}" * bool(np.isfinite(mean))
-    return f"{' or '.join(texts)}: chance {_chance(tests.chance_of_all[0])}{moves}"
+    return f"{' or '.join(texts)}: chance {chance_text(tests.chance_of_all[0])}{moves}"
 
 
 def _fits(tests: LeftOut, k: int) -> str:
@@ -245,12 +244,6 @@ def _fits(tests: LeftOut, k: int) -> str:
     if tests.kind[k] == TIME:
         return f" (it fits {tests.error[k, 0]:+.3g} s later)"
     return " (it fits {:+.3g} m east, {:+.3g} m north, {:+.3g} m up)".format(*tests.error[k])
-
-
-def _chance(value: float) -> str:
-    if value < LEAST_CHANCE:
-        return f"<{LEAST_CHANCE:.0e}"
-    return f"{value:.2g}".replace("0.", ".", 1) if value >= 0.001 else f"{value:.0e}"
 
 
 def _degrees(value: float) -> str:
@@ -278,8 +271,9 @@ def _table(tested: TestedFlight) -> list[str]:
         )
         rms = f"{tests.rms_px[k]:.3g} px" if np.isfinite(tests.rms_px[k]) else ""
         table.append([
-            label(tests, k, flight), f"{tests.normalised[k]:.2f}", _chance(tests.chance[k]),
-            _chance(tests.chance_of_all[k]), _off(tests, k), _degrees(moved), _degrees(mean), rms,
+            label(tests, k, flight), f"{tests.normalised[k]:.2f}", chance_text(tests.chance[k]),
+            chance_text(tests.chance_of_all[k]), _off(tests, k), _degrees(moved), _degrees(mean),
+            rms,
         ])  # fmt: skip
     keep = [any(row[c] for row in table[1:]) for c in range(len(HEAD))]
     table = [[cell for cell, kept in zip(row, keep, strict=True) if kept] for row in table]
@@ -288,7 +282,7 @@ def _table(tested: TestedFlight) -> list[str]:
     if len(rest.kind):
         lines.append(
             f"and {len(rest.kind)} more: normalised {_median(rest.normalised):.2f} in the median, "
-            f"{rest.normalised.max():.2f} at most; smallest chance {_chance(rest.chance.min())}"
+            f"{rest.normalised.max():.2f} at most; smallest chance {chance_text(rest.chance.min())}"
         )
     return lines
 
@@ -350,6 +344,6 @@ def prediction_lines(
         f"{count_text(prediction.picks, 'pick')} predicted by all others: with all as stated "
         f"{stated:.3g} px in the median, with {names} free {freed:.3g} px "
         f"(rms {rms_stated:.3g} and {rms_freed:.3g} px)",
-        f"better in {prediction.better} of {frames} (chance {_chance(prediction.chance)}): "
+        f"better in {prediction.better} of {frames} (chance {chance_text(prediction.chance)}): "
         f"{verdict}",
     ]
