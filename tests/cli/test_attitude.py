@@ -330,7 +330,7 @@ HISTORIES: list[tuple[list[Any], bool, SharedOptions, int, str]] = [
 def test_the_status_of_attitude_histories(
     jobs: list[Any], failed: bool, asked: SharedOptions, status: int, said: str, capsys: Said
 ) -> None:
-    assert Collected(jobs, [], failed, False).status(asked, Messages(asked.quiet)) == status
+    assert Collected(jobs, [], failed, False, 0).status(asked, Messages(asked.quiet)) == status
     assert capsys.readouterr().err == said
 
 
@@ -341,7 +341,7 @@ def test_misfits_of_long_jobs_are_told_at_the_end(
     found = [replace(ODD, card=k) for k in range(1, 6)]
     monkeypatch.setattr(histories, "findings_of", lambda about, summary: found)
     jobs = counted((0, 0), (0, 0))
-    assert Collected(jobs, jobs[1:], False, False).status(USUAL, Messages()) == 0
+    assert Collected(jobs, jobs[1:], False, False, 0).status(USUAL, Messages()) == 0
     assert_approved(capsys.readouterr().err.splitlines(), parts=[1, 2, 3, 2])
 
 
@@ -349,7 +349,7 @@ class Job:
     """A flight that has been solved, or its history."""
 
     frames = 4
-    misfits = False
+    misfits = mistaken = False
 
     def __init__(self, name: str, has: bool = True, is_counted: bool = True) -> None:
         self.findings = (Finding(f"{name} is odd", severity="warning"),)
@@ -560,7 +560,7 @@ def test_the_progress_and_the_status_of_a_table(
         yield b"one"
         yield b"two"
 
-    found = Collected([Job(), Job()], [], False, False)  # type: ignore[list-item]
+    found = Collected([Job(), Job()], [], False, False, 0)  # type: ignore[list-item]
     monkeypatch.setattr(Collected, "status", lambda *_: 3)
     monkeypatch.setattr(attitude, "Progress", Noted)
     monkeypatch.setattr(attitude, "collect_jobs", lambda *_: found)

@@ -18,6 +18,7 @@ from vopd.findings import Finding, VopdError
 from vopd.flight import new as new_project
 from vopd.flight import result as solve_project
 from vopd.flight.new import NewProject
+from vopd.job import Deck
 
 
 def punched(*options: str, rows: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
@@ -229,6 +230,12 @@ def test_a_project_of_a_deck_names_job_and_frames(tmp_path: Path) -> None:
     assert ran.stdout.startswith(f"{four}, job 1: 3 frames on cards\n")
 
 
+def some_job(count: int) -> Any:
+    """What `vopd new` looks at in a job of so many frames."""
+    ignored = SimpleNamespace(landmark=np.array([count]))
+    return SimpleNamespace(ignored=ignored, readings=SimpleNamespace(frame=range(count)))
+
+
 def test_notes_and_errors_of_a_deck_that_becomes_a_project(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -248,13 +255,7 @@ def test_notes_and_errors_of_a_deck_that_becomes_a_project(
     monkeypatch.setattr("vopd.convert.deck_to_flight.deck_project", converted)
     monkeypatch.setattr(
         "vopd.pipeline.read_deck",
-        lambda _: [
-            SimpleNamespace(
-                ignored=SimpleNamespace(landmark=np.array([k])),
-                readings=SimpleNamespace(frame=range(k)),
-            )
-            for k in (1, 2, 3)
-        ],
+        lambda _: Deck(tuple(some_job(k) for k in (1, 2, 3)), "d"),
     )
     ran = vopd("new", tmp_path / "a", "--deck", "d", "--job", "2")
     assert given == [[2]]

@@ -22,7 +22,7 @@ USUAL: dict[str, Any] = {
              "size_px": None, "y_down": False, "k1": 0.0},
     "method": "collinearity", "pair": None, "all_pairs": False, "reject": False,
     "edit_by_pairs": False, "magnitude_limit": None, "by_elongation": False, "listing": False,
-    "camera_m": None, "resection": False, "free": (),
+    "camera_m": None, "resection": False, "free": (), "shared": None,
     "sky": {"utc": None, "place": None, "pressure_mbar": None, "temperature_c": 10.0,
             "ephemeris": None, "catalogue": None, "mount": None},
     "options": {"initial_deg": None, "start": "svd", "weights": "uniform", "corrections": None,

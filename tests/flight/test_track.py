@@ -17,7 +17,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight import track as track_module
-from vopd.flight.flight import CameraPath
+from vopd.flight.flight import CameraPath, TrackFixes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import TrackRows, photo_number
 from vopd.flight.project import Project, Section
@@ -144,11 +144,21 @@ def test_a_position_that_the_track_leaps_to_is_named() -> None:
     rows = TrackRows(position, False, None, "seconds", np.arange(5.0), "CSV", line=(2, 3, 4, 5, 6))
     for aside_m, named in ((40.0, False), (60.0, True)):
         moved = position + aside_m * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
-        (*said,) = doubts_of_leaps(rows, moved, "t.csv")
+        (*said,) = doubts_of_leaps(rows, moved, None, "t.csv")
         assert [("line 5: the path bends by 120 m/s^2" in one) for one in said] == [True] * named
     noisy = position + 5.0 * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
     quick = replace(rows, time_s=np.arange(5.0) / 100.0)
-    assert doubts_of_leaps(quick, noisy, "t.csv") == []
+    assert doubts_of_leaps(quick, noisy, None, "t.csv") == []
+
+
+def test_a_leap_is_more_than_the_errors_of_fixes_make() -> None:
+    """60 m aside make a leap of 120 m; fixes of 6 m in each direction make leaps of 25 m rms."""
+    aside = 60.0 * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
+    position = np.array([START + k * SPEED for k in range(5)]) + aside
+    rows = TrackRows(position, False, None, "seconds", np.arange(5.0), "CSV", line=(2, 3, 4, 5, 6))
+    for sigma_m, named in ((6.0, False), (0.1, True)):
+        fixes = TrackFixes(np.zeros(1, np.int64), np.ones((1, 1)), np.full((5, 3), sigma_m))
+        assert bool(doubts_of_leaps(rows, position, fixes, "t.csv")) == named
 
 
 @pytest.mark.parametrize(

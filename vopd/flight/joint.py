@@ -29,6 +29,7 @@ SMALL = 1e-9  # square of a step whose change of the cost is rounding; one that 
 NEAR = 1.0  # square of a step from where on Newton's are tried
 NEARER = 0.1  # of that, where they have led away
 LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e10
+SETTLED_RAD = 1e-6  # of a frame's last turn, where the next one is known to be next to nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +153,7 @@ def solve_jointly(
     if start is not None and not np.isfinite(begin.cost):  # a pick that was left out has no image
         begin = Normal(model, model.start(known))
     try:
-        normal, turn, passes = _descend(begin)
+        normal, turn, passes, settled = _descend(begin)
     except np.linalg.LinAlgError as error:
         raise no_solution(flight) from error
     weight = np.zeros_like(weight)
@@ -160,7 +161,8 @@ def solve_jointly(
     attitudes = first.attitudes._replace(
         rotation=np.where(solved[:, None, None], normal.state.rotation, np.nan),
         correction_rad=np.where(solved[:, None], turn, np.nan),
-        converged=solved & (np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD),
+        converged=solved
+        & (np.abs(turn).max(axis=1) < (SETTLED_RAD if settled else NOISE_AT_MOST_RAD)),
         weight=weight,
     )
     camera_m = flight.path.position_m + model.camera_by_m(normal.state)
@@ -225,8 +227,8 @@ def widened_by(flight: Flight, variance_m2: Floats) -> Flight:
     return replace(flight, picks=replace(picks, sigma_px=wider))
 
 
-def _descend(normal: Normal) -> tuple[Normal, Floats, int]:
-    """Descend to the least cost: the equations there, last turns, and passes.
+def _descend(normal: Normal) -> tuple[Normal, Floats, int, bool]:
+    """Descend to the least cost: the equations there, last turns, passes, and if it was reached.
 
     Reweighting alone never raises the cost of a robust loss, and closes in slowly; Newton's
     steps begin where its own have become small. Only frames that a step makes worse are damped:
@@ -257,7 +259,7 @@ def _descend(normal: Normal) -> tuple[Normal, Floats, int]:
                 normal, own, before = there, less, size
                 common = common / 10.0 if common > LEAST_DAMPING else 0.0
                 if settled and not own.any() and common == 0.0:
-                    break
+                    return normal, turn, passes, True
                 if robust and not newton and size < near:
                     normal, newton = Normal(model, tried, True, damping=own), True
                 continue
@@ -270,7 +272,7 @@ def _descend(normal: Normal) -> tuple[Normal, Floats, int]:
         if common > MOST_DAMPING:
             break
         normal = Normal(model, normal.state, newton, damping=own)
-    return normal, turn, passes
+    return normal, turn, passes, False
 
 
 def _size(normal: Normal, step: tuple[Floats, Floats, Floats]) -> float:

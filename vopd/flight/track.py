@@ -458,7 +458,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     else:
         path = path_by_time(section, rows, position, times, notes, file.name)
         doubts = doubts_of_rounded_times(section, times, path)
-        doubts += doubts_of_leaps(rows, position, file.name)
+        doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
     return PathRead(path, notes.said, times, doubts, notes.missing)
@@ -605,9 +605,12 @@ def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPat
 
 
 MOST_BENT_M_S2, LEAST_LEAP_M = 100.0, 10.0  # beyond both a path is no vehicle's
+NOISY_LEAP = 12.0  # standard deviations of a fix: five of the leaps that their errors make
 
 
-def doubts_of_leaps(rows: TrackRows, position: Floats, name: str) -> list[str]:
+def doubts_of_leaps(
+    rows: TrackRows, position: Floats, fixes: TrackFixes | None, name: str
+) -> list[str]:
     """Warn of a position to and from which no vehicle moves.
 
     Such a path, taken for one that bends so between its positions, would be uncertain by as much.
@@ -615,13 +618,18 @@ def doubts_of_leaps(rows: TrackRows, position: Floats, name: str) -> list[str]:
     Args:
         rows: of a track by time
         position: its positions, Earth-centred, (T, 3)
+        fixes: their errors; None where they are exact
         name: of its file
     """
     assert rows.time_s is not None
+    least_m = LEAST_LEAP_M
+    if fixes is not None:
+        own = slice(None) if fixes.between is None else ~fixes.between
+        least_m += NOISY_LEAP * float(np.linalg.norm(fixes.sigma_m[own], axis=1).max())
     step_s = np.diff(rows.time_s)[:, None]
     turned = np.linalg.norm(np.diff(np.diff(position, axis=0) / step_s, axis=0), axis=1)
     before_s, after_s = step_s[:-1, 0], step_s[1:, 0]
-    leap = turned * np.minimum(before_s, after_s) > LEAST_LEAP_M
+    leap = turned * np.minimum(before_s, after_s) > least_m
     bent = np.where(leap, 2.0 * turned / (before_s + after_s), 0.0)
     if not bent.max(initial=0.0) > MOST_BENT_M_S2:
         return []
