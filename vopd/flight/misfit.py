@@ -149,9 +149,12 @@ class Significant(NamedTuple):
     sigma: Floats  # their standard deviations
     chance: float
     evidence: float  # its gain in chi-square, less what its values cost (Schwarz)
+    rest: float  # variance of what it leaves, in those of the picks
 
 
-def significant_errors(joint: JointSolution, known: bool, larger: float = 1.0) -> list[Significant]:
+def significant_errors(
+    joint: JointSolution, known: bool, expected_px: float | None = None
+) -> list[Significant]:
     """Find the errors of the inputs that explain the residuals best; empty if there is none.
 
     All trials together find one where there is none in `SIGNIFICANCE` of flights. The flight is
@@ -163,7 +166,7 @@ def significant_errors(joint: JointSolution, known: bool, larger: float = 1.0) -
     Args:
         joint: the solution of a flight
         known: whether the standard deviation of the picks is stated, and believed
-        larger: the picks' standard deviation in force over that of a flight that does not misfit
+        expected_px: standard deviation of a pick where nothing is wrong; None: that in force
     """
     errors, trial = input_errors(joint)
     stated = np.concatenate([np.zeros((len(trial), 2, 0)), *stated_changes(joint).values()], axis=2)
@@ -174,7 +177,7 @@ def significant_errors(joint: JointSolution, known: bool, larger: float = 1.0) -
     marks = sorted((o for o in first if o.error.landmark >= 0), key=lambda one: -one.evidence)
     tried = [one.error for one in first if one.error.landmark < 0]
     tried += [one.error for one in marks[:MOST_SOLVED]]
-    found = [one for one in _solved_again(joint, known, larger, tried) if one.chance <= limit]
+    found = [one for one in _solved_again(joint, known, expected_px, tried) if one.chance <= limit]
     found.sort(key=lambda one: -one.evidence)
     alike = [  # more values are not said beside fewer that explain as well
         one
@@ -224,7 +227,9 @@ def _first_order(
         gain = float(right[index] @ value)
         rest = max((cost - gain) / (freedom - len(index)), _least_variance(joint.model.flight))
         found.append(
-            Significant(one, value, sigma, _chance(joint, known, len(index), gain, rest), gain)
+            Significant(
+                one, value, sigma, _chance(joint, known, len(index), gain, rest), gain, rest
+            )
         )
     return found
 
@@ -248,7 +253,7 @@ def _chance(joint: JointSolution, known: bool, count: int, gain: float, rest: fl
 
 
 def _solved_again(
-    joint: JointSolution, known: bool, larger: float, errors: list[TriedError]
+    joint: JointSolution, known: bool, expected_px: float | None, errors: list[TriedError]
 ) -> list[Significant]:
     """Solve a flight with each error unknown in turn, and find those that explain its residuals.
 
@@ -259,11 +264,11 @@ def _solved_again(
     Args:
         joint: the solution of the flight
         known: whether the standard deviation of the picks is stated, and believed
-        larger: that in force over that of a flight that does not misfit
+        expected_px: standard deviation of a pick where nothing is wrong; None: that in force
         errors: those tried
     """
     flight, priors = joint.model.flight, joint.model.priors
-    sigma_px = flight.picks.one_sigma_px / larger
+    sigma_px = expected_px or flight.picks.one_sigma_px
     flight = replace(flight, path=_even_path(joint), picks=flight.picks.with_sigma(sigma_px))
     priors = replace(priors, parameter={**priors.parameter, **stated_changes_by_name(joint)[0]})
     without = _solved_with(joint, flight, priors)
@@ -293,7 +298,7 @@ def _solved_again(
         gain = max(cost - again.normal.cost, 0.0)
         chance = _chance(joint, known, len(index), gain, rest)
         evidence = gain / variance - len(index) * np.log(2.0 * len(joint.model.pick))
-        found.append(Significant(one, value, sigma, chance, float(evidence)))
+        found.append(Significant(one, value, sigma, chance, float(evidence), rest))
     return found
 
 
@@ -760,8 +765,8 @@ def _explanations(
 
         causes = exchanges(flight, expected_px)
     if not causes:
-        larger = reading.sigma / expected_px if misfit and reading.source != "stated" else 1.0
-        found = significant_errors(joint, reading.source == "stated", larger)
+        without_px = expected_px if misfit and reading.source != "stated" else None
+        found = significant_errors(joint, reading.source == "stated", without_px)
         marks = [one.error.landmark for one in found]
         own = max(marks, default=-1 if not wrong.any() else 0) >= 0
         if found and not np.append(wrong, False)[marks].any():
@@ -769,7 +774,10 @@ def _explanations(
             chance = chance_text(max(one.chance for one in found))
             causes = [f"{SPEAK_FOR} {names} (chance {chance})"]
         if misfit and not own:
-            causes = usual(bool(causes)) or causes
+            whole = bool(causes) and min(one.rest for one in found) < REJECTED**2
+            more = usual(whole)
+            if more and not (causes and UNEXPLAINED in more[0]):
+                causes = more
     left = [one for one in causes if UNEXPLAINED not in one]
     if misfit and not left and not own and stated is not None and not exact:
         some = sampled(flight)
