@@ -18,9 +18,10 @@ from tests.kit.judge import judge_all
 SLOW = "more time than the limit"
 PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
+FLIGHT_S = 6.0  # beside, of a flight whose inputs are absurd: no joint solve of it settles
 PAIR_S = 1e-3  # for each pair of stars that are all asked for
 JOB_S = {"check": 5e-3, "run": 6e-3, "attitude": 9e-3, "report": 0.012, "plot": 0.012}
-FLIGHT_TIMES = 40  # what a byte of a flight may cost, against that of a deck: four joint solves
+FLIGHT_TIMES = 60  # what a byte of a flight may cost, against that of a deck: a dozen solves
 BYTES = 20.0  # of memory for every byte of the input
 PRINTED_BYTES = 100.0  # the same of a flight whose table is printed: what is printed is kept here
 HARD_MB = 4000  # the child is ended there, so that the machine survives
@@ -40,11 +41,12 @@ class Trial:
         size = sum(map(len, self.files.values()))
         if "flight.toml" in self.files:
             size *= FLIGHT_TIMES
+        flight_s = FLIGHT_S * ("flight.toml" in self.files)
         pictures = sum(command[0] in PICTURES for command in self.commands)
         by_pairs = sum("--all-pairs" in command for command in self.commands)
         stars = min(200, self.files.get("stars.csv", b"").count(b"\n"))
         return (
-            len(self.commands) * (2.0 + 2.0 * size / 1e7)
+            len(self.commands) * (2.0 + flight_s + 2.0 * size / 1e7)
             + sum(self.jobs * JOB_S.get(command[0], 5e-3) for command in self.commands)
             + pictures * PICTURE_S
             + by_pairs * stars**2 / 2.0 * PAIR_S
