@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from tests.kit.command import CASE_4, DECKS, ROOT
 from tests.kit.tagged_images import tagged_image
+from vopd.inputs import TOO_DEEP
 
 Content = str | bytes | Callable[[Path], object]
 Files = dict[str, Content]
@@ -125,7 +126,6 @@ PARTS = ".".join(["a"] * 50_000)
 BOMB = '<!DOCTYPE a [<!ENTITY a "aaaaaaaaaa">' + "".join(
     f'<!ENTITY {chr(98 + k)} "{f"&{chr(97 + k)};" * 10}">' for k in range(10)
 )
-NESTED = "lists or tables stand in each other by the hundreds"
 DIGITS = "a whole number has thousands of digits"
 ESCAPE = "\x1b]0;title\x07\x9b31m"
 CVAT = '<annotations><track label="a"><points frame="{}" points="1,2"/></track></annotations>'
@@ -141,7 +141,7 @@ TABLE = (
     Hostile("toml key of 50,000 parts", project(f"\n{PARTS} = 1\n"), "more than 50 parts"),
     Hostile("toml section of 50,000 parts", project(f"\n[{PARTS}]\n"), "more than 50 parts"),
     Hostile("toml mapping of 50,000 parts", solve(f"loss = {{{PARTS} = 1}}"), "more than 50 parts"),
-    Hostile("toml lists", solve(f"loss = {DEEP}"), NESTED),
+    Hostile("toml lists", solve(f"loss = {DEEP}"), TOO_DEEP),
     Hostile("toml 5,000 digits", solve(f"loss = {LONG}"), DIGITS),
     Hostile("toml 400 digits", solve(f"loss = {LARGE}"), "is not a text in quotes"),
     Hostile("toml hexadecimal", solve(f"loss = 0x{'f' * 5000}"), "of digits is not a text"),
@@ -154,17 +154,17 @@ TABLE = (
     Hostile("name of two lines", project(flight__toml=re.sub("name = .*", r'name = "a\\nb"', TOML)),
             "has control characters", ("punch flight.toml", "check flight.toml")),
     # lenses
-    Hostile("json lists", lens("json", f'{{"camera_matrix": {DEEP}}}'), NESTED),
+    Hostile("json lists", lens("json", f'{{"camera_matrix": {DEEP}}}'), TOO_DEEP),
     Hostile("json 5,000 digits", lens("json", f'{{"camera_matrix": {LONG}}}'), DIGITS),
     Hostile("json 400 digits", lens("json", f'{{"image_width": {LARGE}, "image_height": 9, '
             '"camera_matrix": [1, 0, 1, 0, 1, 1, 0, 0, 1]}'), "a number is too large"),
-    Hostile("opensfm lists", lens("json", f'{{"width": 1, "focal": {DEEP}}}'), NESTED),
+    Hostile("opensfm lists", lens("json", f'{{"width": 1, "focal": {DEEP}}}'), TOO_DEEP),
     Hostile("mrcal lists", lens("cameramodel", f'{{"lensmodel": "LENSMODEL_A", "a": {DEEP}}}'),
             "nested"),
     Hostile("mrcal signs", lens("cameramodel", f'{{"a": "LENSMODEL_A", "b": {"-" * 50_000}1}}'),
-            NESTED),
-    Hostile("yaml lists", lens("yml", f"camera_matrix: {DEEP}"), NESTED),
-    Hostile("yaml lines", lens("yml", "camera_matrix: \n" + "- " * 20_000), NESTED),
+            TOO_DEEP),
+    Hostile("yaml lists", lens("yml", f"camera_matrix: {DEEP}"), TOO_DEEP),
+    Hostile("yaml lines", lens("yml", "camera_matrix: \n" + "- " * 20_000), TOO_DEEP),
     Hostile("yaml aliases", lens("yml", f"{aliases(9)}camera_matrix: *i"), "more than 100 elem"),
     Hostile("yaml in itself", lens("yml", "camera_matrix: &a {data: *a}"), "or of rows of numb"),
     Hostile("yaml digits", lens("yml", f"camera_matrix: {LONG}"), DIGITS),
@@ -187,7 +187,7 @@ TABLE = (
             "it declares an entity"),
     Hostile("cvat points", other("picks", "p.xml", '<annotations><track label="a"><points '
             f'frame="0" points="{"x" * 1_000_000}"/></track></annotations>'), "fewer values"),
-    Hostile("labelme lists", other("picks", "p.json", SHAPES.format(DEEP)), NESTED),
+    Hostile("labelme lists", other("picks", "p.json", SHAPES.format(DEEP)), TOO_DEEP),
     Hostile("labelme 400 digits", other("picks", "p.json", SHAPES.format(
             f'[{{"label": "a", "shape_type": "point", "points": [[{LARGE}, 1]]}}]')), "too large"),
     Hostile("picks separator", project(picks__csv=first_number("2_95.684")), "is not a number"),
@@ -205,7 +205,7 @@ TABLE = (
     Hostile("picks device", project(picks__csv=zeros), NO_DEVICE),
     # landmarks
     Hostile("geojson lists", other("landmarks", "l.json", f'{{"type": "Feature", "a": {DEEP}}}'),
-            NESTED),
+            TOO_DEEP),
     Hostile("geojson escape", other("landmarks", "l.json", '{"type": "Feature", "geometry": '
             '{"type": "Point", "coordinates": [1, 2, 3]}, "properties": {"name": "\\u001b[2J"}}'),
             "known are \\x1b[2J", ("check flight.toml",)),
@@ -244,7 +244,7 @@ TABLE = (
     Hostile("stars device", {"s.csv": zeros}, NO_DEVICE, STAR),
     Hostile("stars separator", {"s.csv": re.sub(r"(?m)^-?[\d.]+,", "1_0.5,", STARS)},
             "s.csv: line", STAR),
-    Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'}, NESTED,
+    Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'}, TOO_DEEP,
             ("stars solve s.json --focal 76",)),
     Hostile("name of a file", {}, r"a\x1b[31m", ("check a\x1b[31m", "stars solve a\x1b[31m")),
 )  # fmt: skip

@@ -349,7 +349,7 @@ def card_landmarks(flight: Flight, seen: Ints, number: Ints) -> Landmarks:
 
 def card_ignored(flight: Flight, number: Ints) -> Ignored:
     """Ignore check landmarks in all frames; a column for each landmark, 0 where none."""
-    used = np.array(flight.landmarks.used or (True,) * len(number), dtype=bool)
+    used = flight.landmarks.takes_part
     check = number[~used & (number > 0)]
     everywhere = np.zeros((number > 0).sum(), np.int64)
     everywhere[: len(check)] = check

@@ -48,7 +48,7 @@ LANDMARK_SIGNIFICANCE = 0.0005  # the probability of a false alarm in a flight, 
 DETERMINED = 5.0  # standard deviations of a shift that is told
 SHOWN_BY = 0.5  # of a landmark's shift, by the median of its frames
 LARGE = 0.1  # of the focal length: what wrong positions and lenses may do in an image
-LEAST_CHANCE = 1e-300  # that is not 0
+NOT_ZERO = 1e-300  # a chance: 0 stands for a pick that is not exchanged
 SHOWN = 1e-6  # of the best direction of a shift: what is known less is not known
 
 
@@ -64,7 +64,7 @@ class Exchanges(NamedTuple):
     def chances(self, count: int) -> Floats:
         """Spread the chances over the picks, as `Estimate.exchanged` has them, (P,)."""
         chance = np.zeros(count)
-        known = np.nan_to_num(np.maximum(self.chance, LEAST_CHANCE), nan=-1.0)
+        known = np.nan_to_num(np.maximum(self.chance, NOT_ZERO), nan=-1.0)
         chance[self.picks] = known[:, None]
         return chance
 

@@ -681,7 +681,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     known: Bools = np.isfinite(rotation[:, 0, 0])
     slots = FrameSlots.of(picks.frame, len(flight.frame))
     used: Bools = solved.used & (attitudes.weight > 0.0) & known[picks.frame]
-    left_out = ~np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))
+    left_out = ~flight.landmarks.takes_part
     weight = np.where(used, attitudes.weight, 0.0)
 
     camera_deg, vehicle_deg = camera_angles(solved), vehicle_angles(solved)

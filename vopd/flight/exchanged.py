@@ -83,9 +83,7 @@ def exchanges(estimates: FlightEstimates, frames: Bools, out: Bools) -> Exchange
         return NO_EXCHANGE
     variance[model.free] = known.reshape(-1, 3).mean(axis=1)
     own = replace(as_solved(flight, joint), path=path, landmarks=marks)
-    wide = widened_by(
-        replace(own, picks=own.picks.with_sigma(reading.test_sigma)), variance
-    )  # fmt: skip
+    wide = widened_by(replace(own, picks=own.picks.with_sigma(reading.test_sigma)), variance)
     fixes = model.priors.fixes
     place_m = np.zeros_like(path.position_m) if fixes is None else fixes.frame_sigma_m
     part = np.bincount(flight.picks.frame[model.pick], minlength=model.frames)
@@ -207,7 +205,7 @@ def _groups_of_frame(
     flight = blocks.flight
     picks = blocks.part(np.array([frame])).picks
     label = flight.picks.landmark[picks]
-    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))[label]
+    used = flight.landmarks.takes_part[label]
     if not LEAST_IN_FRAME <= used.sum() <= MOST_IN_A_FRAME:
         return []
     plain = _Trial(frame, picks, label, used)
@@ -299,7 +297,7 @@ def _gain(flight: Flight, before: float, after: Floats, freedom: float, others: 
     """
     gain = before - after
     if np.isfinite(others):
-        least = freedom * (flight.picks.least_sigma_px / flight.picks.one_sigma_px) ** 2
+        least = freedom * flight.picks.least_variance
         ratio = (others + max(before, least)) / (others + np.maximum(after, least))
         gain = (others + freedom) * np.log(ratio)
     return np.where(np.isfinite(after), gain, -np.inf)

@@ -42,6 +42,11 @@ class Picks:
         scaled = self.sigma_px * (one_sigma_px / self.one_sigma_px)
         return replace(self, sigma_px=scaled, one_sigma_px=one_sigma_px)
 
+    @property
+    def least_variance(self) -> float:
+        """Rounding of the picks, in their usual variance: residuals tell no less."""
+        return float((self.least_sigma_px / self.one_sigma_px) ** 2)
+
 
 @dataclass(frozen=True, eq=False)
 class LandmarkSet:
@@ -51,6 +56,11 @@ class LandmarkSet:
     position_m: Floats  # (N, 3) Earth-centred
     sigma_m: Floats  # (N, 3) east, north, up; 0: exact
     used: tuple[bool, ...] = ()  # false for check landmarks: predicted, not used; empty: all used
+
+    @property
+    def takes_part(self) -> Bools:
+        """Mark the landmarks that are no check landmarks, (N,)."""
+        return np.array(self.used or (True,) * len(self.name), dtype=bool)
 
     @cached_property
     def axes(self) -> Floats:

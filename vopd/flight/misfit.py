@@ -45,9 +45,9 @@ MOST_LEFT = 0.1  # of the residuals' squares, where an error is named that leave
 WIDE_95 = 1.96  # half of a 95 % interval, standard deviations
 NOTHING_SHOWS = 1e-9  # of an error's squares in the image: less is rounding
 USUAL = {
-    **{"clock": 10.0, "clock_rate": 0.3, "focal": 0.3, "k1": 0.3, "refraction": 0.3},
-    **{"readout": 0.03, "east": 100.0, "north": 100.0, "up": 100.0},
-}
+    "clock": 10.0, "clock_rate": 0.3, "focal": 0.3, "k1": 0.3, "refraction": 0.3, "readout": 0.03,
+    "east": 100.0, "north": 100.0, "up": 100.0,
+}  # fmt: skip
 """Sizes of errors as they happen, standard deviations, s, px a px, m; a landmark's is that up."""
 
 SPEAK_FOR = "the residuals speak for"
@@ -225,7 +225,7 @@ def _first_order(
         value = np.linalg.solve(scaled, right[index] / scale) / scale
         sigma = np.sqrt(np.diag(np.linalg.inv(scaled))) / scale
         gain = float(right[index] @ value)
-        rest = max((cost - gain) / (freedom - len(index)), _least_variance(joint.model.flight))
+        rest = max((cost - gain) / (freedom - len(index)), joint.model.flight.picks.least_variance)
         found.append(
             Significant(
                 one, value, sigma, _chance(joint, known, len(index), gain, rest), gain, rest
@@ -238,11 +238,6 @@ def _freedom(joint: JointSolution) -> float:
     """Count the degrees of freedom of the residuals, with errors that are stated taken as known."""
     free = (~np.isfinite(joint.model.common_sigma)).sum()
     return float(2.0 * len(joint.model.pick) - 3.0 * joint.model.solved - free)
-
-
-def _least_variance(flight: Flight) -> float:
-    """Rounding of the picks, in their variances: residuals tell no less."""
-    return float((flight.picks.least_sigma_px / flight.picks.one_sigma_px) ** 2)
 
 
 def _chance(joint: JointSolution, known: bool, count: int, gain: float, rest: float) -> float:
@@ -280,7 +275,7 @@ def _solved_again(
         again = _solved_with(joint, flight, priors, one)
         if again is not None:
             rest = again.normal.cost / (freedom - len(one.columns))
-            solved.append((one, again, max(rest, _least_variance(flight))))
+            solved.append((one, again, max(rest, flight.picks.least_variance)))
     least = min((rest for *_, rest in solved), default=1.0)
     variance = 1.0 if known and least < REJECTED**2 else least
     found = []
@@ -475,9 +470,9 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
     def at(*some: str) -> tuple[int, ...]:
         return tuple(names.index(name) for name in some)
 
-    def keyed(name: str, stated: float, key: str, sign: float = 1.0) -> Callable[..., str]:
+    def keyed(name: str, stated: float, key: str) -> Callable[[Floats, Floats], str]:
         return lambda v, s: (
-            f"{key}{value_text(name, stated + sign * v[0], s[0])} in the place of {stated:.5g}"
+            f"{key}{value_text(name, stated + v[0], s[0])} in the place of {stated:.5g}"
         )
 
     if "clock" in names:

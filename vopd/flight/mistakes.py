@@ -136,7 +136,7 @@ def typical_px(flight: Flight, estimate: Estimate) -> float:
     position, or with one pick, have no attitude whatever is mistaken, and do not count.
     """
     frames = len(flight.frame)
-    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
+    used = flight.landmarks.takes_part
     frame = flight.picks.frame
     here = used[flight.picks.landmark] & np.isfinite(flight.path.position_m[frame, 0])
     count = np.bincount(frame[here], minlength=frames)

@@ -340,7 +340,7 @@ def _exchanges(estimates: FlightEstimates, found: Blunders, swapped: Bools) -> E
 
 def _two_left(flight: Flight, out: Bools) -> Bools:
     """Mark the picks of frames that have two others, or more, without some picks, (P,)."""
-    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
+    used = flight.landmarks.takes_part
     left = used[flight.picks.landmark] & ~out
     count = np.bincount(flight.picks.frame[left], minlength=len(flight.frame))
     return np.asarray((count > 1)[flight.picks.frame])
@@ -544,7 +544,7 @@ def residual_reading(joint: JointSolution) -> JobReadingSigma:
 
 def require_two_landmarks(flight: Flight) -> None:
     """Refuse a flight in which no frame has two landmarks."""
-    used = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name), dtype=bool)
+    used = flight.landmarks.takes_part
     takes_part = used[flight.picks.landmark]
     count = np.bincount(flight.picks.frame[takes_part], minlength=len(flight.frame))
     if count.max(initial=0) < 2:

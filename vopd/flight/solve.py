@@ -515,7 +515,7 @@ def solve(
         before: the flight solved with other picks left out; frames with the same picks are not
             solved again
     """
-    takes_part = np.array(flight.landmarks.used or (True,) * len(flight.landmarks.name))
+    takes_part = flight.landmarks.takes_part
     used = takes_part[flight.picks.landmark]
     if left_out is not None:
         used &= ~left_out

@@ -10,12 +10,18 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from vopd import inputs
 from vopd.files import optional_package, reason
 from vopd.findings import count_text
 from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, shown
 from vopd.geometry.lenses import MODELS, Lens, LensKind
-from vopd.inputs import MOST_SETTINGS, check_yaml, parse_json, parse_xml, too_many_bytes
+from vopd.inputs import (
+    MOST_SETTINGS,
+    check_yaml,
+    parse_json,
+    parse_xml,
+    plain_number,
+    too_many_bytes,
+)
 
 # Lenses of numbers, on the grid whose (0, 0) is the first pixel's centre
 
@@ -163,7 +169,7 @@ def _calibration(
     def number(name: str) -> float:
         text = found.findtext(name)
         try:
-            return inputs.plain_number(text) if text is not None else 0.0
+            return plain_number(text) if text is not None else 0.0
         except ValueError as error:
             raise file.error(f"{shown(text)} is not a number", column=name) from error
 
@@ -177,9 +183,7 @@ def _calibration(
         resolution = inside.find("resolution")
     width, height = number("width"), number("height")
     if resolution is not None and not width:
-        width, height = (
-            inputs.plain_number(resolution.get(key, "0")) for key in ("width", "height")
-        )
+        width, height = (plain_number(resolution.get(key, "0")) for key in ("width", "height"))
     if not (width and height):
         raise file.error("the image's width and height are missing")
     f = number("f")
@@ -214,7 +218,7 @@ def _calibration_sigma(file: InputFile, found: ElementTree.Element) -> dict[str,
         return {}
     try:
         coefficients = (found.findtext("covariance/coeffs") or "").split()
-        values = np.array([*map(inputs.plain_number, coefficients)])
+        values = np.array([*map(plain_number, coefficients)])
         variance = np.diagonal(values.reshape(len(names), len(names)))
     except ValueError as error:
         message = f"the covariance is not a matrix of {len(names)} rows and columns"
@@ -385,7 +389,7 @@ def _numbers(file: InputFile, value: Any) -> list[float]:
         raise file.error("a matrix is a list of numbers, or of rows of numbers: one is neither")
     try:
         return [
-            inputs.plain_number(str(one).lower().replace(".nan", "nan").replace(".inf", "inf"))
+            plain_number(str(one).lower().replace(".nan", "nan").replace(".inf", "inf"))
             for one in flat
         ]
     except ValueError as error:
@@ -486,7 +490,7 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
         raise file.error(f"model {name} is not known; {', '.join(MODELS_COLMAP)} are", number)
     model, focals, places = MODELS_COLMAP[name]
     try:
-        width, height, *values = map(inputs.plain_number, fields)
+        width, height, *values = map(plain_number, fields)
     except ValueError as error:
         raise file.error(reason(error), number) from error
     if len(values) != focals + 2 + len(places):
