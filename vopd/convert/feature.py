@@ -203,6 +203,7 @@ def by_position(coordinates: Floats, fixes: Fixes) -> Floats:
 
 FREE_PART = 0.7  # of a stated standard deviation: a direction that keeps more is not held
 UNKNOWN_FT = 1e6  # stands for no standard deviation: farther than a camera sees
+AS_BADLY = 0.99  # of the largest variance: a direction that is known no better
 ALONG = 0.9  # cosine between the line of sight and the direction that is known worst
 FARTHEST = 0.5  # of the distance: a standard deviation along the line of sight that says nothing
 
@@ -281,7 +282,8 @@ def locate_feature(
     camera = flight.path.position_m[flight.picks.frame[flight.picks.landmark == at]].mean(axis=0)
     sight = axes @ (stated - camera)
     reach_ft = float(np.linalg.norm(sight)) / M_PER_FT
-    sighted = bool(abs(way[:, 2] @ sight) > ALONG * np.linalg.norm(sight))
+    worst = way[:, size > AS_BADLY * size[2]]  # of two alike any direction of their plane is one
+    sighted = bool(np.linalg.norm(worst.T @ sight) > ALONG * np.linalg.norm(sight))
     if sigma_ft is None and not along_ft[0] < FARTHEST * reach_ft:
         raise VopdError(
             f"{along_one_line(name, number, telling)}, or state how well its coordinates are known "
