@@ -178,12 +178,18 @@ SIGNATURES: tuple[tuple[bytes, str], ...] = (
     (b"\xd0\xcf\x11\xe0", "an office document"),
     (b"\xff\xfe", "UTF-16 text"),
     (b"\xfe\xff", "UTF-16 text"),
+    (b"\x1aE\xdf\xa3", "a video"),
 )
 """First bytes of a file, and what it is."""
+PICTURES = (b"heic", b"heix", b"mif1", b"avif")  # of the containers that videos are in too
 
 
 def kind_by_first_bytes(start: bytes) -> str | None:
     """Recognise a file by its first bytes, such as "a PNG image"; None for an unknown signature."""
+    if start[4:8] == b"ftyp":
+        return "a HEIC or AVIF image" if start[8:12] in PICTURES else "a video"
+    if start[:4] == b"RIFF" and start[8:12] == b"AVI ":
+        return "a video"
     return next((kind for signature, kind in SIGNATURES if start.startswith(signature)), None)
 
 

@@ -14,11 +14,13 @@ from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.coordinates import (
     HeightDatum,
+    _missing_grids,
     crs_is_geographic,
     crs_name,
     earth_centred_positions,
     has_height_axis,
     map_grid,
+    outside_area,
 )
 from vopd.geometry.earth import earth_centred_m
 
@@ -163,7 +165,7 @@ def test_a_geoid_goes_through_its_vertical_system(
         def transform(self, *lists: list[float], errcheck: bool) -> Any:
             asked.append((lists, errcheck))
             if not self.grid:
-                raise pyproj.exceptions.ProjError("no\n grid")
+                raise pyproj.exceptions.ProjError("no\n Grid a.tif is not available")
             return lists[0], lists[1], [h + 40.0 for h in lists[2]]
 
     def from_crs(source: Any, target: str, **options: Any) -> Lifted:
@@ -188,11 +190,26 @@ def test_a_geoid_goes_through_its_vertical_system(
     assert_approved(told([16.0, 47.0, 260.0], height=HeightDatum(datum)), parts=[datum, vertical])
     compound = told([5e5, 5e6, 2e2], crs=f"EPSG:25833+{vertical}", height=None)
     assert_approved(compound, parts=[vertical])
-    assert (
-        told([5e5, 5e6, 2e2], crs="EPSG:25833") == "p: [landmarks]: EPSG:25833 to WGS 84: no grid"
-    )
-    plain = "+proj=utm +zone=33 +ellps=GRS80"
-    assert told([5e5, 5e6, 2e2], crs=plain) == f"p: [landmarks]: {plain} to WGS 84: no grid"
+    for crs in ("EPSG:25833", "+proj=utm +zone=33 +ellps=GRS80"):
+        said = f"p: [landmarks]: {crs} to WGS 84: no Grid a.tif is not available"
+        assert told([5e5, 5e6, 2e2], crs=crs) == said
+
+
+def test_the_grid_of_a_place_is_named_also_where_proj_names_none() -> None:
+    vertical = pyproj.CRS("EPSG:4326+5703")
+    america, europe = np.array([[-75.5, 36.5, 10.0]]), np.array([[16.0, 47.0, 10.0]])
+    found = _missing_grids("No operation matches", vertical, "EPSG:4979", america)
+    assert found and found[0].startswith("us_noaa_")
+    assert _missing_grids("No operation matches", vertical, "EPSG:4979", europe) == []
+
+
+def test_an_area_of_use_has_a_margin() -> None:
+    """UTM zone 33 is used from 12 to 18 degrees east, and a site may lie across its edge."""
+    for longitude, latitude, inside in ((18.2, 47, True), (18.3, 47, False), (11.8, 84.2, True),
+                                        (15, -0.3, False), (-168, 47, False)):  # fmt: skip
+        text = outside_area("EPSG:32633", earth_centred_m([latitude], [longitude], [0.0]))
+        assert (text is None) == inside, longitude
+    assert outside_area(None, earth_centred_m([89.0], [10.0], [0.0])) is None
 
 
 def test_without_pyproj_it_is_said_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -338,11 +338,19 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
 
 # Files that are not decks of cards
 
+_OF_A_FLIGHT = "a file of a flight is named in its project: vopd new DIR --{} {}"
+_PICTURE = "pick landmarks in it by another program: vopd new DIR --picks FILE takes the picks"
 ADVICE = {
     "a CSV file of stars": "vopd stars solve takes it",
     "a listing": "vopd diff compares listings",
+    "a CSV file": f"{_OF_A_FLIGHT} (or --landmarks, --track, --wind)",
+    "a JSON file": f"{_OF_A_FLIGHT} (or --picks, --landmarks)",
+    "an XML file": f"{_OF_A_FLIGHT} (or --lens, --track)",
+    "a TOML file": "vopd attitude, plot, report and check take a flight project NAME.toml",
 }
-"""What to do with a file of some kinds."""
+"""What to do with a file of some kinds; {} are its usual option in a new project and its name."""
+_EXAMPLE = "vopd demo writes an example of a deck"
+_OPTION = {"a CSV file": "picks", "a JSON file": "lens", "an XML file": "picks"}
 
 _NUMBERS = r"[\d .+\-EeDd]*"
 """What the two fields of a deck's first card can hold, columns 1 to 20."""
@@ -365,7 +373,8 @@ def refuse_other_file(start: bytes, name: str) -> None:
     """
     kind = _kind(start[:4096])
     if kind is not None:
-        advice = ADVICE.get(kind, "vopd demo writes an example of a deck")
+        usual = _PICTURE if kind.endswith((" image", " video")) else _EXAMPLE
+        advice = ADVICE.get(kind, usual).format(_OPTION.get(kind), "FILE" if name == "-" else name)
         raise VopdError(f"{name}: this is {kind}, not a deck of 80-column cards; {advice}")
 
 

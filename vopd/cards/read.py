@@ -566,6 +566,9 @@ def open_deck(path: str | Path) -> Iterator[BinaryIO]:
         raise VopdError(f"{path}: {kind}")
     try:
         file = open(path, "rb")  # noqa: PTH123, SIM115 (closed below; only opening may fail so)
+    except IsADirectoryError as error:
+        message = "is a folder, without a project flight.toml; vopd new writes one, and vopd batch"
+        raise VopdError(f"{path}: {message} takes all decks and projects of a folder") from error
     except OSError as error:
         raise VopdError(f"{path}: {error.strerror}") from error
     with file:

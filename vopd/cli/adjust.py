@@ -15,7 +15,7 @@ import click
 from vopd.cli.adjust_deck import adjusted_deck, searched_deck
 from vopd.cli.console import Messages, Progress
 from vopd.cli.new import refuse_existing, write_project
-from vopd.cli.options import FILE_NAME, above_zero, fix_options, quiet_option
+from vopd.cli.options import FILE_NAME, SOURCE_NAME, above_zero, fix_options, quiet_option
 from vopd.errata import Fixes
 from vopd.findings import count_text
 from vopd.pipeline import is_flight
@@ -41,7 +41,7 @@ SHOWN = 0.3  # correlation in a text: the other formats have all
 
 
 @click.command("adjust")
-@click.argument("source", type=FILE_NAME, metavar="SOURCE")
+@click.argument("source", type=SOURCE_NAME, metavar="SOURCE")
 @click.option(
     "--free",
     metavar="NAME[,NAME...]",

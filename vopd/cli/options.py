@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
@@ -223,8 +224,19 @@ FILE_NAME = click.Path(readable=False)
 decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", nargs=-1, required=True)
 """One deck or several; `-` is standard input."""
 
+
+class _SourceName(click.Path):
+    """A name of a file, or of a folder with `flight.toml` in it, which stands for that file."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        project = os.path.join(value, "flight.toml")  # noqa: PTH118
+        return project if os.path.isfile(project) else super().convert(value, param, ctx)  # noqa: PTH113
+
+
+SOURCE_NAME = _SourceName(readable=False)
+
 sources_argument = click.argument(
-    "sources", type=FILE_NAME, metavar="SOURCE...", nargs=-1, required=True
+    "sources", type=SOURCE_NAME, metavar="SOURCE...", nargs=-1, required=True
 )
 """Flight projects, whose names end in .toml, and decks; `-` is a deck on standard input."""
 

@@ -7,7 +7,7 @@ import io
 
 import click
 
-from vopd.cli.options import FILE_NAME, output_option, quiet_option
+from vopd.cli.options import FILE_NAME, SOURCE_NAME, output_option, quiet_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import VopdError
@@ -17,7 +17,7 @@ SHOWN = 12  # rows of the table of numbers
 
 
 @click.command("punch")
-@click.argument("project", type=FILE_NAME, metavar="PROJECT")
+@click.argument("project", type=SOURCE_NAME, metavar="PROJECT")
 @output_option("The deck to write; by default standard output.")
 @click.option(
     "--numbers",

@@ -8,6 +8,7 @@ transformation and have its grids: nothing is guessed.
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -96,9 +97,9 @@ MISSING = (
 )
 NO_GRID = (
     "; give the geoid's height above the ellipsoid there, height = { undulation_m = ... }, or "
-    '"same" where camera and landmarks have heights above one level, or fetch the grid that is '
-    "named: pyproj sync --file NAME"
+    '"same" where camera and landmarks have heights above one level'
 )
+NAMED_GRID = re.compile(r"Grid (\S+) is not available")
 
 
 def _ellipsoidal(
@@ -178,11 +179,74 @@ def _transform(
     except pyproj.exceptions.ProjError as error:
         if not hint and "+" in source and "=" not in source:
             hint = NO_GRID.replace("; give", "; give a CRS without heights, and")
+        if hint:
+            grids = _missing_grids(str(error), crs, target, coordinate)
+            fetch = " and ".join(f"pyproj sync --file {grid}" for grid in grids)
+            hint += f", or fetch its grid: {fetch}" if grids else "; no grid covers this place"
         raise VopdError(f"{where}: {source} to WGS 84: {_short(error)}{hint}") from error
 
 
 def _short(error: Exception) -> str:
     return " ".join(str(error).split())[:300]
+
+
+def _missing_grids(message: str, crs: Any, target: str, coordinate: Floats) -> list[str]:
+    """Name the grids without which coordinates cannot be transformed; none if none would do.
+
+    Args:
+        message: of PROJ, which may name one
+        crs: of the coordinates, longitude and latitude or x and y
+        target: the other CRS
+        coordinate: (N, 3)
+    """
+    if named := NAMED_GRID.search(message):
+        return [named[1]]
+    pyproj = optional_package("pyproj.transformer", "geo")
+    plane = pyproj.Transformer.from_crs(crs.to_2d(), "EPSG:4326", always_xy=True)
+    here = np.array(plane.transform(*coordinate[:, :2].T.tolist()))
+    if not np.isfinite(here).all():
+        return []
+    around = pyproj.AreaOfInterest(*here.min(axis=1), *here.max(axis=1))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that a grid is missing
+        group = pyproj.TransformerGroup(crs, target, always_xy=True, area_of_interest=around)
+    for one in group.unavailable_operations:
+        if grids := [grid.short_name for grid in one.grids if not grid.available]:
+            return grids
+    return []
+
+
+# Coordinates under the wrong CRS
+
+BESIDE_DEG = 0.25  # beyond its area a CRS is still used where a site lies across its edge
+
+
+def outside_area(crs: str | None, position_m: Floats) -> str | None:
+    """Say that positions lie outside the area in which their CRS is used; None if they do not.
+
+    Args:
+        crs: its name; None for longitude and latitude on WGS 84
+        position_m: Earth-centred, (N, 3)
+    """
+    name = crs_name(crs) if crs is not None else ELLIPSOIDAL
+    area = None if name in WGS84_NAMES else _crs(name, "crs").area_of_use
+    if area is None:
+        return None
+    where = geodetic(position_m)
+    west = (where.longitude_deg - area.west + BESIDE_DEG) % 360.0
+    across = area.east - area.west  # below 0 across 180 degrees
+    wide = across + 360.0 * (across < 0.0) + 2.0 * BESIDE_DEG
+    outside = (west > wide) | (where.latitude_deg < area.south - BESIDE_DEG)
+    outside |= where.latitude_deg > area.north + BESIDE_DEG
+    if not outside.any():
+        return None
+    k = int(np.argmax(outside))
+    of = f"longitude {area.west:.6g} to {area.east:.6g}, latitude {area.south:.6g} to "
+    return (
+        f"{name} ({_crs(name, 'crs').name}) puts them at latitude {where.latitude_deg[k]:.2f}, "
+        f"longitude {where.longitude_deg[k]:.2f}, outside its area ({of}{area.north:.6g}): are "
+        "they of another coordinate reference system, or x and y exchanged?"
+    )
 
 
 # Coordinates by positions

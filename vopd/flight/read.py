@@ -14,7 +14,12 @@ from vopd.estimate import MapGrid
 from vopd.files import reason
 from vopd.findings import Finding, count_text
 from vopd.flight.adjusted import with_held, with_stated_offset
-from vopd.flight.coordinates import crs_name, earth_centred_positions, map_grid
+from vopd.flight.coordinates import (
+    crs_name,
+    earth_centred_positions,
+    map_grid,
+    outside_area,
+)
 from vopd.flight.files import did_you_mean, read_by_content, shown
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction, Shutter
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
@@ -369,7 +374,9 @@ def flight_of(project: Project) -> Flight:
 
     joined, findings = join_picks(picks, label, landmarks.name, name)
     camera, wind_said = add_wind(project, path.path)
-    findings += [Finding(doubt, name, severity="warning") for doubt in path.doubts]
+    outside = outside_area(landmark_crs(project.section("landmarks"), rows), landmarks.position_m)
+    doubts = [*path.doubts, *([f"[landmarks] crs: {outside}"] if outside else [])]
+    findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, label)
     refraction = refraction_of(project.section("atmosphere"))
     flight = Flight(
