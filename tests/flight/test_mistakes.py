@@ -17,7 +17,7 @@ from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight import mistakes
-from vopd.flight.flight import Flight, FlightOptions
+from vopd.flight.flight import Flight, FlightOptions, LandmarkSet
 from vopd.flight.mistakes import (
     AXES_MISTAKES,
     USUAL_MISTAKES,
@@ -57,7 +57,7 @@ def flight(frame: list[int], landmark: list[int], frames: int, **more: Any) -> A
     return SimpleNamespace(
         frame=np.arange(frames),
         picks=SimpleNamespace(frame=np.array(frame), landmark=np.array(landmark)),
-        landmarks=SimpleNamespace(name=("a", "b", "c"), used=used),
+        landmarks=LandmarkSet(("a", "b", "c"), np.zeros((3, 3)), np.zeros((3, 3)), used),
         path=SimpleNamespace(position_m=position),
     )
 

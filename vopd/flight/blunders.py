@@ -117,8 +117,11 @@ def find_blunders(
     for _ in range(ROUNDS):
         before, stale = found, found.left_out != out
         if stale.sum() > FEW * used.sum():
+            settled = _settles(estimates)
             estimates = solve_without(found.left_out | exchanged, estimates)
             out = found.left_out
+            if tested and not (settled or _settles(estimates)):
+                break  # tests of such a solution tell nothing
             found, tested = _test_flight(_with_every_pick(estimates, used), before), True
         elif not tested:
             every = _with_every_pick(estimates, used)
@@ -137,6 +140,10 @@ def _none(estimates: FlightEstimates) -> Blunders:
     none = np.zeros(marks, bool)
     away = np.full(len(picks), np.nan)
     return Blunders(picks, picks, none, none, np.full((marks, 3), np.nan), picks, away)
+
+
+def _settles(estimates: FlightEstimates) -> bool:
+    return estimates.joint is None or estimates.joint.settles
 
 
 def _frames_of(picks: Bools, estimates: FlightEstimates) -> Bools:

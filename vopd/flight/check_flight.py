@@ -39,14 +39,14 @@ def check_flight(name: str) -> list[Finding]:
         return [Finding(str(error).removeprefix(f"{name}: ") + hint, name)]
     far = list(far_landmarks(flight))
     found = [*flight.findings, *_warned(name, [*messages_of_files(flight), *far])]
+    if far:
+        return found  # a solve can tell no more
     try:
         result = solve_flight_read(flight, project=lambda: project)
     except VopdError as error:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
     if not result.solved.any():
         found.append(Finding("no frame has an attitude", name))
-    if far:
-        return found  # the solve can tell no more
     found += [f for f in result.findings if f not in flight.findings]
     causes = SPEAK_FOR, WRONG, ARE_EXCHANGED
     named = any(words in one.message for one in result.findings for words in causes)

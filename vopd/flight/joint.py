@@ -45,6 +45,12 @@ class JointSolution:
     passes: int  # 0 where nothing but rotations is unknown
     formed: Normal | None = None  # `normal`, if the last step has left it
 
+    @property
+    def settles(self) -> bool:
+        """Whether half of the frames that have an attitude, or more, have converged."""
+        known = np.isfinite(self.solved.attitudes.rotation[:, 0, 0])
+        return bool(2 * self.solved.attitudes.converged[known].sum() >= known.sum())
+
     @cached_property
     def normal(self) -> Normal:
         """The reweighted normal equations at the solution."""

@@ -39,6 +39,7 @@ ALIKE = 6.0  # in chi-square: errors that explain the residuals as well
 MOST_PICKS = 6_000  # of a longer flight frames are drawn: it is solved a dozen times
 MOST_LANDMARKS = 40  # that are tried one by one
 LEAST_FREEDOM = 4.0  # beside what is tried
+MOST_UNSETTLED = 2  # trials that do not converge: after more of them no error is named
 MOST_SOLVED = 2  # landmarks with which a flight is solved again
 PLAIN = 4.0  # times the least gain: an error is named whatever it does to angles
 MOST_LEFT = 0.1  # of the residuals' squares, where an error is named that leaves a misfit
@@ -271,8 +272,12 @@ def _solved_again(
         return []
     freedom, cost = _freedom(joint), without.normal.cost
     solved: list[tuple[TriedError, JointSolution, float]] = []
+    unsettled = 0
     for one in errors:
         again = _solved_with(joint, flight, priors, one)
+        unsettled += again is not None and not again.settles
+        if unsettled > MOST_UNSETTLED:
+            return []
         if again is not None:
             rest = again.normal.cost / (freedom - len(one.columns))
             solved.append((one, again, max(rest, flight.picks.least_variance)))

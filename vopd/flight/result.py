@@ -269,6 +269,8 @@ def solve_flight_read(
             clean = without or settled(flight, found.left_out | swapped, estimates.joint)
         except VopdError:  # too little is left that could tell
             break
+        if clean.joint is not None and not clean.joint.settles:
+            break
         swaps = _exchanges(clean, found, swapped)
         before, swapped = swapped, swaps.marked(len(gross))
         if np.array_equal(swapped, before):
@@ -424,13 +426,15 @@ def settled(
     reading = stated_reading(joint)
     if reading is None:
         said: JobReadingSigma | None
-        tried = np.zeros(0)
+        tried, settles = np.zeros(0), True
         for _ in range(ROUNDS):
             said = reading
             reading = residual_reading(joint)
             sigma = joint.model.flight.picks.one_sigma_px
             weighs = joint.passes > 0 or robust
             if not weighs or abs(reading.sigma / sigma - 1.0) < SETTLED:
+                break
+            if not (settles or joint.settles):  # nor will it with a third sigma
                 break
             back = (np.abs(reading.sigma / tried - 1.0) < SETTLED).any()
             if said is not None and back and reading.sigma < sigma:
@@ -439,6 +443,7 @@ def settled(
             tried = np.append(tried, sigma)
             start = joint.state if joint.passes else None
             same = joint.solved if joint.passes and not robust else None
+            settles = joint.settles
             scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))
             joint = solve_jointly(scaled, priors, ~left_out, start, first=same)
     return FlightEstimates(replace(joint.solved, flight=as_solved(flight, joint)), joint, reading)
@@ -490,7 +495,10 @@ def with_named_picks(flight: Flight, clean: FlightEstimates) -> FlightEstimates:
     if clean.solved.landmark_m is not None:
         marks = replace(marks, position_m=clean.solved.landmark_m)
     own = replace(as_solved(scaled, joint), path=path, landmarks=marks)
-    found = solve(own, before=clean.solved)
+    found, first = solve(own, before=clean.solved), clean.solved.attitudes
+    lost = np.isfinite(first.rotation[:, 0, 0]) & ~first.converged  # its place is no solution
+    converged = found.attitudes.converged & ~lost
+    found = replace(found, attitudes=found.attitudes._replace(converged=converged))
     changed = np.zeros(len(flight.frame), bool)
     changed[flight.picks.frame[found.used != clean.solved.used]] = True
     if not changed.any():
