@@ -46,6 +46,7 @@ BASE = {"job", "records", "landmark_layout", "results", "errata", "findings", "v
     "mistakes",
     "files",
     "inputs",
+    "screen",
 }
 """Modules of the package's own folder that travel between rooms, as one room."""
 DECK_ROOMS = {"vopd.job", "vopd.results", "vopd.errata"}

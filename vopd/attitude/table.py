@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import cache, cached_property
 from typing import Any
 
@@ -34,6 +35,7 @@ class TableColumn:
     decimals: int | None
     source: str
     meaning: str
+    lowest: float | None = None  # values are brought into the full circle that begins there
 
     @cached_property
     def path(self) -> tuple[str, tuple[int, ...]]:
@@ -295,6 +297,50 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     return (*fixed, *_sigmas(tuple(components)), *INTERVALS, *COVARIANCES, *effects)
 
 
+BASIC = (
+    "frame", "image", "time_s", "vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg",
+    "half_width_95_vehicle_yaw_deg", "half_width_95_vehicle_pitch_deg",
+    "half_width_95_vehicle_roll_deg", "alpha_deg", "beta_deg", "landmarks",
+    "residual_rms_{image}", "flags",
+)  # fmt: skip
+"""The columns that a reader looks at first."""
+
+
+def chosen_columns(
+    histories: Sequence[History], names: Sequence[str] = ("all",), roll_180: bool = False
+) -> tuple[TableColumn, ...]:
+    """List some columns of a table of these jobs.
+
+    Args:
+        histories: one or more jobs
+        names: of columns; "all" and "basic" stand for several
+        roll_180: whether roll is -180 to 180, and not 0 to 360
+
+    Raises:
+        VopdError: where there is no such column
+    """
+    every = {one.name: one for one in columns_of(histories)}
+    if roll_180:
+        for name in ("camera_roll_deg", "vehicle_roll_deg"):
+            meaning = every[name].meaning.replace("0 to 360", "-180 to 180")
+            every[name] = replace(every[name], meaning=meaning, lowest=-180.0)
+    several = len({(h.about.source, h.about.job) for h in histories}) > 1
+    about, units = histories[0].about, histories[0].estimate.units
+    which = [about.words.source, "job"] if several else []
+    basic = [*which, *(one.format(**units._asdict()) for one in BASIC)]
+    found: dict[str, TableColumn] = {}
+    for name in names:
+        if name in ("all", "basic"):
+            found |= {one: every[one] for one in every if name == "all" or one in basic}
+        elif name in every:
+            found[name] = every[name]
+        else:
+            near = get_close_matches(name, every, 1)
+            hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(every)}"
+            raise VopdError(f"no column {name!r}; {hint}")
+    return tuple(found.values())
+
+
 @cache
 def _sigmas(components: tuple[str, ...]) -> list[TableColumn]:
     """List the columns of the standard deviations: all components together, and each of these."""
@@ -339,6 +385,8 @@ def table_values(columns: Sequence[TableColumn], histories: Sequence[History]) -
         values = arrays[attribute]
         for index in indices:
             values = values[..., index]
+        if column.lowest is not None:
+            values = column.lowest + (values - column.lowest) % 360.0
         table[column.name] = values
     return table
 

@@ -20,6 +20,7 @@ from vopd.batch.sources import PAGE, BatchSettings, BatchSource, file_sha256, in
 from vopd.export import FORMATS
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError, count_text
+from vopd.screen import aligned
 from vopd.version import __version__
 
 # Locks, which the system frees when the process that holds one has ended
@@ -559,12 +560,7 @@ def summary_text(records: Sequence[SourceRecord]) -> str:
     shown = worst_first(records)[:SHOWN]
     heads = ("source", "status", "frames", "attitudes", "flagged", "flags")
     rows = [heads, *(_cells(one) for one in shown)]
-    wide = [max(len(row[k]) for row in rows) for k in range(len(heads))]
-    lines = []
-    for row in rows:
-        words = [row[k].ljust(wide[k]) for k in (0, 1)]
-        numbers = [row[k].rjust(wide[k]) for k in (2, 3, 4)]
-        lines.append("  ".join([*words, *numbers, row[5]]).rstrip())
+    lines = aligned(rows, {0, 1, 5})
     more = len(records) - len(shown)
     if more:
         lines.append(f"... and {more} more, none worse than the last of these")

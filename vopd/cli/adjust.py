@@ -19,6 +19,7 @@ from vopd.cli.options import FILE_NAME, SOURCE_NAME, above_zero, fix_options, qu
 from vopd.errata import Fixes
 from vopd.findings import count_text
 from vopd.pipeline import is_flight
+from vopd.screen import aligned
 
 if TYPE_CHECKING:
     from vopd.flight.adjust import Adjustment, Parameter
@@ -263,8 +264,6 @@ def as_text(made: Adjustment, correlations: bool) -> str:
         made: the adjustment
         correlations: whether they are to follow
     """
-    from vopd.flight.tested_table import aligned
-
     head = [name.replace("_", " ") for name in COLUMNS]
     lines = [_solved_text(made)]
     if made.parameters:
@@ -276,8 +275,6 @@ def as_text(made: Adjustment, correlations: bool) -> str:
 
 def _pairs(made: Adjustment) -> list[str]:
     """List the pairs that are correlated most, strongest first."""
-    from vopd.flight.tested_table import aligned
-
     names, found = [one.name for one in made.parameters], []
     for k, row in enumerate(made.correlation.tolist()):
         found += [(abs(row[j]), k, j, row[j]) for j in range(k) if abs(row[j]) >= SHOWN]

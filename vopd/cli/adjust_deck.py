@@ -17,6 +17,7 @@ from vopd.cli.output import refuse_to_overwrite
 from vopd.errata import Fixes
 from vopd.files import whole_file
 from vopd.findings import count_text
+from vopd.screen import aligned
 
 if TYPE_CHECKING:
     from vopd.convert.feature_trials import FeatureTrials
@@ -185,8 +186,6 @@ def _rows(found: FeatureTrials) -> list[list[object]]:
 
 
 def _text(found: FeatureTrials) -> str:
-    from vopd.flight.tested_table import aligned
-
     cells = [["job", "round", "varied", "latitude", "longitude", "altitude",
               "yaw", "pitch", "roll", "apart in", ""]]  # fmt: skip
     for row in _rows(found):

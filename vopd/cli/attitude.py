@@ -5,16 +5,17 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import zip_longest
+from shlex import quote
 from typing import Any
 
 import click
 
 from vopd.attitude.history import History
-from vopd.attitude.included import included_text, left_out_text
-from vopd.attitude.mean import MeanAttitude
-from vopd.cli.console import Messages, Progress
-from vopd.cli.histories import collect_jobs
+from vopd.attitude.long_history import HistoryParts
+from vopd.attitude.summary import errors_texts, text
+from vopd.attitude.table import chosen_columns, table_blocks
+from vopd.cli.console import Messages, Progress, screen_columns
+from vopd.cli.histories import Collected, collect_jobs
 from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
 from vopd.export import (
@@ -38,16 +39,6 @@ _DEFAULTS: dict[str, Any] = {
     "object_name": "",
     "object_id": "",
 }
-SIGMA_OPTIONS = {
-    "position": "--position-sigma",
-    "landmark": "--landmark-sigma",
-    "focal": "--focal-sigma",
-    "time": "--time-sigma",
-    "mount": "--mount-sigma",
-    "velocity": "--velocity-sigma",
-    "wind": "--wind-sigma",
-}
-"""The option that states the standard deviation of a component of a deck's uncertainty."""
 NO_EPOCH = "give [flight] epoch in the project, or --epoch"
 
 
@@ -56,13 +47,20 @@ def _formats() -> str:
     return "\n".join(f"    {name:8} {suffixes:14} {about}" for name, suffixes, about in rows)
 
 
-_HELP = """Write the attitude table: the angles of every frame, how sure they are, and flags.
+ESCAPED = "backslashreplace"
+TEXT = "text"  # what a terminal shows; not the format of a file
+
+_HELP = """Show the attitude of every frame, how sure it is, and flags; write it to a file.
 
 SOURCE is a flight project, whose name ends in .toml (docs/flight-project.md), or
 a deck of 80-column cards; - is a deck on standard input. The table has a row a
 frame: the angles of camera and vehicle, the angles of attack alpha, beta and eta,
 the position, the quaternion, standard deviations and flags. Every file states from
 which axes to which its angles turn, their ranges, and which fixes are in force.
+
+On a terminal the first 20 frames are shown, in short: the angles with half of
+their 95 % intervals, then how sure they are, what is doubtful and what to do
+next. A file, or a pipe, has all frames and all columns.
 
 \b
 Formats, by FILE's suffix or --format:
@@ -93,8 +91,19 @@ converge, a flight misfits, or with --strict some frame has a flag.
 @click.option(
     "--format",
     "form",
-    type=click.Choice(list(FORMATS)),
-    help="By default what FILE's suffix says; csv on standard output.",
+    type=click.Choice([TEXT, *FORMATS]),
+    help="By default what FILE's suffix says; on standard output text for a terminal, else csv.",
+)
+@click.option(
+    "--columns",
+    metavar="basic|all|LIST",
+    help="Columns of the table, LIST by their names in the CSV, with commas.  [default: all; basic "
+    "in text]",
+)
+@click.option(
+    "--roll",
+    type=click.Choice(["180", "360"]),
+    help="Write roll from -180 to 180, or from 0 to 360 degrees.  [default: 360; 180 in text]",
 )
 @click.option(
     "--epoch",
@@ -134,60 +143,97 @@ def command(
     sources: tuple[str, ...],
     output: str,
     form: str | None,
+    columns: str | None,
+    roll: str | None,
     epoch: str | None,
     mean: bool,
     options: SharedOptions,
     **names: Any,
 ) -> None:
     """Write the attitude table, or the attitude history in the format of another tool."""
-    chosen = _format(output, form)
+    screen = form == TEXT or (form is None and output == "-" and sys.stdout.isatty() and not mean)
+    chosen = FORMATS["csv"] if screen else _format(output, form)
+    if mean and form == TEXT:
+        raise click.UsageError(f"--mean is for {', '.join(MEAN_FORMATS)}, not {TEXT}.")
+    if mean and (columns or roll):
+        raise click.UsageError("--columns and --roll are for a row a frame: leave out --mean.")
     if mean and chosen.name not in MEAN_FORMATS:
         raise click.UsageError(f"--mean is for {', '.join(MEAN_FORMATS)}, not {chosen.name}.")
+    names["columns"] = columns and tuple(columns.replace(" ", "").split(","))
+    names["roll_180"] = roll and roll == "180"
     request = _request(chosen, epoch, names, any(map(is_flight, sources)))
     refuse_to_overwrite(sources, output)
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    found = collect_jobs(sources, options, chosen.by_parts and not mean)
+    found = collect_jobs(sources, options, chosen.by_parts and not mean, misfits=not screen)
     request = _with_epoch(chosen, request, [job.head for job in found.jobs])
     messages = Messages(options.quiet)
+    if columns:
+        _check_columns(found, request)
     progress = Progress("frames written", total=sum(job.frames for job in found.jobs))
     jobs = [job.watched(progress.add) for job in found.jobs]
+    coding = sys.stdout.encoding if output == "-" else "utf-8"
     with whole_file(output) as file:
-        if mean:
+        if screen and not columns:
+            file.write(_short(jobs, sources, found, options.quiet).encode(coding, ESCAPED))
+        elif screen:
+            file.write(_listed(jobs, request, roll).encode(coding, ESCAPED))
+        elif mean:
             file.write(chosen.mean_table(jobs, request))
         else:
             for page in chosen.pages(jobs, request, messages):
                 file.write(page)
     progress.close()
-    if not options.quiet:
+    if not options.quiet and not screen:
         means = [job.whole.mean() for job in found.jobs] if mean else []
-        for sentence in _left_out([job.head for job in found.jobs], means):
-            click.echo(sentence, err=True)
+        for source, included, left in errors_texts([job.head for job in found.jobs], means):
+            said = f"the sigmas do not include errors of: {left}"
+            if included:
+                said = f"the sigmas include errors of: {included}"
+                said += f"; not included: {left}" * bool(left)
+            click.echo(f"{source}: {said}", err=True)
     ctx.exit(found.status(options, messages))
 
 
-def _left_out(heads: Sequence[History], means: Sequence[MeanAttitude]) -> list[str]:
-    """Say which errors the sigmas contain and which not, once for sources that are alike.
+def _check_columns(found: Collected, request: FileRequest) -> None:
+    try:
+        chosen_columns([job.head for job in found.jobs], request.columns)
+    except VopdError as error:
+        raise click.UsageError(f"--columns: {error}") from error
 
-    Args:
-        heads: the history of each job, or of its first frames
-        means: the mean attitude of each, if that is written
-    """
-    sources: dict[str, dict[str, None]] = {}
-    for one, mean in zip_longest(heads, means):
-        keys = one.about.words.sigma_keys
-        left = left_out_text(one, keys or SIGMA_OPTIONS, mean)
-        told = f"the sigmas do not include errors of: {left}"
-        if keys:
-            told = f"the sigmas include errors of: {included_text(one, mean)}"
-            told += f"; not included: {left}" * bool(left)
-        if left or keys:
-            sources.setdefault(told, {})[one.about.source] = None
-    return [
-        f"{next(iter(some))}{f' and {len(some) - 1} more' * (len(some) > 1)}: {told}"
-        for told, some in sources.items()
-    ]
+
+def _short(
+    jobs: Sequence[HistoryParts], sources: Sequence[str], found: Collected, quiet: bool
+) -> str:
+    """Write the frames in short, and what to do next."""
+    names = quote(sources[0]) if len(sources) == 1 else "SOURCE..."
+    steps = []
+    if found.misfits or found.mistaken:
+        steps.append(f"vopd check {names} says which file or value is likely wrong")
+    steps.append(f"vopd report {names} -o report.html draws every frame")
+    every = len(chosen_columns([jobs[0].head]))
+    table = f"-o FILE.csv writes all frames with {every} columns"
+    return text(
+        jobs,
+        screen_columns(),
+        steps={"table": table, "next": "; ".join(steps)},
+        printed=0 if quiet else found.warnings,
+    )
+
+
+def _listed(jobs: Sequence[HistoryParts], request: FileRequest, roll: str | None) -> str:
+    """Write the columns that are named, of all frames, aligned."""
+    from vopd.export.tables import as_text
+    from vopd.screen import aligned
+
+    heads = [job.head for job in jobs]
+    columns = chosen_columns(heads, request.columns, roll != "360")
+    rows = [[one.name for one in columns]]
+    for values in table_blocks(jobs, columns):
+        rows += map(list, zip(*as_text(values, columns).values(), strict=True))
+    words = {k for k, one in enumerate(columns) if one.decimals is None}
+    return "\n".join(aligned(rows, words)) + "\n"
 
 
 def _format(output: str, form: str | None) -> AttitudeFormat:
@@ -230,7 +276,7 @@ def _request(
     given = {name: value for name, value in names.items() if value is not None}
     for name in given:
         if name not in chosen.options:
-            option = "--" + name.replace("_", "-")
+            option = "--" + name.replace("_", "-").removesuffix("-180")
             takers = [one.name for one in FORMATS.values() if name in one.options]
             raise click.UsageError(f"{option} is for {', '.join(takers)}, not {chosen.name}.")
     if chosen.needs_epoch and epoch is None and not flights:

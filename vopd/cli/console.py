@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+import shutil
 import sys
 import time
 from collections import Counter
@@ -15,12 +16,19 @@ import click
 
 from vopd.files import Terminal
 from vopd.findings import Finding, VopdError, count_text, kind_of, strict
+from vopd.screen import fitted, wrapped
 
 # Messages on standard error: warnings, errors, and the progress of long work.
 
 ALIKE = 3  # this many warnings of one kind are shown
+COLUMNS = 80  # where the screen does not say how wide it is
 PATIENCE_S = 1.0  # work that ends sooner shows no progress
 EVERY_S = 0.2
+
+
+def screen_columns() -> int:
+    """Measure the width that a text is set for: that of the terminal, or of COLUMNS."""
+    return fitted(shutil.get_terminal_size((COLUMNS, 24)).columns)
 
 
 class Messages:
@@ -97,7 +105,8 @@ class Progress:
 
     def _text(self, now: float) -> str:
         if self._total is None:
-            return f"{self._count} {self._unit}"
+            unit = self._unit.removesuffix("s") if self._count == 1 else self._unit
+            return f"{self._count} {unit}"
         left_s = (now - self._start) / max(self._count, 1) * (self._total - self._count)
         minutes, seconds = divmod(round(left_s), 60)
         done = f"{self._count} of {self._total} {self._unit}"
@@ -189,7 +198,10 @@ def prepare_streams() -> None:
     encoding = "utf-8" if sys.stderr is None else sys.stderr.encoding
     messages = io.BufferedWriter(_Messages(2, "wb", closefd=False))
     if messages.isatty():
-        sys.stderr = _shown_on(messages, encoding)
+        sys.stderr = _Lines(
+            io.BufferedWriter(Terminal(messages, encoding)),
+            encoding=encoding, errors="backslashreplace", line_buffering=True,
+        )  # fmt: skip
         return
     sys.stderr = io.TextIOWrapper(
         messages, encoding=encoding, errors="backslashreplace", line_buffering=True
@@ -215,6 +227,20 @@ def _shown_on(terminal: Any, encoding: str) -> io.TextIOWrapper:
         errors="backslashreplace",
         line_buffering=True,
     )
+
+
+class _Lines(io.TextIOWrapper):
+    """Messages on a terminal: lines that are too wide for it are broken at words.
+
+    Those that begin with a blank, such as a card under its ruler, stay as they are.
+    """
+
+    def write(self, text: str, /) -> int:
+        columns = screen_columns()
+        lines = text.split("\n")
+        broken = [one if one[:1] in " \r" else wrapped(one, columns, "  ") for one in lines]
+        super().write("\n".join(broken))
+        return len(text)
 
 
 class _Messages(io.FileIO):

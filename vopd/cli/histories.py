@@ -26,6 +26,7 @@ class Collected(NamedTuple):
     failed: bool  # some source could not be read or solved
     misfits: bool  # some flight does
     mistaken: int  # flights whose residuals speak for an error of their inputs
+    warnings: int  # that have been told
 
     def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
@@ -56,6 +57,7 @@ def collect_jobs(
     options: SharedOptions,
     by_parts: bool,
     on_message: Callable[[str], object] = lambda _: None,
+    misfits: bool = True,
 ) -> Collected:
     """Solve all decks and flights, for their attitude histories.
 
@@ -66,13 +68,14 @@ def collect_jobs(
         options: what the options ask for
         by_parts: whether the parts of long jobs are made later, one after the other
         on_message: is given all warnings and errors, also those that are not printed
+        misfits: whether to warn of frames that misfit, which a table in short says itself
 
     Raises:
         VopdError: where no frame of any deck has an attitude
     """
     if options.solve.fixes and not options.quiet:
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
-    found = Collected([], [], False, False, 0)
+    found = Collected([], [], False, False, 0, 0)
     messages, progress = Messages(options.quiet, on_message), Progress("frames")
     for some in in_groups(solve_sources(decks, options.solve)):
         solved = [one for one in some if isinstance(one, SolvedJob)]
@@ -95,7 +98,9 @@ def collect_jobs(
                 )
                 made = one.history_parts(options.history)
                 made = made if by_parts else one_part(made.whole)
-            if made.counted:
+            if not misfits:
+                pass
+            elif made.counted:
                 for finding in findings_of(made.about, made.summary):
                     messages(finding)
             else:
@@ -106,7 +111,7 @@ def collect_jobs(
         if found.failed:
             raise click.exceptions.Exit(1)
         raise VopdError(f"{', '.join(decks)}: no frame has an attitude")
-    return found
+    return found._replace(warnings=messages.warnings)
 
 
 def collect_histories(

@@ -47,6 +47,8 @@ class FileRequest:
         object_name: what the vehicle is called; empty if unknown
         object_id: its international designator, in an AEM or ACM; empty if unknown
         created: the date that an AEM or ACM bears
+        columns: of the table, by name; "all" and "basic" stand for several
+        roll_180: whether roll is -180 to 180 in the table, and not 0 to 360
     """
 
     epoch: datetime | None = None
@@ -55,6 +57,8 @@ class FileRequest:
     object_name: str = ""
     object_id: str = ""
     created: datetime = field(default_factory=created_now)
+    columns: tuple[str, ...] = ("all",)
+    roll_180: bool = False
 
 
 @dataclass(frozen=True)
@@ -163,6 +167,9 @@ def _printable(about: About) -> About:
     return about._replace(source=printable(about.source))
 
 
+TABLE_OPTIONS = ("columns", "roll_180")
+"""The fields of `FileRequest` that a table uses."""
+
 FORMATS = {
     one.name: one
     for one in (
@@ -170,6 +177,7 @@ FORMATS = {
             "csv",
             (".csv",),
             "the default; conventions in lines that begin with #",
+            options=TABLE_OPTIONS,
             by_parts=True,
             together=True,
         ),
@@ -177,18 +185,21 @@ FORMATS = {
             "jsonl",
             (".jsonl", ".ndjson"),
             "JSON Lines, an object a frame",
+            options=TABLE_OPTIONS,
             by_parts=True,
         ),
         AttitudeFormat(
             "npz",
             (".npz",),
             "NumPy, an array a column",
+            options=TABLE_OPTIONS,
             binary=True,
         ),
         AttitudeFormat(
             "parquet",
             (".parquet", ".pq"),
             "for data frames; pip install 'vopd[parquet]'",
+            options=TABLE_OPTIONS,
             binary=True,
             package="pyarrow",
         ),

@@ -24,6 +24,7 @@ from vopd.attitude.table import (
     MATRICES,
     TableArrays,
     TableColumn,
+    chosen_columns,
     columns_of,
     matrices,
     row_blocks,
@@ -93,10 +94,34 @@ def pages_csv(
         report: is not used
     """
     heads = [job.head for job in jobs]
-    columns = columns_of(heads)
-    yield _comments(statements(heads, request)) + _names(columns)
+    columns = _columns(heads, request)
+    yield _comments(_stated(heads, request)) + _names(columns)
     for values in table_blocks(jobs, columns):
         yield "".join(_rows_csv(values, columns)).encode()
+
+
+def _columns(histories: Sequence[History], request: FileRequest) -> tuple[TableColumn, ...]:
+    return chosen_columns(histories, request.columns, request.roll_180)
+
+
+def _stated(histories: Sequence[History], request: FileRequest) -> dict[str, str]:
+    """State the conventions, with the range of roll that the request asks for."""
+    stated = statements(histories, request)
+    if request.roll_180:
+        stated["ranges"] = stated["ranges"].replace(
+            "yaw and roll 0 to 360, pitch", "yaw 0 to 360, pitch and roll"
+        )
+    return stated
+
+
+def _arrays(histories: Sequence[History], request: FileRequest) -> tuple[TableArrays, Described]:
+    """Tabulate the chosen columns, and the matrices if all are; their units and meanings."""
+    columns = _columns(histories, request) + _matrices_of(request)
+    return table_values(columns, histories), _described(columns)
+
+
+def _matrices_of(request: FileRequest) -> tuple[TableColumn, ...]:
+    return MATRICES if request.columns == ("all",) else ()
 
 
 def render_files(files: Sequence[tuple[Sequence[History], FileRequest]]) -> list[bytes]:
@@ -176,9 +201,8 @@ Described = dict[str, dict[str, str]]
 """Unit and meaning of columns, by name."""
 
 
-def described(histories: Sequence[History]) -> Described:
-    """Describe unit and meaning of every column of the table, and of the matrices, by name."""
-    columns = (*columns_of(histories), *MATRICES)
+def _described(columns: Sequence[TableColumn]) -> Described:
+    """Describe unit and meaning of every column, by name."""
     return {c.name: {"unit": c.unit, "meaning": c.meaning} for c in columns}
 
 
@@ -196,9 +220,9 @@ def pages_json_lines(
         report: is not used
     """
     heads = [job.head for job in jobs]
-    columns = columns_of(heads)
-    yield _first_line(statements(heads, request), described(heads))
-    for values in table_blocks(jobs, (*columns, *MATRICES)):
+    columns = _columns(heads, request) + _matrices_of(request)
+    yield _first_line(_stated(heads, request), _described(columns))
+    for values in table_blocks(jobs, columns):
         yield _rows_json_lines(values)
 
 
@@ -244,8 +268,8 @@ def render_npz(histories: Sequence[History], request: FileRequest, report: Repor
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    arrays = table(histories) | matrices(histories)
-    return archive(arrays, statements(histories, request), described(histories))
+    arrays, columns = _arrays(histories, request)
+    return archive(arrays, _stated(histories, request), columns)
 
 
 def archive(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
@@ -339,8 +363,8 @@ def render_parquet(histories: Sequence[History], request: FileRequest, report: R
         request: has the epoch, if it is to be stated
         report: is not used
     """
-    arrays = table(histories) | matrices(histories)
-    return table_file(arrays, statements(histories, request), described(histories))
+    arrays, columns = _arrays(histories, request)
+    return table_file(arrays, _stated(histories, request), columns)
 
 
 def table_file(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:

@@ -48,6 +48,7 @@ from vopd.geometry.earth import NED_FROM_ENU, geodetic, local_axes
 from vopd.geometry.lenses import LensKind, Projection, project, ray_of_pixel
 from vopd.geometry.linear import FAR_FROM_SINGULAR, crossing, inverse
 from vopd.geometry.rotations import (
+    FORWARD,
     angles_by_turns,
     body_angles_by_turns,
     body_angles_deg,
@@ -265,6 +266,7 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         repeated="by points picked several times"
         if np.isfinite(flight.picks.repeatability_px)
         else "as stated in the project",
+        attack=flight.path.wind_m_s is not None or not np.array_equal(flight.mount, FORWARD),
         sigma_keys=_sigma_keys(solved),
         flags={
             "undetermined": (

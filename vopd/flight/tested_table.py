@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from vopd.flight.leave_out import (
 )
 from vopd.flight.tested import Named, Prediction, TestedFlight
 from vopd.geometry.linear import norm
+from vopd.screen import aligned
 
 SHOWN = 10  # tests in a text besides what is named, the least chances first
 MOST_LANDMARKS = 12  # that a text has all of
@@ -285,23 +286,6 @@ def _table(tested: TestedFlight) -> list[str]:
             f"{rest.normalised.max():.2f} at most; smallest chance {chance_text(rest.chance.min())}"
         )
     return lines
-
-
-def aligned(rows: Sequence[Sequence[str]], left: Collection[int]) -> list[str]:
-    """Align the columns of a table.
-
-    Args:
-        rows: its cells
-        left: columns that are aligned on the left; the others are on the right
-    """
-    width = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(
-            cell.ljust(w) if k in left else cell.rjust(w)
-            for k, (cell, w) in enumerate(zip(row, width, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
 
 
 def _off(tests: LeftOut, k: int) -> str:

@@ -1,0 +1,444 @@
+"""Attitude histories in short, for reading: a table of frames, how sure it is, what is doubtful."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from itertools import zip_longest
+from math import floor, isfinite, log10
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.attitude.findings import HistorySummary, misfits
+from vopd.attitude.flags import meanings
+from vopd.attitude.history import History
+from vopd.attitude.included import included_text, left_out_text
+from vopd.attitude.long_history import HistoryParts
+from vopd.attitude.mean import MeanAttitude
+from vopd.attitude.uncertainty import ANGLES
+from vopd.findings import Finding, count_text, first_of_each_kind, frames_text
+from vopd.screen import LEAST, aligned, shortened, width, wrapped
+
+ROWS = 20  # frames of a table
+NAME = 28  # columns of the name of an image or a source, if there is room
+LEAST_NAME = 12  # and if there is none
+SAME_DEG = 1e-6  # angles of camera and vehicle that are printed alike
+
+SIGMA_OPTIONS = {
+    "position": "--position-sigma",
+    "landmark": "--landmark-sigma",
+    "focal": "--focal-sigma",
+    "time": "--time-sigma",
+    "mount": "--mount-sigma",
+    "velocity": "--velocity-sigma",
+    "wind": "--wind-sigma",
+}
+"""The option that states the standard deviation of a component of a deck's uncertainty."""
+
+
+# Frames of one kind of source, counted, and the first of them kept
+
+
+@dataclass
+class Frames:
+    """The first frames of some jobs, and counts of all."""
+
+    jobs: list[HistoryParts]
+    head: list[History] = field(default_factory=list)  # parts, with `ROWS` frames or more
+    count: int = 0
+    attitudes: int = 0
+    attack: bool = False  # whether any frame has angles of attack
+    half_deg: list[Floats] = field(default_factory=list)  # of vehicle yaw, pitch, roll, 95 %
+    flagged: dict[str, list[str]] = field(default_factory=dict)  # labels of frames by flag
+    details: dict[str, set[str]] = field(default_factory=dict)  # of each flag, all that there are
+    misfits: HistorySummary = field(default_factory=HistorySummary)
+
+    def add(self, part: History, several: bool) -> None:
+        """Count some more frames.
+
+        Args:
+            part: their history
+            several: whether the name of the job is part of a frame's
+        """
+        estimate, has = part.estimate, part.has_attitude
+        if self.count < ROWS:
+            self.head.append(part)
+        self.count += len(has)
+        self.attitudes += int(has.sum())
+        self.attack |= bool(np.isfinite(estimate.attack_deg[:, :2]).any())
+        self.half_deg.append(part.uncertainty.half_width_95[has, 3:6])
+        self.misfits.add(part)
+        prefix = f"{part.about.label}: " if several else ""
+        for name, raised in part.flags.raised.items():
+            frames = np.flatnonzero(raised).tolist()
+            if frames:
+                labels = self.flagged.setdefault(name, [])
+                labels += [prefix + estimate.frame_label(k) for k in frames]
+                own = part.flags.detail.get(name)
+                self.details.setdefault(name, set()).update(own[k] if own else "" for k in frames)
+
+
+def frames_of(jobs: Iterable[HistoryParts]) -> list[Frames]:
+    """Count the frames of jobs, those of each kind of source by themselves.
+
+    Args:
+        jobs: one or more
+    """
+    kinds: dict[object, list[HistoryParts]] = {}
+    for job in jobs:
+        estimate = job.head.estimate
+        kinds.setdefault((estimate.units, job.about.words.source), []).append(job)
+    made = []
+    for some in kinds.values():
+        own = Frames(some)
+        for job in some:
+            for part in job:
+                own.add(part, len(some) > 1)
+        made.append(own)
+    return made
+
+
+# The table
+
+
+class ShownColumn(NamedTuple):
+    """A column of the table.
+
+    Those of a lower rank are left out first if the screen is narrow. `close` belongs to the
+    column before it.
+    """
+
+    name: str
+    unit: str
+    cells: list[str]
+    rank: int = 9
+    left: bool = False
+    close: bool = False
+
+
+def columns(frames: Frames, digits: int = 2) -> list[ShownColumn]:
+    """List the columns of the table of the first frames.
+
+    Args:
+        frames: of one kind of source
+        digits: significant ones of the 95 % half-widths; the angles have the same decimals
+    """
+    parts = frames.head
+    e = [part.estimate for part in parts]
+    camera, vehicle, attack = (
+        np.concatenate([getattr(one, name) for one in e])[:ROWS]
+        for name in ("camera_deg", "vehicle_deg", "attack_deg")
+    )
+    half = np.concatenate([part.uncertainty.half_width_95 for part in parts])[:ROWS]
+    time_s = np.concatenate([one.time_s for one in e])[:ROWS]
+    rms = np.concatenate([part.residual_rms for part in parts])[:ROWS]
+    marks = np.concatenate([part.landmarks for part in parts])[:ROWS]
+    has = np.concatenate([part.has_attitude for part in parts])[:ROWS]
+    labels = [one.frame_label(k) for one in e for k in range(len(one.frame))][:ROWS]
+    sources = [one.about.source for one in e for _ in one.frame][:ROWS]
+    numbers = [str(one.about.job) for one in e for _ in one.frame][:ROWS]
+    status = [word for part in parts for word in part.status][:ROWS]
+    found = []
+    if len({job.about.source for job in frames.jobs}) > 1:
+        found.append(ShownColumn(e[0].about.words.source, "", sources, left=True))
+    if len(frames.jobs) > 1 and e[0].about.words.jobs:
+        found.append(ShownColumn("job", "", numbers))
+    named = any(one.frame_names for one in e)
+    found.append(ShownColumn("image" if named else "frame", "", labels, left=named))
+    if np.isfinite(time_s).any():
+        found.append(ShownColumn("time", "s", _fixed(time_s, _decimals_of_times(time_s)), 2))
+    for k, name in enumerate(ANGLES[3:6]):
+        values = _in_half_circle(vehicle[:, k]) if name.endswith("roll") else vehicle[:, k]
+        found += _angle(name.removeprefix("vehicle_"), values, half[:, 3 + k], has, digits)
+    if frames.attack and e[0].about.words.attack:
+        for k, name in enumerate(ANGLES[6:8]):
+            own = _angle(name, attack[:, k], half[:, 6 + k], has, digits)
+            found += [own[0]._replace(rank=3), own[1]._replace(rank=0)]
+    if (np.abs(_in_half_circle(camera - vehicle)) > SAME_DEG).any():
+        for k, name in enumerate(ANGLES[:3]):
+            values = _in_half_circle(camera[:, k]) if name.endswith("roll") else camera[:, k]
+            own = _angle(name.replace("_", " "), values, half[:, k], has, digits)
+            found.append(own[0]._replace(rank=1))
+    rms, unit = rms * e[0].units.residuals_per_image, e[0].units.residual
+    found.append(ShownColumn("land-", "marks", [str(n) for n in marks.tolist()]))
+    found.append(ShownColumn("rms", unit, _fixed(rms, _decimals(rms, 2))))
+    letters = flag_letters(frames)
+    texts = []
+    for part in parts:
+        raised = part.flags.raised
+        texts += [
+            " ".join(letter for name, letter in letters.items() if raised[name][k])
+            for k in range(len(part.landmarks))
+        ]
+    words = [
+        text if one else " ".join([word, text]).strip()
+        for text, one, word in zip(texts, has.tolist(), status, strict=False)
+    ]
+    if any(words):
+        found.append(ShownColumn("flags", "", words, left=True))
+    return found
+
+
+def _angle(
+    name: str, values: Floats, half: Floats, has: Bools, digits: int
+) -> tuple[ShownColumn, ShownColumn]:
+    """List the column of an angle, and that of its 95 % half-width."""
+    decimals = _decimals(half[has], digits)
+    shown = np.where(has, values, np.nan)
+    widths = [
+        "free" if one and not isfinite(h) else f"{h:.{decimals}f}" if one else ""
+        for h, one in zip(half.tolist(), (has & np.isfinite(values)).tolist(), strict=True)
+    ]
+    body, _, angle = name.rpartition(" ")
+    head = (body, angle) if body else (angle, "deg")
+    return ShownColumn(*head, _fixed(shown, decimals)), ShownColumn("+-", "", widths, close=True)
+
+
+def _decimals(sizes: Floats, digits: int) -> int:
+    """Choose the decimals that give the usual one of some sizes so many digits."""
+    known = sizes[np.isfinite(sizes) & (sizes > 0.0)]
+    if not len(known):
+        return 3
+    return min(max(digits - 1 - floor(log10(float(np.median(known)) * 1.005)), 0), 6)
+
+
+def _decimals_of_times(time_s: Floats) -> int:
+    """Choose the decimals that tell all times apart as well as more would."""
+    known = time_s[np.isfinite(time_s)]
+    return next((d for d in range(3) if (np.abs(known - known.round(d)) < 5e-4).all()), 3)
+
+
+def _fixed(values: Floats, decimals: int) -> list[str]:
+    texts = [f"{one:.{decimals}f}" if isfinite(one) else "" for one in values.tolist()]
+    return [one.lstrip("-") if one and not one.strip("-0.") else one for one in texts]
+
+
+def _in_half_circle(angles_deg: Floats) -> Floats:
+    """Bring angles, degrees, into -180 to 180."""
+    return np.asarray(180.0 - (180.0 - angles_deg) % 360.0)
+
+
+def flag_letters(frames: Frames) -> dict[str, str]:
+    """Choose a letter for each flag that some frames have; one that all have needs none."""
+    some = [name for name, labels in frames.flagged.items() if len(labels) < frames.attitudes]
+    order = list(frames.head[0].flags.raised)
+    return {name: chr(97 + k) for k, name in enumerate(sorted(some, key=order.index))}
+
+
+def _laid_out(shown: Sequence[ShownColumn], most_name: int) -> list[str]:
+    """Align columns; names are shortened."""
+    cells = [[one.name, one.unit, *(shortened(c, most_name) for c in one.cells)] for one in shown]
+    return aligned(
+        list(zip(*cells, strict=True)),
+        {k for k, one in enumerate(shown) if one.left},
+        {k for k, one in enumerate(shown) if one.close},
+    )
+
+
+def table_lines(frames: Frames, columns_wide: int) -> tuple[list[str], list[str]]:
+    """Lay the table out for a screen.
+
+    Args:
+        frames: of one kind of source
+        columns_wide: of the screen
+
+    Returns:
+        Its lines, and the names of columns that did not fit.
+    """
+    every = columns(frames)
+    for digits, least, most_name in (
+        (2, 0, NAME), (2, 1, NAME), (2, 2, NAME), (1, 2, NAME), (1, 2, LEAST_NAME),
+        (1, 3, LEAST_NAME), (1, 4, LEAST_NAME),
+    ):  # fmt: skip
+        shown = [one for one in columns(frames, digits) if one.rank >= least]
+        lines = _laid_out(shown, most_name)
+        spare = columns_wide - max(map(width, lines))
+        if spare >= 0:
+            lines = _laid_out(shown, most_name + spare // 2)
+            break
+    names = [one[:2] for one in shown]
+    left = [one for one in every if one[:2] not in names and not one.close]
+    return lines, [f"{one.name} {one.unit}" if one.name == "camera" else one.name for one in left]
+
+
+# What stands below it
+
+
+def sure_text(frames: Frames) -> str:
+    """Say how sure the angles are, and which errors that leaves out."""
+    half = np.concatenate(frames.half_deg)
+    told = "no frame has an attitude"
+    if len(half):
+        middle = np.median(np.where(np.isnan(half), np.inf, half), axis=0)
+        told = "+- is half of the 95 % interval, degrees: in the median " + ", ".join(
+            f"{name} {'free' if not isfinite(size) else f'{size:.2g}'}"
+            for name, size in zip(("yaw", "pitch", "roll"), middle.tolist(), strict=True)
+        )
+    included = dict.fromkeys(one for _, one, _ in errors_texts([job.head for job in frames.jobs]))
+    return "; ".join([told, *(f"the sigmas include errors of: {one}" for one in included if one)])
+
+
+def left_text(frames: Frames) -> str:
+    """Name the errors that the sigmas leave out, and where to state each."""
+    left = dict.fromkeys(one for _, _, one in errors_texts([job.head for job in frames.jobs]))
+    return "; ".join(one for one in left if one)
+
+
+def errors_texts(
+    heads: Sequence[History], means: Sequence[MeanAttitude] = ()
+) -> list[tuple[str, str, str]]:
+    """Say which errors the sigmas contain and which not, once for sources that are alike.
+
+    Args:
+        heads: the history of each job, or of its first frames
+        means: the mean attitude of each, if that is meant
+
+    Returns:
+        The sources, the errors that are included, and those that are not; empty if not known.
+    """
+    sources: dict[tuple[str, str], dict[str, None]] = {}
+    for one, mean in zip_longest(heads, means):
+        keys = one.about.words.sigma_keys
+        left = left_out_text(one, keys or SIGMA_OPTIONS, mean)
+        told = included_text(one, mean) if keys else ""
+        if left or told:
+            sources.setdefault((told, left), {})[one.about.source] = None
+    return [
+        (f"{next(iter(some))}{f' and {len(some) - 1} more' * (len(some) > 1)}", *told)
+        for told, some in sources.items()
+    ]
+
+
+NAMED = 60  # characters of the frames of a flag
+
+
+def doubt_lines(frames: Frames) -> list[str]:
+    """Explain the flags, a line each: the letter, the frames, what to do.
+
+    Args:
+        frames: of one kind of source
+    """
+    letters = flag_letters(frames)
+    said = meanings(frames.head[0].about.words)
+    repairs, _ = misfits(frames.misfits)
+    lines = []
+    for name in (one for one in frames.head[0].flags.raised if one in frames.flagged):
+        labels, own = frames.flagged[name], frames.details[name]
+        where = frames_text(labels)
+        if len(labels) == frames.attitudes > 1:
+            where = f"all {len(labels)} frames"
+        elif len(where) > NAMED:
+            where = count_text(len(labels), "frame")
+        detail = f" ({next(iter(own))})" if len(own) == 1 and any(own) else ""
+        if name == "misfit" and repairs:
+            detail = f" ({repairs[0][1]})"
+        lines.append(f"{letters.get(name, '')} {name}, {where}{detail}: {said[name][1]}".strip())
+    missing = frames.count - frames.attitudes
+    if missing:
+        lines.insert(0, f"{count_text(missing, 'frame')} without an attitude")
+    return lines
+
+
+def heading(frames: Frames) -> str:
+    """Name the sources, with the numbers of jobs and frames."""
+    names = list(dict.fromkeys(job.about.source for job in frames.jobs))
+    about = frames.jobs[0].about
+    told = names[0] if len(names) == 1 else count_text(len(names), about.words.source)
+    if about.words.jobs and len(frames.jobs) > 1:
+        told += f", {count_text(len(frames.jobs), 'job')}"
+    told += f": {count_text(frames.count, 'frame')}"
+    if len(frames.jobs) == 1 and about.title.strip():
+        told += f", {about.title.strip()}"
+    return told
+
+
+LABELS = ("how sure", "not in it", "doubtful", "next")
+INDENT = " " * (max(map(len, LABELS)) + 2)
+
+
+def text(
+    jobs: Iterable[HistoryParts],
+    columns_wide: int = LEAST,
+    findings: Sequence[str] = (),
+    steps: Mapping[str, str] | None = None,
+    printed: int = 0,
+) -> str:
+    """Write the short table of jobs, and what is to be known about it.
+
+    Args:
+        jobs: one or more
+        columns_wide: of the screen
+        findings: warnings about files and solution
+        steps: how to get all columns (`table`) and what to do next (`next`); None: those of the
+            library
+        printed: warnings that have been printed before
+    """
+    steps = steps or {"table": ".to_dataframe() has all", "next": ".plot() draws it"}
+    pages = []
+    for frames in frames_of(jobs):
+        lines, narrow = table_lines(frames, columns_wide)
+        lines = [wrapped(heading(frames), columns_wide), "", *lines]
+        more = frames.count - ROWS
+        if more > 0:
+            lines.append(f"{count_text(more, 'more frame')}: {steps['table']}")
+        if narrow:
+            lines.append(wrapped(f"no room for {', '.join(narrow)}", columns_wide))
+        doubts = doubt_lines(frames)
+        doubts += findings
+        if printed:
+            doubts.append(f"{count_text(printed, 'warning')} above")
+        paragraphs = (
+            [sure_text(frames)],
+            [left_text(frames) or "nothing that can be stated"],
+            doubts or ["no frame has a flag"],
+            [steps["next"] + f"; {steps['table']}" * (more <= 0)],
+        )
+        lines.append("")
+        for label, said in zip(LABELS, paragraphs, strict=True):
+            begin = f"{label:{len(INDENT)}}"
+            for one in said:
+                lines.append(wrapped(begin + one, columns_wide, INDENT))
+                begin = INDENT
+        pages.append("\n".join(lines) + "\n")
+    return "\n".join(pages)
+
+
+def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
+    """Write the same for a notebook: the table with all its columns, flags and warnings.
+
+    Args:
+        jobs: one or more
+        findings: warnings about files and solution
+    """
+    parts = []
+    for frames in frames_of(jobs):
+        shown = columns(frames)
+        head = "".join(f"<th>{escape(one.name)}<br>{escape(one.unit)}</th>" for one in shown)
+        rows = "".join(
+            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>"
+            for row in zip(*(one.cells for one in shown), strict=True)
+        )
+        more = frames.count - ROWS
+        after = [f"{count_text(more, 'more frame')}: .to_dataframe()"] if more > 0 else []
+        after += [sure_text(frames), f"not in it: {left_text(frames)}"]
+        parts.append(
+            f"<p>{escape(heading(frames))}</p><table><thead><tr>{head}</tr></thead>"
+            f"<tbody>{rows}</tbody></table>" + "".join(f"<p>{escape(one)}</p>" for one in after)
+        )
+        parts += [f"<p>{escape(one)}</p>" for one in doubt_lines(frames)]
+    return "".join([*parts, *(f"<p>{escape(one)}</p>" for one in finding_texts(findings))])
+
+
+ALIKE = 3  # findings of one kind
+
+
+def finding_texts(findings: Sequence[Finding]) -> list[str]:
+    """Write the first warnings of each kind, and the numbers of the others."""
+    kept, rest = first_of_each_kind(findings, ALIKE)
+    return [
+        *(f"warning: {one.headline()}" for one in kept),
+        *(f"warning: {count_text(n, 'more warning')} like: {one.headline()}" for one, n in rest),
+    ]
