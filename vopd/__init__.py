@@ -3,18 +3,18 @@
 Example::
 
     import vopd
-    run = vopd.run(vopd.read_deck("decks/appendix_h/case1.dat"))
-    print(run.vehicle_deg)              # yaw, pitch, roll of every frame
-    print(run.findings)                 # what is doubtful in cards and results
-    print(run.to_dataframe())           # with uncertainty and flags; takes pandas
-
     flight = vopd.solve_flight("examples/hill/flight.toml")
-    print(flight.camera_deg, flight.findings)
+    print(flight)                       # in short: angles, how sure, what is doubtful
+    print(flight.vehicle_deg)           # yaw, pitch, roll of every frame
+    print(flight.to_dataframe())        # with uncertainty and flags; takes pandas
 
-`solve_flight` finds the attitude of the frames of a flight project. `read_deck`
-reads a 1974 card deck into jobs, `run` solves them for all their frames at once,
-`listing_text` gives the pages that program VOPD (NASA TM X-3050) printed. Nothing is
-imported before it is used.
+    run = vopd.run("decks/appendix_h/case1.dat")
+    print(run, run.vehicle_deg)
+
+`solve_flight` finds the attitude of the frames of a flight project, `run` that of the
+frames of a 1974 card deck, all its jobs at once. `read_deck` reads the jobs to look at
+them or change them before. `listing_text` gives the pages that program VOPD (NASA
+TM X-3050) printed. Nothing is imported before it is used.
 """
 
 from __future__ import annotations

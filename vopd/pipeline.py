@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 
 import numpy as np
@@ -18,8 +20,6 @@ from vopd.results import Outcome, Results, SolvedJob, SourceEnd
 from vopd.solved import Run
 
 if TYPE_CHECKING:  # flights load neither the cards nor the program of 1974, decks no flight
-    from pathlib import Path
-
     from vopd.flight.result import FlightResult
     from vopd.program.orient import FilmSight, Sight
 
@@ -66,7 +66,7 @@ class ReadJob(NamedTuple):
 
 
 def run(
-    jobs: Job | Sequence[Job],
+    jobs: str | PathLike[str] | Job | Sequence[Job],
     fixes: Fixes = NO_FIXES,
     *,
     initial: Initial = "deck",
@@ -80,7 +80,8 @@ def run(
     so in `stop`.
 
     Args:
-        jobs: one job, or several, for instance the deck that `read_deck` returns
+        jobs: the path of a deck; or one job, or several, for instance the deck that `read_deck`
+            returns
         fixes: errata to correct, made by `vopd.errata.fixes`; none is the original
         initial: "deck" starts each frame from the deck's first estimate and the
             frame before, as in 1974; "closed-form" from two of its landmarks
@@ -91,9 +92,17 @@ def run(
 
     Raises:
         VopdError: where a landmark that takes part is not defined, or `start_deg`
-            does not have a row for every frame
+            does not have a row for every frame; where the deck cannot be read, or it is a flight
     """
-    several = [jobs] if isinstance(jobs, Job) else list(jobs)
+    if isinstance(jobs, str | PathLike):
+        if is_flight(str(jobs)) or Path(jobs).is_dir():
+            raise VopdError(f"{jobs}: a flight project: vopd.solve_flight({str(jobs)!r}) solves it")
+        jobs = read_deck(jobs)
+    if not isinstance(jobs, Sequence) and not isinstance(jobs, Job):
+        raise VopdError(
+            f"a {type(jobs).__name__} is no deck of jobs: vopd.solve_flight solves a flight project"
+        )
+    several: list[Job] = [jobs] if isinstance(jobs, Job) else list(jobs)
     deck = jobs if isinstance(jobs, Deck) else Deck(tuple(several))
     options = SolveOptions(fixes, initial, compare_initial)
     solved: list[SolvedJob] = []
@@ -177,7 +186,7 @@ def check_project(name: str) -> list[Finding]:
     return check_flight(name)
 
 
-def read_deck(path: str | Path, *, limits_1974: bool = False) -> Deck:
+def read_deck(path: str | PathLike[str], *, limits_1974: bool = False) -> Deck:
     """Read all jobs of a card deck.
 
     Args:

@@ -11,11 +11,13 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import Finding, VopdError, count_text
 from vopd.records import Array
 from vopd.results import Results, SolvedJob
+from vopd.shown import Shown
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from vopd.attitude.history import History, HistoryOptions
+    from vopd.attitude.long_history import HistoryParts
     from vopd.attitude.sigmas import Sigmas
 
 
@@ -39,13 +41,13 @@ class OfAllJobs(Generic[Array]):
         return _stacked(parts)
 
 
-class Run(Sequence[Results]):
+class Run(Shown, Sequence[Results]):
     """All solved jobs of a deck: a sequence of `Results`, with the warnings in `findings`.
 
     Every array of `Results` is also an attribute of the run, with all jobs one after
     the other along the frame axis: `run.vehicle_deg` is (F, 3) with the frames of all
     jobs. Where jobs have different numbers of landmarks, the missing elements are NaN,
-    0 or false. A single job gives a run of one job.
+    0 or false. A single job gives a run of one job. `print` shows it in short, a notebook too.
     """
 
     frame = OfAllJobs[Ints]()
@@ -132,6 +134,11 @@ class Run(Sequence[Results]):
 
         options = HistoryOptions(sigmas or Sigmas(), max_rate_deg_s, vertical)
         return histories_of_run(self.jobs, options)
+
+    def _shown(self) -> tuple[list[HistoryParts], Sequence[Finding]]:
+        from vopd.attitude.long_history import one_part
+
+        return list(map(one_part, self.histories())), self.findings
 
     def to_dataframe(
         self,

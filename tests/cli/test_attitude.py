@@ -563,7 +563,7 @@ def test_the_progress_and_the_status_of_a_table(
     found = Collected([Job(), Job()], [], False, False, 0)  # type: ignore[list-item]
     monkeypatch.setattr(Collected, "status", lambda *_: 3)
     monkeypatch.setattr(attitude, "Progress", Noted)
-    monkeypatch.setattr(attitude, "collect_jobs", lambda *_: found)
+    monkeypatch.setattr(attitude, "collect_jobs", lambda *_, **__: found)
     monkeypatch.setattr("vopd.export.AttitudeFormat.pages", lambda _, *rest: pages(*rest))
     ran = vopd("attitude", "a.dat", "-o", tmp_path / "t.csv")
     assert ran.status == 3 and (tmp_path / "t.csv").read_bytes() == b"onetwo"

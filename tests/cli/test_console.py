@@ -222,7 +222,7 @@ def test_after_a_long_wait_the_line_is_drawn_once(monkeypatch: pytest.MonkeyPatc
     progress = Progress("frames", lambda: next(times))
     for _ in range(5):
         progress.add(1)
-    assert stream.getvalue() == "\r1 frames\r4 frames"
+    assert stream.getvalue() == "\r1 frame\r4 frames"
 
 
 # Streams of a process

@@ -16,12 +16,13 @@ from vopd.export import FORMATS, FileRequest, of_file
 from vopd.findings import VopdError
 
 NAMES = ("object_name",)
+COLUMNS = ("columns", "roll_180")
 MESSAGE = ("originator", "object_name", "object_id")
 TABLE: dict[str, tuple[tuple[str, ...], set[str], tuple[str, ...]]] = {
-    "csv": ((".csv",), {"by_parts", "together"}, ()),
-    "jsonl": ((".jsonl", ".ndjson"), {"by_parts"}, ()),
-    "npz": ((".npz",), {"binary"}, ()),
-    "parquet": ((".parquet", ".pq"), {"binary", "package"}, ()),
+    "csv": ((".csv",), {"by_parts", "together"}, COLUMNS),
+    "jsonl": ((".jsonl", ".ndjson"), {"by_parts"}, COLUMNS),
+    "npz": ((".npz",), {"binary"}, COLUMNS),
+    "parquet": ((".parquet", ".pq"), {"binary", "package"}, COLUMNS),
     "aem": ((".aem",), {"needs_epoch"}, ("aem_version", *MESSAGE)),
     "acm": ((".acm",), {"needs_epoch"}, MESSAGE),
     "czml": ((".czml",), {"needs_epoch"}, NAMES),

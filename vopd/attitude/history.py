@@ -93,6 +93,12 @@ class History(Rows):
 
         return mean_attitude(self, frames)
 
+    def _repr_html_(self) -> str:
+        from vopd.attitude.long_history import one_part
+        from vopd.attitude.summary import html
+
+        return html([one_part(self)])
+
     def take(self, rows: Ints | Bools | slice) -> History:
         """Select some frames.
 

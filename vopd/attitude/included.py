@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,43 @@ def label(component: str) -> str:
         component: its name
     """
     return component.replace("_", " ")
+
+
+SIGMA_OPTIONS = {
+    "position": "--position-sigma",
+    "landmark": "--landmark-sigma",
+    "focal": "--focal-sigma",
+    "time": "--time-sigma",
+    "mount": "--mount-sigma",
+    "velocity": "--velocity-sigma",
+    "wind": "--wind-sigma",
+}
+"""The option that states the standard deviation of a component of a deck's uncertainty."""
+
+
+def errors_texts(
+    heads: Sequence[History], means: Sequence[MeanAttitude] = ()
+) -> list[tuple[str, str, str]]:
+    """Say which errors the sigmas contain and which not, once for sources that are alike.
+
+    Args:
+        heads: the history of each job, or of its first frames
+        means: the mean attitude of each, if that is meant
+
+    Returns:
+        The sources, the errors that are included, and those that are not; empty if not known.
+    """
+    sources: dict[tuple[str, str], dict[str, None]] = {}
+    for one, mean in zip_longest(heads, means):
+        keys = one.about.words.sigma_keys
+        left = left_out_text(one, keys or SIGMA_OPTIONS, mean)
+        told = included_text(one, mean) if keys else ""
+        if left or told:
+            sources.setdefault((told, left), {})[one.about.source] = None
+    return [
+        (f"{next(iter(some))}{f' and {len(some) - 1} more' * (len(some) > 1)}", *told)
+        for told, some in sources.items()
+    ]
 
 
 def included_text(history: History, mean: MeanAttitude | None = None) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from itertools import zip_longest
 from math import floor, isfinite, log10
 from typing import NamedTuple
 
@@ -15,9 +14,8 @@ from vopd.arrays import Bools, Floats
 from vopd.attitude.findings import HistorySummary, misfits
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
-from vopd.attitude.included import included_text, left_out_text
+from vopd.attitude.included import errors_texts
 from vopd.attitude.long_history import HistoryParts
-from vopd.attitude.mean import MeanAttitude
 from vopd.attitude.uncertainty import ANGLES
 from vopd.findings import Finding, count_text, first_of_each_kind, frames_text
 from vopd.screen import LEAST, aligned, shortened, width, wrapped
@@ -27,23 +25,11 @@ NAME = 28  # columns of the name of an image or a source, if there is room
 LEAST_NAME = 12  # and if there is none
 SAME_DEG = 1e-6  # angles of camera and vehicle that are printed alike
 
-SIGMA_OPTIONS = {
-    "position": "--position-sigma",
-    "landmark": "--landmark-sigma",
-    "focal": "--focal-sigma",
-    "time": "--time-sigma",
-    "mount": "--mount-sigma",
-    "velocity": "--velocity-sigma",
-    "wind": "--wind-sigma",
-}
-"""The option that states the standard deviation of a component of a deck's uncertainty."""
-
-
 # Frames of one kind of source, counted, and the first of them kept
 
 
 @dataclass
-class Frames:
+class ShownFrames:
     """The first frames of some jobs, and counts of all."""
 
     jobs: list[HistoryParts]
@@ -81,7 +67,7 @@ class Frames:
                 self.details.setdefault(name, set()).update(own[k] if own else "" for k in frames)
 
 
-def frames_of(jobs: Iterable[HistoryParts]) -> list[Frames]:
+def frames_of(jobs: Iterable[HistoryParts]) -> list[ShownFrames]:
     """Count the frames of jobs, those of each kind of source by themselves.
 
     Args:
@@ -93,7 +79,7 @@ def frames_of(jobs: Iterable[HistoryParts]) -> list[Frames]:
         kinds.setdefault((estimate.units, job.about.words.source), []).append(job)
     made = []
     for some in kinds.values():
-        own = Frames(some)
+        own = ShownFrames(some)
         for job in some:
             for part in job:
                 own.add(part, len(some) > 1)
@@ -119,7 +105,7 @@ class ShownColumn(NamedTuple):
     close: bool = False
 
 
-def columns(frames: Frames, digits: int = 2) -> list[ShownColumn]:
+def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
     """List the columns of the table of the first frames.
 
     Args:
@@ -221,7 +207,7 @@ def _in_half_circle(angles_deg: Floats) -> Floats:
     return np.asarray(180.0 - (180.0 - angles_deg) % 360.0)
 
 
-def flag_letters(frames: Frames) -> dict[str, str]:
+def flag_letters(frames: ShownFrames) -> dict[str, str]:
     """Choose a letter for each flag that some frames have; one that all have needs none."""
     some = [name for name, labels in frames.flagged.items() if len(labels) < frames.attitudes]
     order = list(frames.head[0].flags.raised)
@@ -238,7 +224,7 @@ def _laid_out(shown: Sequence[ShownColumn], most_name: int) -> list[str]:
     )
 
 
-def table_lines(frames: Frames, columns_wide: int) -> tuple[list[str], list[str]]:
+def table_lines(frames: ShownFrames, columns_wide: int) -> tuple[list[str], list[str]]:
     """Lay the table out for a screen.
 
     Args:
@@ -267,7 +253,7 @@ def table_lines(frames: Frames, columns_wide: int) -> tuple[list[str], list[str]
 # What stands below it
 
 
-def sure_text(frames: Frames) -> str:
+def sure_text(frames: ShownFrames) -> str:
     """Say how sure the angles are, and which errors that leaves out."""
     half = np.concatenate(frames.half_deg)
     told = "no frame has an attitude"
@@ -281,41 +267,16 @@ def sure_text(frames: Frames) -> str:
     return "; ".join([told, *(f"the sigmas include errors of: {one}" for one in included if one)])
 
 
-def left_text(frames: Frames) -> str:
+def left_text(frames: ShownFrames) -> str:
     """Name the errors that the sigmas leave out, and where to state each."""
     left = dict.fromkeys(one for _, _, one in errors_texts([job.head for job in frames.jobs]))
     return "; ".join(one for one in left if one)
 
 
-def errors_texts(
-    heads: Sequence[History], means: Sequence[MeanAttitude] = ()
-) -> list[tuple[str, str, str]]:
-    """Say which errors the sigmas contain and which not, once for sources that are alike.
-
-    Args:
-        heads: the history of each job, or of its first frames
-        means: the mean attitude of each, if that is meant
-
-    Returns:
-        The sources, the errors that are included, and those that are not; empty if not known.
-    """
-    sources: dict[tuple[str, str], dict[str, None]] = {}
-    for one, mean in zip_longest(heads, means):
-        keys = one.about.words.sigma_keys
-        left = left_out_text(one, keys or SIGMA_OPTIONS, mean)
-        told = included_text(one, mean) if keys else ""
-        if left or told:
-            sources.setdefault((told, left), {})[one.about.source] = None
-    return [
-        (f"{next(iter(some))}{f' and {len(some) - 1} more' * (len(some) > 1)}", *told)
-        for told, some in sources.items()
-    ]
-
-
 NAMED = 60  # characters of the frames of a flag
 
 
-def doubt_lines(frames: Frames) -> list[str]:
+def doubt_lines(frames: ShownFrames) -> list[str]:
     """Explain the flags, a line each: the letter, the frames, what to do.
 
     Args:
@@ -342,7 +303,7 @@ def doubt_lines(frames: Frames) -> list[str]:
     return lines
 
 
-def heading(frames: Frames) -> str:
+def heading(frames: ShownFrames) -> str:
     """Name the sources, with the numbers of jobs and frames."""
     names = list(dict.fromkeys(job.about.source for job in frames.jobs))
     about = frames.jobs[0].about

@@ -11,8 +11,8 @@ from typing import Any
 import click
 
 from vopd.attitude.history import History
+from vopd.attitude.included import errors_texts
 from vopd.attitude.long_history import HistoryParts
-from vopd.attitude.summary import errors_texts, text
 from vopd.attitude.table import chosen_columns, table_blocks
 from vopd.cli.console import Messages, Progress, screen_columns
 from vopd.cli.histories import Collected, collect_jobs
@@ -207,6 +207,8 @@ def _short(
     jobs: Sequence[HistoryParts], sources: Sequence[str], found: Collected, quiet: bool
 ) -> str:
     """Write the frames in short, and what to do next."""
+    from vopd.attitude.summary import text
+
     names = quote(sources[0]) if len(sources) == 1 else "SOURCE..."
     steps = []
     if found.misfits or found.mistaken:

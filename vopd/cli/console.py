@@ -16,7 +16,6 @@ import click
 
 from vopd.files import Terminal
 from vopd.findings import Finding, VopdError, count_text, kind_of, strict
-from vopd.screen import fitted, wrapped
 
 # Messages on standard error: warnings, errors, and the progress of long work.
 
@@ -28,6 +27,8 @@ EVERY_S = 0.2
 
 def screen_columns() -> int:
     """Measure the width that a text is set for: that of the terminal, or of COLUMNS."""
+    from vopd.screen import fitted
+
     return fitted(shutil.get_terminal_size((COLUMNS, 24)).columns)
 
 
@@ -236,6 +237,8 @@ class _Lines(io.TextIOWrapper):
     """
 
     def write(self, text: str, /) -> int:
+        from vopd.screen import wrapped
+
         columns = screen_columns()
         lines = text.split("\n")
         broken = [one if one[:1] in " \r" else wrapped(one, columns, "  ") for one in lines]

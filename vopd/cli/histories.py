@@ -26,7 +26,7 @@ class Collected(NamedTuple):
     failed: bool  # some source could not be read or solved
     misfits: bool  # some flight does
     mistaken: int  # flights whose residuals speak for an error of their inputs
-    warnings: int  # that have been told
+    warnings: int = 0  # that have been told
 
     def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
@@ -75,7 +75,7 @@ def collect_jobs(
     """
     if options.solve.fixes and not options.quiet:
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
-    found = Collected([], [], False, False, 0, 0)
+    found = Collected([], [], False, False, 0)
     messages, progress = Messages(options.quiet, on_message), Progress("frames")
     for some in in_groups(solve_sources(decks, options.solve)):
         solved = [one for one in some if isinstance(one, SolvedJob)]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,12 +41,13 @@ from vopd.flight.held import least_held, solved_findings, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
 from vopd.flight.misfit import SPEAK_FOR, flight_findings
 from vopd.flight.project import Project, read_project
-from vopd.flight.read import read_flight
+from vopd.flight.read import flight_of, read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.readout import picks_at_frame_times
 from vopd.flight.sizes import sigma_freedom, size_of_residuals
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
+from vopd.shown import Shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,9 +59,11 @@ if TYPE_CHECKING:
 # A solved flight
 
 
-@dataclass(frozen=True, eq=False)
-class FlightResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class FlightResult(Shown):
     """A solved flight: what was read, the angles of every frame, and what is doubtful.
+
+    `print` shows it in short, a notebook too.
 
     Args:
         estimates: the result of the solve, from which `estimate` is made
@@ -178,6 +182,11 @@ class FlightResult:
         made = self.estimates
         return history_of_long_job(made.layout, made.of, options, made.reading, made.sum_errors)
 
+    def _shown(self) -> tuple[list[HistoryParts], Sequence[Finding]]:
+        from vopd.attitude.history import HistoryOptions
+
+        return [self.history_parts(HistoryOptions())], self.findings
+
     def to_dataframe(
         self,
         sigmas: Sigmas | None = None,
@@ -208,13 +217,16 @@ class FlightResult:
 # From a project file to a solved flight, with its findings
 
 
-def solve_flight(name: str | PathLike[str], location: str | None = None) -> FlightResult:
+def solve_flight(
+    source: str | PathLike[str] | Project | Flight, location: str | None = None
+) -> FlightResult:
     """Find the attitude of every frame of a flight project.
 
     Nothing is printed: what is doubtful is in the `findings` of the result.
 
     Args:
-        name: the path of the project file, `flight.toml` (docs/flight-project.md)
+        source: the path of the project file, `flight.toml`, or of its folder; or what
+            `read_project` or `read_flight` has read
         location: where the file is, if not under its name
 
     Returns:
@@ -222,11 +234,32 @@ def solve_flight(name: str | PathLike[str], location: str | None = None) -> Flig
         table with uncertainty and flags.
 
     Raises:
-        VopdError: where a file cannot be read, or no frame has two landmarks
+        VopdError: where a file cannot be read, no frame has two landmarks, or it is a deck
     """
+    if isinstance(source, Flight):
+        return solve_flight_read(source)
+    if isinstance(source, Project):
+        return solve_flight_read(flight_of(source), project=lambda: source)
+    if not isinstance(source, str | PathLike):
+        raise VopdError(
+            f"a {type(source).__name__} is no flight project: vopd.run solves the jobs of a deck"
+        )
+    name = str(source)
+    path = Path(location or name)
+    if path.is_dir():
+        name, location = str(Path(name) / NAME), str(path / NAME)
+    elif path.suffix.lower() != ".toml" and path.is_file():
+        raise VopdError(
+            f"{name}: a flight project is a .toml that names its files; vopd.run({name!r}) solves "
+            "a deck of 80-column cards"
+        )
     return solve_flight_read(
-        read_flight(str(name), location), project=lambda: read_project(str(name), location)
+        read_flight(name, location), project=lambda: read_project(name, location)
     )
+
+
+NAME = "flight.toml"
+"""The project in a folder."""
 
 
 @np.errstate(all="ignore")
