@@ -177,7 +177,7 @@ def test_flights_load_neither_cards_nor_the_program_of_1974() -> None:
 
 
 EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms that may import them
-    "matplotlib": "vopd.figures",
+    "matplotlib": ("vopd.figures", "vopd.shown"),
     "pyarrow": "vopd.export",
     "jinja2": "vopd.report",
     "pandas": ("vopd.export", "vopd.solved", "vopd.flight"),
