@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from pathlib import Path
 from typing import Any, BinaryIO, NoReturn, Protocol
 
 from vopd.findings import VopdError
@@ -195,6 +196,9 @@ def kind_by_first_bytes(start: bytes) -> str | None:
 
 # Optional packages, which an extra of this one installs
 
+ROOT = Path(__file__).parent.parent
+"""The folder of the package: a clone, or that of all packages."""
+
 
 def optional_package(module: str, extra: str, purpose: str = "") -> Any:
     """Import an optional package when it is needed.
@@ -214,8 +218,36 @@ def optional_package(module: str, extra: str, purpose: str = "") -> Any:
     except ImportError as error:
         package = module.partition(".")[0]
         need = f"{purpose} needs {package}, which" if purpose else package
-        raise VopdError(f"{need} is not installed: pip install 'vopd[{extra}]'") from error
+        raise VopdError(f"{need} is not installed{install_command(extra, ': ')}") from error
     return found
+
+
+def install_command(extra: str, before: str = "") -> str:
+    """Write the command that installs the packages of an extra, wherever this package came from.
+
+    This package is on no registry, so `pip install 'vopd[...]'` finds nothing: the packages of
+    the extra are read from the pyproject.toml of a clone, or else from the installed metadata.
+
+    Args:
+        extra: as pyproject.toml names it
+        before: stands before the command; all is empty where neither file is found
+    """
+    import tomllib
+    from importlib.metadata import PackageNotFoundError, requires
+
+    try:
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+        needs = project["optional-dependencies"][extra] if project["name"] == "vopd" else None
+    except (OSError, ValueError, KeyError):
+        needs = None
+    if needs is None:
+        of_extra = re.compile(rf"extra *== *['\"]{extra}['\"]")
+        try:
+            needs = [need for need in requires("vopd") or () if of_extra.search(need)]
+        except PackageNotFoundError:
+            needs = []
+    names = [found[0] for need in needs if (found := re.match(r"[\w.-]+", need))]
+    return f"{before}pip install {' '.join(names)}" if names else ""
 
 
 # Errors of parsers in plain words

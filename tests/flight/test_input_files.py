@@ -11,7 +11,7 @@ import pytest
 
 from tests.approved.texts import assert_approved
 from tests.tolerances import assert_close
-from vopd.files import optional_package
+from vopd.files import install_command, optional_package
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, InputFormat, did_you_mean, open_input, read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
@@ -119,6 +119,18 @@ def test_a_package_that_is_missing_says_how_to_install_it(monkeypatch: pytest.Mo
 
     monkeypatch.setattr("vopd.files.import_module", broken)
     assert told(lambda: optional_package("json", "x", "a file")).startswith("a file needs json, wh")
+
+
+def test_packages_are_installed_by_their_names(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """From a clone by its pyproject.toml, from a wheel by its metadata; vopd is on no registry."""
+    wheel = ["numpy>=1.26", "geodata>=1; extra == 'geometry'", "pyproj>=3.6; extra == 'geo'"]
+    assert install_command("geo", ": ") == ": pip install pyproj"
+    monkeypatch.setattr("vopd.files.ROOT", tmp_path)
+    monkeypatch.setattr("importlib.metadata.requires", lambda _: wheel)
+    assert install_command("geo", ": ") == ": pip install pyproj"
+    assert install_command("yaml") == ""
 
 
 # Errors in tables of picks and times, with line and column; names of files; exact trials

@@ -136,8 +136,7 @@ def command(
     The figures are: camera and vehicle attitude, and the angles of attack, against
     time, with bands of 95 %; the residuals of each landmark; and the image of one
     frame with its landmarks, measured and computed. Lines break where frames are
-    missing and where an angle wraps. Figures need matplotlib:
-    pip install 'vopd[plots]'.
+    missing and where an angle wraps. Figures need matplotlib.
 
     \b
     Examples:

