@@ -150,6 +150,24 @@ def test_a_job_is_chosen(tmp_path: Path) -> None:
     assert not (tmp_path / "q").exists()
 
 
+def test_a_trajectory_of_one_row_is_a_position_without_wind(tmp_path: Path) -> None:
+    (job,) = vopd.read_deck(CASE_1)
+    path = job.trajectory
+    one = {name: getattr(path, name)[:1] for name in ("time_s", "position_ft", "velocity_ft_s")}
+    deck = written(
+        tmp_path,
+        replace(job, trajectory=replace(path, **one, altitude_ft=path.altitude_ft[:1])),
+    )
+    ran = run("new", tmp_path / "project", "--deck", deck)
+    assert_approved([line for line in ran.stdout.splitlines() if "one row" in line])
+    assert not (tmp_path / "project" / "wind.csv").exists()
+    flight = vopd.solve_flight(tmp_path / "project" / "flight.toml")
+    found = vopd.run(vopd.read_deck(deck), fixes("all"))
+    assert np.isnan(flight.attack_deg).all()
+    off = (flight.camera_deg - found.camera_deg + 180.0) % 360.0 - 180.0
+    assert np.abs(off).max() < within("angle of a deck's project")
+
+
 def test_angles_that_no_mount_gives_are_said(tmp_path: Path) -> None:
     (job,) = vopd.read_deck(CASE_1)
     camera = replace(job.camera, multiplier=np.array([1.0, -1.0, 1.0]))

@@ -127,7 +127,9 @@ def _project(job: Job) -> NewProject:
     }
     if len(job.trajectory.time_s) > 1:
         contents["track.csv"] = _track(job)
-    if np.any(job.wind.velocity_ft_s):
+    else:
+        notes.append("a trajectory of one row (group 7) is a position: no velocity and no wind")
+    if np.any(job.wind.velocity_ft_s) and "track.csv" in contents:
         contents["wind.csv"] = _wind(job)
         values["wind", "file"] = '"wind.csv"'
     contents["flight.toml"] = project_text(values, {}, HEAD)

@@ -19,6 +19,7 @@ from vopd.findings import Finding, InputError, Report, VopdError
 from vopd.geometry.earth import NED_FROM_ENU, east_north_up
 from vopd.geometry.linear import transform
 from vopd.geometry.rotations import FORWARD, body_angles_deg, camera_angles_deg
+from vopd.inputs import no_file, read_limited
 from vopd.stellar.field import right_ascension_declination_deg, star_directions
 from vopd.stellar.files.read import StarFile
 
@@ -87,6 +88,8 @@ def read_stars(file: str | None, numbers: Sequence[int]) -> PlacesOfStars:
         VopdError: no file is named, and the package is not installed.
     """
     path = _packaged() if file is None else Path(file)
+    if kind := no_file(path, pipes=True):
+        raise InputError(Finding(kind, source=str(path)))
     try:
         lines = _lines(path)
         rows = np.array([_star_of(lines[n]) if n in lines else [np.nan] * 6 for n in numbers])
@@ -113,8 +116,11 @@ def _packaged() -> Path:
 @lru_cache(maxsize=1)
 def _lines(path: Path) -> dict[int, str]:
     """Read the lines of a catalogue by Hipparcos number; kept for the next photograph."""
-    with path.open(encoding="ascii", errors="replace") as lines:
-        return {int(line[8:14] if line.startswith("H|") else line[:6]): line for line in lines}
+    with path.open("rb") as file:
+        lines = read_limited(file).decode("ascii", "replace").splitlines()
+    if not lines:
+        raise ValueError("it is empty")
+    return {int(line[8:14] if line.startswith("H|") else line[:6]): line for line in lines}
 
 
 def _star_of(line: str) -> list[float]:
@@ -269,6 +275,8 @@ def _ephemeris(file: str | None) -> Iterator[Any]:
     from skyfield.jpllib import SpiceKernel
 
     path = _packaged_ephemeris() if file is None else Path(file)
+    if kind := no_file(path):
+        raise InputError(Finding(kind, source=str(path)))
     try:
         planets = SpiceKernel(str(path))
     except OSError as error:
@@ -279,9 +287,14 @@ def _ephemeris(file: str | None) -> Iterator[Any]:
     try:
         yield planets
     except EphemerisRangeError as error:
-        raise InputError(Finding(f"it does not have the date: {error}", source=str(path))) from None
-    except KeyError as error:
-        raise InputError(Finding(f"it does not have {error}", source=str(path))) from None
+        first, last = (time.tdb_strftime("%Y-%m-%d") for time in (error.start_time, error.end_time))
+        text = f"it has the dates from {first} to {last}, and not that of the photograph"
+        raise InputError(Finding(text, source=str(path))) from None
+    except KeyError:
+        text = "it does not have all of Earth, Sun, Jupiter and Saturn"
+        raise InputError(Finding(text, source=str(path))) from None
+    except (TypeError, ValueError, IndexError, ArithmeticError):  # of numpy, over its bytes
+        raise InputError(Finding("its end is missing, or damaged", source=str(path))) from None
     finally:
         planets.close()
 

@@ -44,8 +44,9 @@ def numbers(count: int) -> Callback:
 def positive(ctx: click.Context, param: click.Parameter, value: Any) -> float | None:
     """Read one number above 0 (a callback)."""
     found = numbers(1)(ctx, param, value)
-    if found and found[0] <= 0.0:
-        raise click.BadParameter("must be more than 0.")
+    if found and found[0] < 1e-12:
+        least = "more than 0" if found[0] <= 0.0 else "1e-12 or more"
+        raise click.BadParameter(f"must be {least}.")
     return found and float(found[0])
 
 
