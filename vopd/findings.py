@@ -66,7 +66,7 @@ class Finding:
         group = "" if self.group is None else group_text(self.group)
         field = (self.field + columns).strip()
         where = ", ".join(part for part in (card, job, group, field) if part)
-        return shortened(": ".join(part for part in (self.source, where, self.message) if part))
+        return one_line(": ".join(part for part in (self.source, where, self.message) if part))
 
     def _ruler(self) -> list[str]:
         if self.image is None or self.columns is None:
@@ -131,6 +131,11 @@ def shortened(text: str) -> str:
     """Leave out the middle of a text that nobody reads: names and cells may have megabytes."""
     half = LONGEST_MESSAGE // 2
     return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"
+
+
+def one_line(text: str) -> str:
+    """Write a text of limited length on one line: a name in it may have line feeds."""
+    return shortened(text).replace("\n", "\\n").replace("\r", "\\r")
 
 
 class VopdError(Exception):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 from dataclasses import replace
@@ -608,3 +609,16 @@ def test_packages_of_a_batch_are_looked_for_first(
     ran = vopd("batch", "a.dat", "-d", "out", *options.split())
     assert ran.status == 1
     assert_approved(ran.stderr)
+
+
+def test_a_date_of_making_is_read_before_any_library_stops_at_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """numpy.f2py, which scipy imports, reads it too, and ends with a traceback."""
+    for text in ("abc", "1e9"):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", text)
+        ran = vopd("cards", CASE_1)
+        assert ran.status == 1
+        assert_approved(ran.stderr)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "")
+    assert vopd("cards", CASE_1).status == 0 and "SOURCE_DATE_EPOCH" not in os.environ

@@ -89,6 +89,15 @@ def sparse(path: Path) -> None:
         file.truncate(4 << 30)
 
 
+def cut_ephemeris(path: Path) -> None:
+    """The ephemeris of skyfield-data, whose last nine tenths are missing."""
+    import skyfield_data
+
+    whole = Path(skyfield_data.__file__).parent / "data" / "de421.bsp"
+    with whole.open("rb") as file:
+        path.write_bytes(file.read(whole.stat().st_size // 10))
+
+
 def pixels(width: int, height: int) -> Callable[[Path], None]:
     """An image whose header says a size."""
 
@@ -134,6 +143,8 @@ GPX = '<gpx version="1.1">{}</gpx>'
 NO_DEVICE, NO_PIPE = "is a device, not a file", "is a pipe or a socket, not a file"
 BATCH = ("batch in -d out",)
 IMAGES = ("new made --images img",)
+SKY = "stars solve s.csv --focal 76 --date 2020-01-15T21:00Z"
+NAMED = "name,x_mm,y_mm\nHIP 27989,1,2\nHIP 24436,3,-1\nHIP 25336,-2,1\n"
 STAR = ("stars solve s.csv --focal 76",)
 
 TABLE = (
@@ -209,6 +220,9 @@ TABLE = (
     Hostile("geojson escape", other("landmarks", "l.json", '{"type": "Feature", "geometry": '
             '{"type": "Point", "coordinates": [1, 2, 3]}, "properties": {"name": "\\u001b[2J"}}'),
             "known are \\x1b[2J", ("check flight.toml",)),
+    Hostile("geojson name of two lines", other("landmarks", "l.json", '{"type": "Feature", '
+            '"geometry": {"type": "Point", "coordinates": [1, 2, 3]}, "properties": {"name": '
+            '"a\\nb"}}'), "never picked: a\\nb", ("check flight.toml",)),
     Hostile("gcp system", other("landmarks", "g.txt", "+proj=utm +zone=33 " + "+x " * 50_000
             + "\n1 2 3 4 5 a.jpg n\n"), "more than 20000 characters"),
     Hostile("landmarks device", project(landmarks__csv=zeros), NO_DEVICE),
@@ -246,5 +260,17 @@ TABLE = (
             "s.csv: line", STAR),
     Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'}, TOO_DEEP,
             ("stars solve s.json --focal 76",)),
+    Hostile("ephemeris cut short", {"s.csv": NAMED, "e.bsp": cut_ephemeris},
+            "e.bsp: its end is missing, or damaged", (f"{SKY} --ephemeris e.bsp",)),
+    Hostile("ephemeris pipe", {"s.csv": NAMED, "e.bsp": pipe}, NO_PIPE,
+            (f"{SKY} --ephemeris e.bsp",)),
+    Hostile("catalogue device", {"s.csv": NAMED, "h.dat": zeros}, NO_DEVICE,
+            (f"{SKY} --catalogue h.dat",)),
+    Hostile("catalogue 4 GB", {"s.csv": NAMED, "h.dat": sparse}, "neither hip_main.dat nor hip2",
+            (f"{SKY} --catalogue h.dat",), megabytes=250.0),
+    Hostile("catalogue empty", {"s.csv": NAMED, "h.dat": ""}, "neither hip_main.dat nor hip2",
+            (f"{SKY} --catalogue h.dat",)),
+    Hostile("reading sigma of 1e-300", {"s.csv": STARS}, "must be 1e-12 or more",
+            ("stars solve s.csv --focal 76 --reading-sigma 1e-300",)),
     Hostile("name of a file", {}, r"a\x1b[31m", ("check a\x1b[31m", "stars solve a\x1b[31m")),
 )  # fmt: skip

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from skyfield import jpllib
+from skyfield.api import load
 from skyfield.errors import EphemerisRangeError
 
 from tests.approved.texts import assert_approved, refused
@@ -331,9 +332,10 @@ def test_an_ephemeris_that_cannot_be_opened(
         pass
 
 
+TIME = load.timescale(builtin=True)
 LACKING = [
     None,
-    EphemerisRangeError("only 1900 to 2050", None, None, None, None),
+    EphemerisRangeError("only 1900 to 2050", TIME.tdb(1900), TIME.tdb(2050), None, None),
     KeyError("no earth"),
 ]  # fmt: skip
 

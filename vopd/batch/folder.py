@@ -19,7 +19,7 @@ from vopd.attitude.flags import MEANING
 from vopd.batch.sources import PAGE, BatchSettings, BatchSource, file_sha256, input_sha256
 from vopd.export import FORMATS
 from vopd.files import OutputError, whole_file
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, count_text, one_line
 from vopd.screen import aligned
 from vopd.version import __version__
 
@@ -570,7 +570,7 @@ def summary_text(records: Sequence[SourceRecord]) -> str:
 
 def _cells(one: SourceRecord) -> tuple[str, ...]:
     counts = str(one.frames), str(one.attitudes), str(one.flagged)
-    return one.source, one.status, *counts, _flags(one)
+    return one_line(one.source), one.status, *counts, _flags(one)
 
 
 def _flags(one: SourceRecord) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -89,6 +90,12 @@ class Commands(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the chosen command; without this, click would end a closed pipe with status 1."""
+        if "SOURCE_DATE_EPOCH" in os.environ:  # which numpy reads while it is imported
+            from vopd.export import created_now
+
+            created_now()
+            if not os.environ["SOURCE_DATE_EPOCH"]:
+                del os.environ["SOURCE_DATE_EPOCH"]
         try:
             return super().invoke(ctx)
         except BrokenPipeError as error:

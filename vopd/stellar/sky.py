@@ -54,6 +54,7 @@ class SkyRequest:
 
 HIPPARCOS_EPOCH = 1991.25
 """Julian year of the positions in both editions of the catalogue."""
+MOST_CATALOGUE = 100_000_000  # bytes: both editions have some 55 MB
 
 NUMBER = re.compile(r"(?:hip\s*)?(\d{1,6})", re.IGNORECASE)
 
@@ -117,7 +118,7 @@ def _packaged() -> Path:
 def _lines(path: Path) -> dict[int, str]:
     """Read the lines of a catalogue by Hipparcos number; kept for the next photograph."""
     with path.open("rb") as file:
-        lines = read_limited(file).decode("ascii", "replace").splitlines()
+        lines = read_limited(file, MOST_CATALOGUE).decode("ascii", "replace").splitlines()
     if not lines:
         raise ValueError("it is empty")
     return {int(line[8:14] if line.startswith("H|") else line[:6]): line for line in lines}
