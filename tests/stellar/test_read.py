@@ -114,9 +114,9 @@ def test_several_photographs_in_one_file() -> None:
     assert [row.pop("image") for row in rows] == ["first", "second"]
     assert rows == [alone, alone]
     text = vopd("stars", "solve", "-", "--focal", "76", stdin=two_photographs()).stdout
-    assert "image  method " in text.splitlines()[0]
-    heads = [line.split()[0] for line in text.splitlines()[:3]]
-    assert heads == ["image", "first", "second"]
+    assert "image   method " in text.splitlines()[0]
+    heads = [line.split()[0] for line in text.splitlines()[:4]]
+    assert heads == ["image", "deg", "first", "second"]
     page = vopd("stars", "solve", "-", "--focal", "76", "--format", "csv", stdin=two_photographs())
     assert [row["image"] for row in csv.DictReader(io.StringIO(page.stdout))] == ["first", "second"]
 

@@ -72,7 +72,11 @@ def render(
     if request.listing:
         return text.as_listed(photographs, request).encode()
     if form == "text":
-        return text.as_text(photographs, robust=request.options.weights == "robust").encode()
+        return text.as_text(
+            photographs,
+            robust=request.options.weights == "robust",
+            size_px=request.axes.size_px,
+        ).encode()
     if form in ("json", "csv"):
         return (table.as_json if form == "json" else table.as_csv)(photographs).encode()
     if form in ("aem", "czml"):

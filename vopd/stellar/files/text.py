@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+
+import numpy as np
+from scipy.special import stdtrit
 
 from vopd.findings import count_text
 from vopd.geometry.sexagesimal import format_dms
+from vopd.screen import aligned
 from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
@@ -14,27 +19,42 @@ from vopd.stellar.methods.run import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
 
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
 
+MOVED = "the last correction still moved an image"
 ROUNDING = 1e-9
 """Orthogonality defect that rounding alone may make."""
 
 
-def as_text(photographs: Sequence[SolvedPhotograph], *, robust: bool = False) -> str:
+def as_text(
+    photographs: Sequence[SolvedPhotograph],
+    *,
+    robust: bool = False,
+    size_px: Sequence[float] | None = None,
+) -> str:
     """Format solutions as text for people.
 
     Args:
         photographs: what was solved
         robust: mark the stars whose weight is small
+        size_px: width and height of the image, if it is known
 
     Returns:
-        A table of the attitudes; of a single one its matrix and residuals too;
-        of all pairs each star's disagreement with the others.
+        Where the cameras point, and a table of the attitudes; of a single one its residuals and
+        matrix too; of all pairs each star's disagreement with the others.
     """
     rows = [(photograph, one) for photograph in photographs for one in photograph.solved]
-    pages = [_table(rows)] if rows else []
+    pages = []
     if len(rows) == 1:
         photograph, one = rows[0]
-        pages.append(_details(one, photograph.file, robust=robust))
-    elif rows and rows[0][1].camera is not None:
+        residuals, table = _residuals(one, photograph.file, robust=robust), _table(rows)
+        if photograph.epoch:
+            pages += [_answer(photograph, one, size_px), residuals, table]
+        else:
+            pages += [table, residuals]
+        pages.append(_details(one, photograph.file))
+    elif rows:
+        pages += [_directions([row for row in rows if row[0].epoch]), _table(rows)]
+        pages = [page for page in pages if page]
+    if len(rows) > 1 and rows[0][1].camera is not None:
         pages += _cameras(rows)
     epochs = dict.fromkeys(one.epoch for one in photographs if one.epoch and one.solved)
     if epochs:
@@ -43,6 +63,100 @@ def as_text(photographs: Sequence[SolvedPhotograph], *, robust: bool = False) ->
         if any(one.disagreement_arcsec is not None for one in photograph.solved):
             pages.append(_disagreements(photograph))
     return "\n".join(pages)
+
+
+HALF_WIDTHS = "+- is half of the 95 % interval"
+ARCSEC = math.degrees(1.0) * 3600.0
+
+
+def _half_widths(one: SolvedStars) -> list[float | None]:
+    """Halve the 95 % intervals of right ascension, declination and position angle, degrees."""
+    if one.angle_sigmas_deg is None:
+        return [None] * 3
+    freedom = math.inf if one.reading_freedom is None else float(one.reading_freedom)
+    return [float(stdtrit(freedom, 0.975)) * sigma for sigma in one.angle_sigmas_deg[3:]]
+
+
+def _decimals(half: float | None) -> int:
+    """Choose the decimals that a half-width allows: two of its digits."""
+    return 5 if not half else min(max(1 - math.floor(math.log10(half * 1.005)), 0), 7)
+
+
+def _with_half(value: float, half: float | None) -> list[str]:
+    decimals = _decimals(half)
+    return [f"{value:.{decimals}f}", "" if half is None else f"{half:.{decimals}f}"]
+
+
+def _hours(ra_deg: float, decimals: int) -> str:
+    """Write a right ascension as hours, minutes and seconds."""
+    text = format_dms(ra_deg / 15.0, decimals)
+    for mark, letter in zip("°'\"", "hms", strict=True):
+        text = text.replace(mark, letter)
+    return text
+
+
+def _pointed(one: SolvedStars) -> tuple[float, float, float]:
+    """Take right ascension, 0 to 360, declination and position angle, degrees."""
+    alpha, delta, swing = one.angles_deg[3:]
+    return alpha % 360.0, delta, swing % 360.0
+
+
+def _answer(photograph: SolvedPhotograph, one: SolvedStars, size_px: Sequence[float] | None) -> str:
+    """Say where the camera points, at which scale, and what it sees."""
+    stars, unit = photograph.stars, photograph.file.unit
+    halves, values = _half_widths(one), _pointed(one)
+    ra, dec = values[:2]
+    seconds = None if halves[0] is None else halves[0] * 240.0
+    hours = _hours(ra, min(_decimals(seconds), 3))
+    arc = None if halves[1] is None else halves[1] * 3600.0
+    notes = (hours, format_dms(dec, min(_decimals(arc), 3)), "of the y axis, from north to east")
+    rows = []
+    for name, value, half, note in zip(
+        ("right ascension", "declination", "position angle"), values, halves, notes, strict=True
+    ):
+        shown, width = _with_half(value, half)
+        rows.append([name, shown, f"+- {width}" if width else "", "deg", note])
+    focal = (one.camera or {}).get("focal", float(np.ravel(stars.focal_length_mm)[0]))
+    scale = ARCSEC / focal
+    rows.append(["scale", f"{scale:.5g}", "", "", f"seconds of arc a {unit}, on the axis"])
+    image = np.asarray(stars.image_mm).reshape(-1, 2)[photograph.used]
+    ends = np.stack([image.min(axis=0), image.max(axis=0)])
+    what = "of the stars"
+    if size_px is not None and unit == "px":
+        ends, what = np.outer([-0.5, 0.5], size_px), "of the image"
+    wide, high = np.degrees(np.ptp(np.arctan(ends / focal), axis=0)).tolist()
+    rows.append(["field", f"{wide:.4g} x {high:.4g}", "", "deg", what])
+    known = [f"; {HALF_WIDTHS}"] if halves[0] is not None else []
+    head = f"{photograph.file.source}: {count_text(len(one.stars), 'star')}, {one.method}, rms "
+    head += f"{one.rms:.3g} {unit}{''.join(known)}"
+    lines = aligned(rows, {0, 2, 3, 4}, {2, 3})
+    return "\n".join([head, *lines]) + "\n"
+
+
+def _directions(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
+    """Tabulate where the cameras point."""
+    if not rows:
+        return ""
+    units = list(dict.fromkeys(photograph.file.unit for photograph, _ in rows))
+    head = ["image", "method", "stars", "ra", "+-", "dec", "+-", "angle", "+-"]
+    below = ["", "", "", "deg", "", "deg", "", "deg", "", *units]
+    table = [[*head, *("rms" for _ in units)], below]
+    for photograph, one in rows:
+        cells = [
+            cell
+            for value, half in zip(_pointed(one), _half_widths(one), strict=True)
+            for cell in _with_half(value, half)
+        ]
+        rms = [f"{one.rms:.3g}" if photograph.file.unit == unit else "" for unit in units]
+        table.append([photograph.label, one.method, _stars(one.stars), *cells, *rms])
+    if not any(row[0] for row in table[2:]):
+        table = [row[1:] for row in table]
+    if not any(half is not None for _, one in rows for half in _half_widths(one)):
+        keep = [k for k, cell in enumerate(table[0]) if cell != "+-"]
+        table = [[row[k] for k in keep] for row in table]
+    left = {k for k, cell in enumerate(table[0]) if cell in ("image", "method", "stars")}
+    close = {k for k, cell in enumerate(table[0]) if cell == "+-"}
+    return "\n".join(aligned(table, left, close)) + "\n"
 
 
 def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
@@ -68,6 +182,12 @@ def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
         ("discr. sec", [one.interstar_discrepancy_arcsec for one in solved], ".2f", 10),
     ]
     shown = [column for column in columns if any(value is not None for value in column[1])]
+    if len(rows) == 1:  # one below the other: it is too wide for a screen
+        (one,) = solved
+        moved = "" if one.converged or one.iterations == 0 else f"\n{MOVED}"
+        cells = [[title, format(values[0] or 0.0, form)] for title, values, form, _ in shown]
+        head = f"{one.method}, stars {_stars(one.stars)}"
+        return "\n".join([head, *aligned(cells, {0})]) + f"{moved}\n"
     head = f"{'image' if wide else '':<{margin}}"
     lines = [f"{head}{'method':<17} {'stars':<9}" + "".join(f" {t:>{w}}" for t, _, _, w in shown)]
     for k, one in enumerate(solved):
@@ -77,12 +197,12 @@ def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
             line += f" {'' if value is None else format(value, form):>{width}}"
         lines.append(line.rstrip() + ("" if one.converged or one.iterations == 0 else "  *"))
     if any(one.iterations and not one.converged for one in solved):
-        lines.append("* the last correction still moved an image")
+        lines.append(f"* {MOVED}")
     return "\n".join(lines) + "\n"
 
 
-def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
-    """Format matrix, uncertainty and residuals of one solution."""
+def _details(one: SolvedStars, file: StarFile) -> str:
+    """Format matrix and uncertainty of one solution."""
     lines = ["matrix"]
     if one.orthogonality_defect > ROUNDING:
         lines = [f"matrix (as solved its orthogonality defect is {one.orthogonality_defect:.1e})"]
@@ -94,8 +214,8 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
     elif one.reading_sigma is None:
         text = "two stars do not tell the reading error; --reading-sigma states it"
         lines += ["", f"no standard deviations: {text}"]
-    if one.sky is not None:
-        lines += ["", *_pointing(one.sky)]
+    if one.sky is not None and (pointing := _pointing(one.sky)):
+        lines += ["", *pointing]
     if one.camera is not None:
         lines += ["", *_camera(one, file.unit)]
     if one.camera_m is not None and one.camera_sigma_m is not None:
@@ -106,7 +226,12 @@ def _details(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
         axis = " ".join(f"{component:.10f}" for component in one.axis)
         lines += ["", f"one rotation: {one.angle_deg:.7f} degrees about {axis},"]
         lines += [f"right ascension {one.axis_ra_deg:.7f}, declination {one.axis_dec_deg:.7f}"]
-    lines += ["", "residuals, observed minus computed" + (", and weights" if one.weights else "")]
+    return "\n".join(lines) + "\n"
+
+
+def _residuals(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
+    """Tabulate the residuals of one solution, star by star."""
+    lines = ["residuals, observed minus computed" + (", and weights" if one.weights else "")]
     lines.append(f"{'star':>6} {f'x {file.unit}':>11} {f'y {file.unit}':>11}")
     reduced = False
     for k, (star, residual) in enumerate(zip(one.stars, one.residuals, strict=True)):
@@ -148,16 +273,12 @@ def _cameras(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> list[str]:
 def _pointing(sky: dict[str, float]) -> list[str]:
     """Format the pointing of the optical axis: right ascension, declination, azimuth, vehicle."""
     lines = []
-    for suffix, what in (("", ""), ("_of_date", " of date")):
-        if f"ra{suffix}_deg" in sky:
-            ra_deg, dec_deg = sky[f"ra{suffix}_deg"], sky[f"dec{suffix}_deg"]
-            hours = format_dms(ra_deg / 15.0, 3)
-            for mark, letter in zip("°'\"", "hms", strict=True):
-                hours = hours.replace(mark, letter)
-            lines.append(
-                f"optical axis: right ascension{what} {ra_deg:.5f} = {hours}, "
-                f"declination {dec_deg:.5f} = {format_dms(dec_deg)}"
-            )
+    if "ra_of_date_deg" in sky:
+        ra_deg, dec_deg = sky["ra_of_date_deg"], sky["dec_of_date_deg"]
+        lines.append(
+            f"optical axis: right ascension of date {ra_deg:.5f} = {_hours(ra_deg, 3)}, "
+            f"declination {dec_deg:.5f} = {format_dms(dec_deg)}"
+        )
     if "azimuth_deg" in sky:
         azimuth, elevation, roll = (
             sky[name] for name in ("azimuth_deg", "elevation_deg", "camera_roll_deg")
