@@ -14,6 +14,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints, among
 from vopd.cards.deck import CardBlock
 from vopd.cards.format import BASIC_DATA, group_of
+from vopd.cards.miscount import Miscount
 from vopd.cards.read import read_jobs
 from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import Finding, InputError, Report, count_text
@@ -75,6 +76,8 @@ def check_deck(
             found += [_undefined_landmarks(job), []]
         if job is None and not any(one.severity == "error" for one in found[-1]):
             found[-1].append(Finding("the deck ends after group 1: it has no job", name).warned())
+    except Miscount as error:
+        found = [error.before(list(chain.from_iterable(found))), [error.finding]]
     except InputError as error:
         found.append([error.finding])
     earth.end()

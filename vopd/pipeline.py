@@ -240,6 +240,7 @@ def read_decks(
 
 def _read_deck(name: str, path: str, limits_1974: bool) -> Iterator[ReadJob | SourceEnd]:
     """Read one deck, each job when it is asked for, with the warnings about its cards."""
+    from vopd.cards.miscount import Miscount
     from vopd.cards.read import open_deck
     from vopd.check import checked_jobs
 
@@ -251,6 +252,8 @@ def _read_deck(name: str, path: str, limits_1974: bool) -> Iterator[ReadJob | So
             for number, job in enumerate(jobs, 1):
                 yield ReadJob(name, number, job, tuple(warnings))
                 warnings.clear()
+    except Miscount as found:
+        error, warnings = found, found.before(warnings)
     except VopdError as found:
         error = found
     yield SourceEnd(name, error, tuple(warnings))

@@ -21,6 +21,7 @@ from vopd.cards import deck as card_deck
 from vopd.cards import read as basic_data
 from vopd.cards.deck import CardBlock, CardDeck, byte_matrix
 from vopd.cards.read import open_deck, read_jobs
+from vopd.cards.sequence import strip_sequence
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError
 from vopd.job import Job, Readings
 from vopd.pipeline import ReadJob, read_deck, read_decks
@@ -469,3 +470,39 @@ def test_a_first_card_of_a_group_that_is_no_card(card: int) -> None:
         list(read_jobs(io.BytesIO("\n".join(cards).encode()), "a"))
     found = caught.value.finding
     assert (found.card, found.columns) == (card, (1, 1)) and found.message.startswith("a tab")
+
+
+TEXT = Path(CASE_1).read_text("ascii")
+RECORDS = "".join(card.ljust(80) for card in TEXT.splitlines())
+
+
+@pytest.mark.parametrize(
+    "content",
+    {
+        "a byte-order mark": TEXT.encode("utf-8-sig"),
+        "CR alone": TEXT.replace("\n", "\r").encode(),
+        "records of 80 bytes": RECORDS.encode(),
+        "the last record shorter": RECORDS.rstrip().encode(),
+        "EBCDIC lines": TEXT.encode("cp037"),
+        "EBCDIC with NEL": TEXT.encode("cp037").replace(b"\x25", b"\x15"),
+        "EBCDIC records": RECORDS.encode("cp500"),
+    }.items(),
+    ids=lambda one: one[0],
+)
+def test_a_deck_in_another_code_or_in_records(content: tuple[str, bytes]) -> None:
+    (job,) = read_jobs(io.BytesIO(content[1]), "a")
+    (usual,) = read_jobs(io.BytesIO(TEXT.encode()), "a")
+    assert job == usual
+
+
+def test_a_deck_without_its_sequence_numbers_is_the_deck() -> None:
+    """Numbers in columns 73 to 80 of all cards but those of group 7, where the altitude stands."""
+    cards = TEXT.splitlines()
+    numbered = [
+        card if card[72:].strip() else f"{card:<72}CASE{10 * k:04d}"
+        for k, card in enumerate(cards, 1)
+    ]
+    assert sum(a != b for a, b in zip(cards, numbered, strict=True)) == 60
+    bare, stripped = strip_sequence("\n".join([*numbered, ""]).encode(), "a")
+    assert bare.decode() == TEXT
+    assert stripped == set(range(1, 65)) - {34, 35, 36, 37}

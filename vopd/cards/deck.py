@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Bools
+from vopd.cards.text import COLUMNS, NUMBERS, CardText
 from vopd.files import kind_by_first_bytes
 from vopd.findings import Finding, InputError, Report, Severity, VopdError, count_text
 
@@ -18,7 +19,6 @@ from vopd.findings import Finding, InputError, Report, Severity, VopdError, coun
 
 Bytes = NDArray[np.uint8]
 
-COLUMNS = 80
 BLANK = 32
 LAST_PRINTABLE = 126
 
@@ -151,7 +151,7 @@ class CardDeck:
         self.report = report
         self.on_cards = on_cards
         self.taken = 0
-        self._file = file
+        self._text = CardText(file)
         self._buffer = b""
         self._at = 0
         self._ended = False
@@ -198,6 +198,17 @@ class CardDeck:
         where = Finding("", source=self.name, group=group)
         return CardBlock(byte_matrix([] if line is None else [_image(line)]), self.taken + 1, where)
 
+    def following(self, most: int) -> Bytes:
+        """Look at the next cards as bytes (cards, at most 80), which stay in the deck.
+
+        Args:
+            most: how many, if the deck has so many
+        """
+        while self._buffer.count(b"\n", self._at) < most and self._fill():
+            pass
+        lines = self._buffer[self._at :].split(b"\n", most)
+        return byte_matrix([_image(line) for line in lines[:most]])
+
     def next_bytes(self) -> bytes:
         """Look at the bytes that come next, at most one block of them, without taking them."""
         if self._at == len(self._buffer):
@@ -209,7 +220,7 @@ class CardDeck:
         if self._ended:
             return False
         try:
-            block = self._file.read(max(at_least, BLOCK_BYTES))
+            block = self._text.read(max(at_least, BLOCK_BYTES))
         except OSError as error:
             raise VopdError(f"{self.name}: {error.strerror}") from error
         self._ended = not block
@@ -324,7 +335,10 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
         return None
     for column, byte in enumerate(line, 1):
         if byte == ord("\t"):
-            message = "a tab; cards have only blanks between their fields"
+            message = (
+                "a tab; cards have only blanks between their fields: "
+                f"expand {where.source} > NEW writes blanks"
+            )
         elif not BLANK <= byte <= LAST_PRINTABLE:
             message = f"byte {byte:#04x} is not a printable ASCII character; is this a card deck?"
         elif column > COLUMNS and byte != BLANK:
@@ -347,13 +361,13 @@ ADVICE = {
     "a JSON file": f"{_OF_A_FLIGHT} (or --picks, --landmarks)",
     "an XML file": f"{_OF_A_FLIGHT} (or --lens, --track)",
     "a TOML file": "vopd attitude, plot, report and check take a flight project NAME.toml",
+    "a gzip archive": "unpack it: gunzip",
+    "UTF-16 text": "iconv -f UTF-16 -t ASCII converts it",
 }
 """What to do with a file of some kinds; {} are its usual option in a new project and its name."""
 _EXAMPLE = "vopd demo writes an example of a deck"
 _OPTION = {"a CSV file": "picks", "a JSON file": "lens", "an XML file": "picks"}
 
-_NUMBERS = r"[\d .+\-EeDd]*"
-"""What the two fields of a deck's first card can hold, columns 1 to 20."""
 _COMMA_SEPARATED = r"[^,;]*[,;][^,;]*[,;]|[A-Za-z_]\w*\s*[,;]"
 _STAR_COLUMNS = r"\s*x_mm\s*,\s*y_mm\b"
 _TOML = r"\[+[\w.\"' -]+\]+\s*(#.*)?$|[\w.\"'-]+\s*=\s*\S"
@@ -388,7 +402,7 @@ def _kind(start: bytes) -> str | None:
         return "a listing"
     lines = filter(str.strip, text.splitlines())
     line = next(lines, "")
-    if re.fullmatch(_NUMBERS, line[:20]):
+    if re.fullmatch(NUMBERS, line[:20]):
         return None
     while line.lstrip().startswith("#"):
         line = next(lines, "")

@@ -18,7 +18,8 @@ from vopd.cards.format import (
     format_items,
     group_of,
 )
-from vopd.cards.read import FIDUCIAL_CARDS, read_cards, read_jobs
+from vopd.cards.miscount import FIDUCIAL_CARDS
+from vopd.cards.read import read_cards, read_jobs
 from vopd.findings import InputError
 
 Wanted = Callable[[int, int], bool]

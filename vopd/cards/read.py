@@ -11,9 +11,19 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 
 from vopd.arrays import Floats, Ints, among
-from vopd.cards.deck import COLUMNS, CardBlock, CardDeck, refuse_other_file
+from vopd.cards.deck import CardBlock, CardDeck, byte_matrix, refuse_other_file
 from vopd.cards.format import BASIC_DATA, GROUPS, CardField, CardGroup, FormatItem, format_items
+from vopd.cards.miscount import (
+    FIDUCIAL_CARDS,
+    LENS_CARDS,
+    Miscount,
+    find_miscount,
+    find_odd_reading,
+    looks_like_basic_data,
+)
 from vopd.cards.numbers import FEW, FieldValues, read_few, read_field
+from vopd.cards.sequence import sequence_of
+from vopd.cards.text import COLUMNS
 from vopd.findings import Finding, InputError, Report, VopdError, count_text, strict
 from vopd.inputs import no_file
 from vopd.job import (
@@ -156,8 +166,6 @@ def _finding(
 
 # The control cards, groups 1 to 12, whose values stay from job to job
 
-LENS_CARDS = 25
-
 LIMITS_1974: Mapping[str, tuple[int, str]] = {
     "III": (50, "IX(50)"),
     "IWV": (50, "ALT(50)"),
@@ -282,6 +290,12 @@ class ControlCards:
         largest = self._limits.get("NPT", (np.inf, ""))[0]
         wrong = (self.frame_counts < 1) | (self.frame_counts > largest)
         for k in np.flatnonzero(wrong):
+            if k and not self.frame_counts[k:].any():
+                frames = count_text(self._count["NFR"], "frame")
+                message = f"0: at least 1 is needed, or is NFR ({frames}) too large?"
+                finding = self._finding(cards, 3 + int(k), message)
+                self._report(finding)
+                raise InputError(finding)
             self._keep("NPT", int(self.frame_counts[k]), cards, 3 + int(k))
 
     def _group_6(self, _: CardBlock) -> None:
@@ -368,7 +382,6 @@ def _row(table: GroupTable, *names: str) -> Floats:
 
 # The basic data: three readings of every point of every frame
 
-FIDUCIAL_CARDS = 12
 CARDS_AT_A_TIME = 24_000
 POINT_CARDS = 3  # cards of another frame that show a wrong count, and not a mispunched number
 _LANDMARK, _X, _Y, _FRAME = format_items(BASIC_DATA.format)
@@ -414,6 +427,8 @@ def _portions(counts: Ints) -> list[Ints]:
 def _read_frames(cards: CardBlock, counts: Ints, defined: Ints, report: Report) -> Readings:
     """Read frames from their cards, as far as there are cards."""
     if cards.stopped_by is not None:
+        if cards.stopped_by.image is None:  # the deck ends
+            _blame_card(cards, counts)
         _check_counts_so_far(cards, counts, report)
     table = read_table(cards, BASIC_DATA, report)
     number, frame = whole(table["ISAVE"]), whole(table["IFRAM"])
@@ -427,6 +442,9 @@ def _read_frames(cards: CardBlock, counts: Ints, defined: Ints, report: Report) 
     reading_rows = np.flatnonzero(~is_fiducial).reshape(-1, 3)  # (landmark, reading), in order
 
     _check_frames(cards, frame, starts, counts, report)
+    three = number[reading_rows]
+    if (three != three[:, 2:]).any():
+        _blame_card(cards, counts)
     _check_numbers(cards, number, fiducial_rows.ravel(), reading_rows, report)
     return Readings(
         LandmarkLayout(counts),
@@ -467,6 +485,7 @@ def _check_frames(
     different = np.flatnonzero(frame[: len(whose)] != whose)
     if not len(different):
         return
+    _blame_card(cards, counts)
     for k in sorted(set((np.searchsorted(starts, different, side="right") - 1).tolist())):
         own = frame[starts[k] : ends[k]]
         usual = _most_frequent(own)
@@ -482,6 +501,13 @@ def _check_frames(
             row = int((own != usual).argmax())
             message = f"frame {own[row]} among the cards of frame {usual}"
             report(cards.finding(int(starts[k]) + row, message, *_FRAME_FIELD))
+
+
+def _blame_card(cards: CardBlock, counts: Ints) -> None:
+    """Raise `Miscount` if one card too few or too many puts the frames out of step."""
+    cause = find_odd_reading(cards, counts)
+    if cause is not None:
+        raise Miscount(cause)
 
 
 def _wrong_count(own: Ints, count: int, before: int | None) -> tuple[int, str]:
@@ -547,6 +573,8 @@ def _look_for_more(deck: CardDeck, frame: int, count: int, report: Report) -> No
 # The jobs that are stacked in a deck (A 25 to A 118)
 
 STOP = 13
+LAST_CARD = sys.maxsize
+LOOKED_AT = 400  # cards behind an error among which a miscount is looked for
 
 
 @contextmanager
@@ -602,7 +630,14 @@ def read_jobs(
         InputError: where a card cannot be read, or reading cannot go on.
         VopdError: where the file is empty or is not a deck.
     """
-    deck = CardDeck(file, name, report, on_cards)
+    control_cards: list[CardBlock] = []  # of the job that is being read
+
+    def keep(cards: CardBlock) -> None:
+        if cards.where.group != BASIC_DATA.number:
+            control_cards.append(cards)
+        on_cards(cards)
+
+    deck = CardDeck(file, name, report, keep)
     if deck.at_end():
         raise VopdError(f"{name}: the deck is empty")
     refuse_other_file(deck.next_bytes(), name)
@@ -612,13 +647,23 @@ def read_jobs(
     while group != STOP:
         if group <= 2:
             stored = None
+        control_cards.clear()
         for number in range(group, 13):
             if number == 2 and deck.at_end():
                 return
-            control.read(number)
+            try:
+                control.read(number)
+            except InputError as error:
+                if stored is None:
+                    _blame_count(control_cards, deck, error)
+                raise
+            if number == 1:
+                _warn_of_sequence(control_cards[-1], report)
             if number == 5 and stored is not None:
                 _check_stored(stored, control, report)
         if stored is None:
+            if _out_of_step(control_cards[-1], deck):
+                _blame_count(control_cards, deck)
             counts, defined = control.frame_counts, control.landmarks.number
             stored = read_basic_data(deck, counts, defined, report)
         yield _job(control, stored)
@@ -627,7 +672,41 @@ def read_jobs(
             raise InputError(control.bad_return())
     if not deck.at_end():
         message = f"the deck goes on after the job that stops the run (return group {STOP})"
+        if looks_like_basic_data(deck.next_card(BASIC_DATA.number).text).any():
+            frames = count_text(len(control.frame_counts), "frame")
+            message += f": readings of a further frame, where group 5 counts {frames}"
         report(Finding(message, name, deck.taken + 1, severity="warning"))
+
+
+def _out_of_step(last: CardBlock, deck: CardDeck) -> bool:
+    """Tell whether the film's readings begin before the end of group 12, or not behind it."""
+    follows = deck.next_card(BASIC_DATA.number).text
+    begun = looks_like_basic_data(last.text[-1:])
+    return bool(begun.any() or not looks_like_basic_data(follows).any())
+
+
+def _blame_count(
+    control_cards: list[CardBlock], deck: CardDeck, error: InputError | None = None
+) -> None:
+    """Raise `Miscount` if a group with a card too few or too many explains what was read."""
+    first = control_cards[0]
+    start = first.where.group or 0
+    rows = [row.tobytes() for cards in control_cards for row in cards.text]
+    rows += [row.tobytes() for row in deck.following(LOOKED_AT)]
+    cause = find_miscount(byte_matrix(rows), first.first, start, deck.name)
+    before = error.finding.card if error is not None else None
+    if cause is not None and (before or LAST_CARD) >= (cause.card or 0):
+        raise Miscount(cause) from error
+
+
+def _warn_of_sequence(cards: CardBlock, report: Report) -> None:
+    """Warn of sequence numbers in columns 73 to 80 of group 1, which the program never reads."""
+    if numbers := sequence_of(cards.text):
+        message = (
+            f"sequence numbers ({numbers.example}): the program reads columns 73 to 80 as data in "
+            "the title and groups 5, 7 and 12; vopd cards --strip-sequence writes the deck without"
+        )
+        report(cards.finding(0, message, "", (73, 80), "warning"))
 
 
 def _job(control: ControlCards, stored: Readings) -> Job:

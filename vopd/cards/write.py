@@ -9,10 +9,10 @@ from dataclasses import fields
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.cards.deck import COLUMNS
 from vopd.cards.format import BASIC_DATA, GROUPS, FormatItem, format_items
 from vopd.cards.numbers import nearest_that_fits, write_number
 from vopd.cards.read import read_jobs
+from vopd.cards.text import COLUMNS
 from vopd.findings import VopdError, group_text
 from vopd.job import Job
 

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import io
+from contextlib import suppress
+
 import click
 
+from vopd.cards import sequence
+from vopd.cards.deck import CardBlock
 from vopd.cards.explain import explain_deck
 from vopd.cards.format import BASIC_DATA
-from vopd.cards.read import open_deck
+from vopd.cards.read import open_deck, read_jobs
+from vopd.cards.text import CardText
 from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
@@ -21,8 +27,15 @@ SHOWN = 21  # cards of basic data that are explained unasked: a frame of three l
     "--group", "groups", metavar="N", multiple=True, help="1 to 12, or basic; repeatable."
 )
 @click.option("--card", "cards", metavar="N", multiple=True, help="A card, or A-B; repeatable.")
+@click.option(
+    "--strip-sequence",
+    is_flag=True,
+    help="Write the deck itself, without the sequence numbers in columns 73 to 80.",
+)
 @output_option("Write the text to this file.")
-def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: str) -> None:
+def command(
+    deck: str, groups: tuple[str, ...], cards: tuple[str, ...], strip_sequence: bool, output: str
+) -> None:
     """Explain a deck card by card.
 
     Under each card are its fields: columns, FORTRAN name, the value that the
@@ -35,12 +48,18 @@ def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: 
     Examples:
         vopd cards decks/appendix_h/case1.dat --group 8
         vopd cards decks/appendix_h/case1.dat --card 39-41
+        vopd cards numbered.dat --strip-sequence -o flight.dat
 
     Exit status: 0 all well; 1 the deck could not be read, or has no such card;
     2 wrong usage.
     """
     choice = CardChoice(groups, cards)
     refuse_to_overwrite((deck,), output)
+    if strip_sequence:
+        if groups or cards:
+            raise click.UsageError("--strip-sequence writes all cards: leave out --group, --card.")
+        _strip_sequence(deck, output)
+        return
     with open_deck(deck) as source, whole_file(output) as file:
         for text in explain_deck(source, deck, choice):
             file.write(f"{text}\n\n".encode())
@@ -49,6 +68,31 @@ def command(deck: str, groups: tuple[str, ...], cards: tuple[str, ...], output: 
         click.echo(
             f"{count_text(choice.held_back, 'more card')} of basic data: choose them by "
             "--card A-B, or all by --group basic",
+            err=True,
+        )
+
+
+def _strip_sequence(deck: str, output: str) -> None:
+    """Write a deck without its sequence numbers, and name what they have overwritten."""
+    with open_deck(deck) as source:
+        text = CardText(source).all()
+    bare, stripped = sequence.strip_sequence(text, deck)
+    with whole_file(output) as file:
+        file.write(bare)
+    click.echo(f"sequence numbers taken off {count_text(len(stripped), 'card')}", err=True)
+    of_group_7: set[int] = set()
+
+    def keep(cards: CardBlock) -> None:
+        if cards.where.group == 7:
+            of_group_7.update(range(cards.first, cards.first + len(cards)))
+
+    with suppress(VopdError):
+        for _ in read_jobs(io.BytesIO(text), deck, lambda _: None, on_cards=keep):
+            pass
+    if lost := sorted(of_group_7 & stripped):
+        click.echo(
+            f"warning: {deck}: group 7 had them in the place of the altitude, columns 71-80 "
+            f"({count_text(len(lost), 'card')}, first card {lost[0]}): punch the altitudes again",
             err=True,
         )
 
