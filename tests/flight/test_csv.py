@@ -51,8 +51,10 @@ def test_columns_are_separated_by_what_the_header_has_most_of(between: str) -> N
     table = read_csv(of(text))
     assert table.header == ["a", "B", "c x"] and [*table.line] == [4]
     assert [table.column(name) for name in table.header] == [["1"], ["2"], ["3"]]
-    assert has_columns(of(text), ("z",), ("a", "B")) and not has_columns(of(text), ("a", "b"))
-    assert not has_columns(of(text), ("z",), ("B", "z")) and not has_columns(of(text))
+    assert has_columns(of(text), (), ("z",), ("a", "B")) and not has_columns(
+        of(text), (), ("a", "b")
+    )
+    assert not has_columns(of(text), (), ("z",), ("B", "z")) and not has_columns(of(text), ())
 
 
 def test_lines_that_are_no_rows_are_counted() -> None:

@@ -189,7 +189,7 @@ def test_frames_by_name_and_by_number(tmp_path: Path) -> None:
         "image,t_s\na,1\nb,\n",
         "image,t_utc\na,2026-05-01T00:00:00\n",
         "image,t_utc\na,noon\n",
-        "image,t\na,1\n",
+        "image,when\na,1\n",
     ],
 )  # fmt: skip
 def test_errors_in_times_name_line_and_column(text: str) -> None:

@@ -184,5 +184,5 @@ def test_latitudes_of_a_table_are_looked_at_in_their_row() -> None:
 def test_a_table_that_has_part_of_landmarks(header: str, message: str) -> None:
     cells = ",".join("1" * (header.count(",") + 1))
     assert told(f"{header}\n{cells}\n").startswith(f"m: line 1: {message}")
-    for other in ("lat_deg,h_m", "x_m,z_m", "name"):
+    for other in ("lat_deg,h_m", "x_m,z_m", "nom"):
         assert told(f"{other}\n1,2\n").startswith("m: the format is not recognised")

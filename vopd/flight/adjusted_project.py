@@ -216,7 +216,7 @@ def _write_landmarks(
         cells = [f"{value:.{n}f}" for value, n in zip(own, digits, strict=True)]
         table.writerow([name, *cells, *(f"{value:.6g}" for value in sigma)])
     new.contents[LANDMARKS] = text.getvalue().encode()
-    changes["landmarks", "file"] = toml_text(LANDMARKS)
+    changes["landmarks", "file"], changes["landmarks", "columns"] = toml_text(LANDMARKS), None
     if crs is not None:
         changes["landmarks", "crs"] = toml_text(crs)
     new.said.append(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import codecs
 import csv
+import re
 from array import array
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from difflib import get_close_matches
 from functools import cached_property
@@ -47,6 +48,10 @@ SHOWN.maxstring = SHOWN.maxother = 200  # characters
 SHOWN.maxlist, SHOWN.maxlevel = 12, 2
 
 
+Columns = Mapping[str, str] | list[str]
+"""What a project says of the columns of a CSV."""
+
+
 @dataclass(frozen=True, eq=False)
 class InputFile:
     """A file or a folder that a project names.
@@ -55,11 +60,14 @@ class InputFile:
         name: as the project has it, for messages
         path: where it is
         given: its text, where that is not read from the file
+        columns: of a CSV, its own header names by the names here, or the names of all its columns
+            where it has no header
     """
 
     name: str
     path: Path
     given: str | None = None
+    columns: Columns | None = None
 
     @cached_property
     def text(self) -> str:
@@ -116,12 +124,13 @@ class InputFile:
         return VopdError(": ".join([*where, message]))
 
 
-def open_input(name: str, folder: Path) -> InputFile:
+def open_input(name: str, folder: Path, columns: Columns | None = None) -> InputFile:
     """Find a file of a project.
 
     Args:
         name: as the project has it, relative to the project's folder
         folder: the project's
+        columns: what the project says of the columns of a CSV
 
     Raises:
         VopdError: where it cannot be read, or is not text
@@ -132,7 +141,7 @@ def open_input(name: str, folder: Path) -> InputFile:
             raise VopdError("the name of a file is needed")
         if kind := no_file(path):
             raise VopdError(f"{name}: {kind}")
-        file = InputFile(name, path)
+        file = InputFile(name, path, columns=columns)
         _ = file.head
         return file
     except ValueError as error:  # a name that no file can have
@@ -178,12 +187,15 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
     """
     for one in formats:
         if one.recognises(file):
+            if file.columns and not one.name.startswith("CSV"):
+                raise file.error(f"columns are of a CSV, and the file is {one.name}")
             try:
                 return one.read(file, *more)
             except UNEXPECTED as error:  # a value of another kind than the format has there
                 raise file.error(f"not as {one.name} should be: {reason(error)}") from error
     known = ", ".join(one.name for one in formats)
-    raise file.error(f"the format is not recognised; known are {known}")
+    hint = _unnamed(file) if any(one.name.startswith("CSV") for one in formats) else ""
+    raise file.error(f"the format is not recognised; known are {known}{hint}")
 
 
 def shown(value: object) -> str:
@@ -209,6 +221,128 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
 MANY_NAMED = 40  # words that are listed
 MANY_WORDS = 2_000  # among which a like one is looked for: it takes 20 microseconds each
 LONG_WORD = 100  # characters
+
+
+# Names of columns
+
+TIME = "t_s", "t_utc", "t_unix_s", "t_unix_ms"
+SYNONYMS = {
+    name: (name, *others.split())
+    for name, others in {
+        "frame": "frame_number frame_no frame_id frame_index",
+        "image": "image_name filename file_name file photo picture img",
+        "landmark": "name label point point_name landmark_name marker target gcp id point_id",
+        "u_px": "u x px x_px pixel_x image_x im_x col column",
+        "v_px": "v y py y_px pixel_y image_y im_y row",
+        "lat_deg": "lat latitude latitude_deg gps_lat gps_latitude",
+        "lon_deg": "lon lng long longitude longitude_deg lng_deg gps_lon gps_long gps_longitude",
+        "h_m": "h alt altitude height elevation elev ele alt_m altitude_m height_m elevation_m "
+        "gps_alt gps_altitude",
+        "x_m": "x east easting e east_m easting_m",
+        "y_m": "y north northing n north_m northing_m",
+        "z_m": "z up height elevation elev ele alt altitude h h_m up_m height_m elevation_m alt_m "
+        "altitude_m",
+        "from_deg": "direction wind_direction wind_dir dir wdir direction_deg wind_direction_deg",
+        "speed_m_s": "speed_ms wind_speed_m_s wind_speed_ms",
+        "speed_kt": "speed_knots speed_kts wind_speed_kt wind_speed_knots",
+    }.items()
+}
+"""Names that columns have in other programs' tables, lower case, with _ for all that is no letter.
+
+Of several that are there the first is taken, and of heights none.
+"""
+TIMES = (
+    "time", "timestamp", "t", "utc", "datetime", "date_time", "time_utc", "utc_time", "time_s",
+    "t_sec", "seconds", "sec", "elapsed", "elapsed_s", "unix", "unix_time", "unix_s", "posix_time",
+)  # fmt: skip
+"""Other names of a time: dates are `t_utc`, numbers `t_s`, or seconds since 1970."""
+LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
+PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
+HEIGHTS = ("h_m", "z_m")
+ENOUGH = ((("frame", "image"), ("frame", "image")), (TIME, (*TIME, "image")))
+"""Columns, and those that are not looked for under other names where one of the first is there."""
+
+
+def plain_name(text: str) -> str:
+    """Write the name of a column in lower case, with _ for all that is no letter or digit."""
+    return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")
+
+
+def own_names(
+    file: InputFile, header: list[str], known: Sequence[str], first: Sequence[str] = ()
+) -> list[str]:
+    """Name the columns of a table as they are called here; others keep their names.
+
+    Args:
+        file: the table, with what the project says of its columns
+        header: the names in it
+        known: the names that its columns may have here
+        first: the cells of the first row, which tell dates from numbers
+
+    Raises:
+        VopdError: where the project maps a column that is not there, or two may be the height
+    """
+    if not known or isinstance(file.columns, list):
+        return header
+    found = list(header)
+    for name, own in (file.columns or {}).items():
+        if name not in known:
+            raise file.error(f"columns: {name} is none of this table{did_you_mean(name, known)}")
+        if own not in header:
+            raise file.error(f"columns: there is no column {own}{did_you_mean(own, header)}")
+        found[header.index(own)] = name
+    plain = [plain_name(name) for name in found]
+    left_out = {name for some, rest in ENOUGH if {*some} & {*found} for name in rest}
+    if "lat_deg" in known and "x_m" in known:
+        x = "x_m" in found or not {"lat_deg", *plain} & {*SYNONYMS["lat_deg"]}
+        left_out |= {*GEODETIC} if x else {*PLANE}
+    for name in known:
+        if name in found or name in left_out:
+            continue
+        others = TIMES if name == TIME[0] else SYNONYMS.get(name, ())
+        there = [plain.index(one) for one in others if one in plain]
+        there = [k for k in there if found[k] not in known]
+        if len(there) > 1 and name in HEIGHTS:
+            message = f"{header[there[0]]} or {header[there[1]]} is the height: say which"
+            raise file.error(f"{message}, {_mapped(name, header[there[0]])}", 1)
+        for k in there[:1]:
+            found[k] = _time_name(first[k] if k < len(first) else "") if name == TIME[0] else name
+    return found
+
+
+def _time_name(cell: str) -> str:
+    """Name a column of times by its first cell."""
+    try:
+        value = plain_number(cell)
+    except ValueError:
+        return "t_utc"
+    return "t_s" if value < LATE else "t_unix_s" if value < 1e3 * LATE else "t_unix_ms"
+
+
+def _mapped(name: str, own: str) -> str:
+    """Write the line of a project that maps a column."""
+    return f'columns = {{ {name} = "{own}" }}'
+
+
+def _unnamed(file: InputFile) -> str:
+    """Say what to do where the columns of a table are not known; empty if it is no table."""
+    header = header_names(file)
+    if len(header) < 2:
+        return ""
+    if any(map(_is_number, header)):
+        return '; a CSV without a header needs columns = ["...", "..."], the names of all of them'
+    if not {*header} - {*SYNONYMS, *TIME}:
+        return ""  # a table of another kind
+    names = ", ".join(header[:MANY_NAMED])
+    return f"; its columns are {names}: rename them, or map them, {_mapped('...', '...')}"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        plain_number(text)
+    except ValueError:
+        return False
+    return True
 
 
 # Tables with a header line: their columns
@@ -238,9 +372,18 @@ class CsvTable:
     """The rows below a header line, or some of them."""
 
     file: InputFile
-    header: list[str]
+    header: list[str]  # names as they are here
     columns: list[list[Cells]]  # blocks of rows, for each name in the header
     line: Sequence[int]  # of each row, from 1
+    own: Sequence[str] = ()  # names as they are in the file; empty for the same
+    known: Sequence[str] = ()  # names that columns may have here
+
+    @property
+    def read_as(self) -> str:
+        """Say which columns have other names here; empty if none has."""
+        there = [k for k, own in enumerate(self.own) if own != self.header[k]]
+        own, here = (", ".join(names[k] for k in there) for names in (self.own, self.header))
+        return f" ({own} read as {here})" if there else ""
 
     def has(self, name: str) -> bool:
         """Tell whether there is such a column."""
@@ -261,9 +404,19 @@ class CsvTable:
             VopdError: where there is none
         """
         if name not in self.header:
-            raise self.file.error(f"no column {name}{did_you_mean(name, self.header)}", 1)
+            raise self.file.error(f"no column {name}{self._instead_of(name)}", 1)
         for block in self.columns[self.header.index(name)]:
             yield [*map(str.strip, block.split("\n") if isinstance(block, str) else block)]
+
+    def _instead_of(self, name: str) -> str:
+        """Say which column may be one that is missing: those that have no other use here."""
+        used = {*self.known, *SYNONYMS, *TIME, ""}
+        free = [one for one in self.header if one not in used and not _is_number(one)]
+        near = get_close_matches(name[:LONG_WORD], free[:MANY_WORDS], 1, 0.6)
+        if not free or not self.known:
+            return did_you_mean(name, self.header)
+        which = near[0] if near else f"one of {', '.join(free[:MANY_NAMED])}"
+        return f": rename {which} to {name}, or map it, {_mapped(name, near[0] if near else '...')}"
 
     def numbers(self, name: str, words: Mapping[str, float] = NO_WORDS) -> Floats:
         """Read the numbers of a column.
@@ -353,6 +506,18 @@ class CsvTable:
             raise self.error(f"{text[:LONG_WORD]} is not a finite number{hint}", row, name)
         return value
 
+    def clock(self, order: Sequence[str]) -> tuple[Floats, bool]:
+        """Read the times, and whether they are seconds since 1970 and not of the flight.
+
+        Args:
+            order: the names of `TIME`, of which the first that is there counts
+        """
+        name = next(filter(self.has, order), TIME[0])
+        if name == "t_utc":
+            return self.times(name), True
+        unit = 1e-3 if name == "t_unix_ms" else 1.0
+        return self.numbers(name) * unit, name != TIME[0]
+
     def times(self, name: str) -> Floats:
         """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset."""
         return np.array([self._time(name, k, text) for k, text in enumerate(self.column(name))])
@@ -371,6 +536,8 @@ class CsvTable:
 
     def error(self, message: str, row: int, column: str = "") -> VopdError:
         """Make an error about a row, by its index."""
+        if column in self.header and self.own:
+            column = self.own[self.header.index(column)]
         return self.file.error(message, self.line[row], column)
 
 
@@ -430,27 +597,33 @@ def _is_whole(text: str, digits: int = DIGITS) -> bool:
 # Tables read whole or in blocks of rows
 
 
-def read_csv(file: InputFile) -> CsvTable:
+def read_csv(file: InputFile, known: Sequence[str] = ()) -> CsvTable:
     """Read the table of a file whose columns are separated by commas, semicolons or tabs.
 
     Lines that begin with # are comments.
 
+    Args:
+        file: the file
+        known: names of columns, for which others of `SYNONYMS` may stand
+
     Raises:
         VopdError: where there is no header, or a row has not as many cells
     """
-    header: list[str] = []
     columns, lines = [], array("q")
-    for block in csv_blocks(file):
-        header = block.header
+    for block in csv_blocks(file, known):
         if block.line:
             columns.append(["\n".join(cells) for (cells,) in block.columns])
             lines.extend(block.line)
-    by_name = [list(one) for one in zip(*columns, strict=True)] or [[] for _ in header]
-    return CsvTable(file, header, by_name, lines)
+    by_name = [list(one) for one in zip(*columns, strict=True)] or [[] for _ in block.header]
+    return replace(block, columns=by_name, line=lines)
 
 
-def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
+def csv_blocks(file: InputFile, known: Sequence[str] = ()) -> Iterator[CsvTable]:
     """Read the same table in blocks of rows, as the file is read.
+
+    Args:
+        file: the file
+        known: as for `read_csv`
 
     Raises:
         VopdError: as `read_csv`
@@ -473,8 +646,9 @@ def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
             )
             raise file.error("a quoted cell goes over the end of the line", line)
         if first:
-            header = _header(file, rows.pop(0), numbers[0])
-            numbers = numbers[1:]
+            own = _header(file, rows, numbers[0])
+            numbers = numbers[len(numbers) - len(rows) :]
+            header = own_names(file, own, known, rows[0] if rows else ())
         if {*map(len, rows)} - {len(header)}:
             k = next(k for k, row in enumerate(rows) if len(row) != len(header))
             hint = "; decimals take a point" if len(rows[k]) > len(header) else ""
@@ -482,7 +656,7 @@ def csv_blocks(file: InputFile) -> Iterator[CsvTable]:
             raise file.error(message, numbers[k])
         if rows or first:
             cells = zip(*rows, strict=True) if rows else [()] * len(header)
-            yield CsvTable(file, header, [[one] for one in cells], numbers)
+            yield CsvTable(file, header, [[one] for one in cells], numbers, own, known)
     if not header:
         raise file.error("the file is empty")
 
@@ -492,8 +666,10 @@ def _is_open(line: str, between: str) -> bool:
     return len(list(csv.reader((line, ""), delimiter=between))) < 2
 
 
-def _header(file: InputFile, cells: list[str], line: int) -> list[str]:
-    header = [name.strip() for name in cells]
+def _header(file: InputFile, rows: list[list[str]], line: int) -> list[str]:
+    """Take the header from the first rows, or from the project where the file has none."""
+    given = file.columns if isinstance(file.columns, list) else ()
+    header = [name.strip() for name in given or rows.pop(0)]
     if len(header) > MOST_COLUMNS:
         raise file.error(f"{count_text(len(header), 'column')}, {MOST_COLUMNS} at most", line)
     doubled = {name for name, count in Counter(header).items() if count > 1}
@@ -529,6 +705,8 @@ def _first_line(file: InputFile) -> str:
 
 def header_names(file: InputFile) -> list[str]:
     """Read the names in the first line that is no comment; empty for an empty file."""
+    if isinstance(file.columns, list):
+        return file.columns
     line = _first_line(file)
     return [name.strip().strip('"').strip() for name in line.split(separator(line))] if line else []
 
@@ -538,7 +716,16 @@ def separator(line: str) -> str:
     return max(",;\t", key=line.count)
 
 
-def has_columns(file: InputFile, *ways: Sequence[str]) -> bool:
-    """Tell whether the header has all columns of one of the ways."""
-    names = set(header_names(file))
-    return any(set(way) <= names for way in ways)
+def has_columns(file: InputFile, known: Sequence[str], *ways: Sequence[str]) -> bool:
+    """Tell whether the header has all columns of one of the ways.
+
+    Args:
+        file: the table
+        known: names of columns, for which others of `SYNONYMS` may stand
+        ways: names of columns that are there together
+    """
+    try:
+        names = {*own_names(file, header_names(file), known)}
+    except VopdError:  # reading it says what is wrong
+        return True
+    return any({*way} <= names for way in ways)

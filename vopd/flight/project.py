@@ -15,6 +15,7 @@ from vopd.findings import VopdError
 from vopd.flight.coordinates import HEIGHTS
 from vopd.flight.files import (
     EXACT,
+    Columns,
     InputFile,
     InputFormat,
     did_you_mean,
@@ -116,6 +117,9 @@ KEYS: tuple[Key, ...] = (
         "with `readout_ms`", choices=("first-row", "middle")),
     Key("picks", "file", "file", '"picks.csv"',
         "columns frame,landmark,u_px,v_px, or another format", "the picks"),
+    Key("picks", "columns", "other", "", "",
+        "of a CSV whose header has other names: `{ landmark = \"target\" }`; of one without a "
+        "header the names of all its columns: `[\"frame\", \"landmark\", \"u_px\", \"v_px\"]`"),
     Key("picks", "pixel_grid", "text", '"centre"', _GRID,
         "for a CSV: `centre` where (0, 0) is the centre of the first pixel, `corner` where it is "
         "the corner of the image, `one-based` where the first pixel is (1, 1)", choices=_GRIDS),
@@ -136,6 +140,7 @@ KEYS: tuple[Key, ...] = (
         "images is ahead of UTC, where the tags do not say their zone"),
     Key("landmarks", "file", "file", '"landmarks.csv"',
         "landmark,lat_deg,lon_deg,h_m, or another format", "the landmarks"),
+    Key("landmarks", "columns", "other", "", "", "as for picks"),
     Key("landmarks", "crs", "text", '"EPSG:32633"', _CRS, "their coordinate reference system; "
         "needed with `x_m`, `y_m` where the file has none"),
     Key("landmarks", "height", "text", '"ellipsoid"', _DATUM, _COUNTED, choices=HEIGHTS),
@@ -144,6 +149,7 @@ KEYS: tuple[Key, ...] = (
         _ROWS, size=3),
     Key("track", "file", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format",
         "the track of a camera that moves"),
+    Key("track", "columns", "other", "", "", "as for picks"),
     Key("track", "crs", "text", '"EPSG:32633"', _CRS, "as for landmarks"),
     Key("track", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS),
     Key("track.height", "undulation_m", "number", "", _UNDULATION),
@@ -195,6 +201,7 @@ KEYS: tuple[Key, ...] = (
     Key("wind", "file", "file", '"wind.csv"',
         "h_m,from_deg,speed_m_s; without it against the ground",
         "a sounding; without it the angles of attack are against the ground"),
+    Key("wind", "columns", "other", "", "", "as for picks"),
     Key("wind", "sigma_m_s", "sigma", "1.0", "m/s, of the wind along north and along east",
         "standard deviation of the wind along north and along east, the same error in all frames"),
     Key("atmosphere", "refraction", "text", '"standard"', "standard, off or { k = 0.13 }",
@@ -359,6 +366,18 @@ class Section:
             raise self.error(key, f"{shown(value)} is not a list of texts in quotes")
         return tuple(value)
 
+    def columns(self) -> Columns | None:
+        """Read what is said of the columns of a CSV; None if nothing is."""
+        value = self.values.get("columns")
+        if value is None:
+            return None
+        self._row("columns", "other")
+        texts = value.values() if isinstance(value, dict) else value
+        if not isinstance(value, dict | list) or not all(isinstance(one, str) for one in texts):
+            message = 'is a table, { h_m = "alt" }, or the list of all columns of a file without'
+            raise self.error("columns", f"{message} a header")
+        return value
+
     def date(self, key: str) -> datetime | None:
         """Read a date and time, UTC; None if not given.
 
@@ -450,7 +469,8 @@ class Project:
         """Open the file that a key names."""
         where = self.section(section)
         try:
-            return open_input(where.text(key), self.folder)
+            columns = where.columns() if key == "file" else None
+            return open_input(where.text(key), self.folder, columns)
         except VopdError as error:
             raise error if where.project in str(error) else where.error(key, str(error)) from error
 

@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import VopdError, count_text
 from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positions
-from vopd.flight.files import InputFile, frames_of_column, read_csv
+from vopd.flight.files import TIME, InputFile, frames_of_column, read_csv
 from vopd.flight.flight import CameraPath, TrackFixes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows
@@ -110,10 +110,9 @@ def times_of_csv(
         The times by the name of an image or the number of a frame, and whether they are seconds
         since 1970 and not of the flight.
     """
-    table = read_csv(file)
+    table = read_csv(file, ("frame", "image", *TIME))
     keys = table.column("image" if by_image else "frame")
-    utc = not table.has("t_s")
-    time_s = table.times("t_utc") if utc else table.numbers("t_s")
+    time_s, utc = table.clock(TIME)
     if not by_image:
         frame = np.array(frames_of_column(table))
         keys = [str(one) for one in frame.tolist()]

@@ -1,4 +1,4 @@
-"""Files of landmarks: CSV, GeoJSON, gcp_list.txt."""
+"""Files of landmarks: CSV, GeoJSON, GPX, KML, gcp_list.txt."""
 
 from __future__ import annotations
 
@@ -6,15 +6,25 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import NamedTuple
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
 
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.files import reason
+from vopd.files import optional_package, reason
 from vopd.findings import count_text
-from vopd.flight.files import CsvTable, InputFile, InputFormat, has_columns, read_csv
-from vopd.inputs import parse_json, plain_number
+from vopd.flight.files import (
+    GEODETIC,
+    PLANE,
+    UNEXPECTED,
+    CsvTable,
+    InputFile,
+    InputFormat,
+    has_columns,
+    read_csv,
+)
+from vopd.inputs import parse_json, parse_xml, plain_number
 
 # Landmarks as read
 
@@ -116,16 +126,17 @@ def _is_number_gcp_list(text: str) -> bool:
 
 SIGMA, SIGMAS = "sigma_m", ("sigma_e_m", "sigma_n_m", "sigma_u_m")
 """Columns of standard deviations of positions: one for all axes, and one for each."""
+COLUMNS = ("landmark", *GEODETIC, *PLANE, SIGMA, *SIGMAS)
 
 
 def recognises_csv_landmarks(file: InputFile) -> bool:
     """Tell whether the header names landmarks, or coordinates."""
-    return has_columns(file, ("landmark",), ("lat_deg", "lon_deg"), ("x_m", "y_m"))
+    return has_columns(file, COLUMNS, ("landmark",), ("lat_deg", "lon_deg"), ("x_m", "y_m"))
 
 
 def read_csv_landmarks(file: InputFile) -> LandmarkRows:
     """Read the landmarks of a CSV."""
-    table = read_csv(file)
+    table = read_csv(file, COLUMNS)
     geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
     names = table.column("landmark")
@@ -137,7 +148,14 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
                 raise table.error(message, row, "lat_deg")
     sigma = table.sigmas_of_axes(SIGMAS, SIGMA)
     return LandmarkRows(
-        names, coordinate, geodetic, None, sigma, table.line, "CSV", sigma_columns(table)
+        names,
+        coordinate,
+        geodetic,
+        None,
+        sigma,
+        table.line,
+        f"CSV{table.read_as}",
+        sigma_columns(table),
     )
 
 
@@ -194,6 +212,70 @@ def _is_number_geojson(value: object) -> bool:
         return False
 
 
+# Landmarks as GPX waypoints or KML placemarks, longitude and latitude on WGS 84. What the heights
+# are counted from no schema says, or telephones do not keep to it
+
+
+def recognises_gpx(file: InputFile) -> bool:
+    """Tell whether it is GPX."""
+    return "<gpx" in file.head
+
+
+def parse_gpx(file: InputFile) -> Any:
+    """Parse GPX, of a track or of waypoints."""
+    gpxpy = optional_package("gpxpy", "gpx", f"{file.name}: GPX")
+    try:
+        parse_xml(file.text)  # its words are the same with and without lxml, which gpxpy prefers
+        return gpxpy.parse(file.text)
+    except (gpxpy.gpx.GPXException, ElementTree.ParseError, *UNEXPECTED) as error:
+        raise file.error(f"not valid GPX: {reason(error)}") from error
+
+
+def read_waypoints(file: InputFile) -> LandmarkRows:
+    """Read the waypoints of a GPX file."""
+    points = [(p.name, p.longitude, p.latitude, p.elevation) for p in parse_gpx(file).waypoints]
+    return _named_points(file, points, "waypoint", "GPX waypoints")
+
+
+def recognises_kml(file: InputFile) -> bool:
+    """Tell whether it is KML."""
+    return "<kml" in file.head
+
+
+def read_kml(file: InputFile) -> LandmarkRows:
+    """Read the placemarks of a KML file that are points."""
+    try:
+        root = parse_xml(file.text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise file.error(f"not valid XML: {reason(error)}") from error
+    points = []
+    for place in root.iterfind(".//{*}Placemark"):
+        for point in place.iterfind(".//{*}Point"):
+            name = (place.findtext("{*}name") or "").strip()
+            if (point.findtext("{*}altitudeMode") or "").strip() == "relativeToGround":
+                raise file.error(f"{name}: its height is above the ground: give heights in a CSV")
+            values = [*map(plain_number, (point.findtext("{*}coordinates") or "").split(","))]
+            points.append((name, values[0], values[1], values[2] if len(values) > 2 else None))
+    if points and not any(height for *_, height in points):
+        raise file.error("all heights are 0 or missing: KML often has none; give them in a CSV")
+    return _named_points(file, points, "placemark", "KML placemarks")
+
+
+def _named_points(file: InputFile, points: list[Any], what: str, said: str) -> LandmarkRows:
+    """Make landmarks of names, longitudes, latitudes and heights, all of which are needed."""
+    if not points:
+        raise file.error(f"no {what} is in the file")
+    for k, (name, longitude, latitude, height) in enumerate(points, 1):
+        if not name or height is None:
+            raise file.error(f"{what} {k} has no {'height' if name else 'name'}")
+        if not np.isfinite([longitude, height]).all() or not abs(latitude) <= 90.0:
+            raise file.error(f"{name}: a number is not finite, or no latitude")
+    return LandmarkRows(
+        [one[0] for one in points], np.array([one[1:] for one in points], float), True,
+        "EPSG:4326", None, [0] * len(points), said,
+    )  # fmt: skip
+
+
 # The landmarks in a gcp_list.txt
 
 recognises_gcp_landmarks = is_gcp_list
@@ -223,6 +305,8 @@ def read_gcp_landmarks(file: InputFile) -> LandmarkRows:
 # Formats of files of landmarks, one row each; the next format is one more row
 
 LANDMARK_FORMATS: tuple[InputFormat[LandmarkRows], ...] = (
+    InputFormat("GPX waypoints", recognises_gpx, read_waypoints),
+    InputFormat("KML placemarks", recognises_kml, read_kml),
     InputFormat("GeoJSON", recognises_geojson, read_geojson),
     InputFormat("gcp_list.txt", recognises_gcp_landmarks, read_gcp_landmarks),
     InputFormat(

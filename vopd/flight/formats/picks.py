@@ -94,10 +94,12 @@ class PickRows:
 
 # Picks as a CSV: frame or image, landmark, u_px, v_px and perhaps sigma_px
 
+COLUMNS = ("frame", "image", "landmark", "u_px", "v_px", "sigma_px")
+
 
 def recognises_csv_picks(file: InputFile) -> bool:
     """Tell whether the header names a landmark and pixels, or is near to that."""
-    return has_columns(file, ("landmark",), ("u_px",), ("v_px",))
+    return has_columns(file, COLUMNS, ("landmark",), ("u_px",), ("v_px",))
 
 
 def read_csv_picks(file: InputFile) -> PickRows:
@@ -105,7 +107,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
     frame, pixel, sigma = array("q"), array("d"), array("d")
     landmark, image = Names(), Names()
     named = False
-    for block in csv_blocks(file):
+    for block in csv_blocks(file, COLUMNS):
         _add_names(landmark, block, "landmark")
         if block.has("image"):
             _add_names(image, block, "image")
@@ -120,7 +122,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
     if not len(landmark):
         raise file.error("no pick is in the file")
     if named:  # or a number is wrong
-        table = read_csv(file)
+        table = read_csv(file, COLUMNS)
         frames_of_column(table)
         _add_names(image, table, "frame")
     return PickRows(
@@ -130,7 +132,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
         np.asarray(sigma) if len(sigma) else np.broadcast_to(np.nan, len(landmark)),
         None,
         None,
-        "CSV",
+        f"CSV{block.read_as}",
     )
 
 

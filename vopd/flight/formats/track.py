@@ -6,17 +6,31 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from xml.etree import ElementTree
 
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.files import optional_package, reason
+from vopd.files import reason
 from vopd.findings import count_text
-from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, has_columns, read_csv
-from vopd.flight.formats.landmarks import CRS, SIGMA, SIGMAS, sigma_columns
+from vopd.flight.files import (
+    GEODETIC,
+    PLANE,
+    TIME,
+    InputFile,
+    InputFormat,
+    has_columns,
+    read_csv,
+)
+from vopd.flight.formats.landmarks import (
+    CRS,
+    SIGMA,
+    SIGMAS,
+    parse_gpx,
+    recognises_gpx,
+    sigma_columns,
+)
 from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, read_tags
-from vopd.inputs import parse_xml, plain_number, whole_number
+from vopd.inputs import plain_number, whole_number
 
 # Positions of a receiver, of which nothing better is known: 3 m, and upward 5 m, each times
 # the dilution of precision if the file has it
@@ -58,18 +72,18 @@ class TrackRows:
 
 VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")
 VELOCITY_SIGMAS = ("sigma_vn_m_s", "sigma_ve_m_s", "sigma_vd_m_s")
+COLUMNS = (*TIME, "image", *GEODETIC, *PLANE, *VELOCITY, SIGMA, *SIGMAS, *VELOCITY_SIGMAS)
 
 
 def recognises_csv_track(file: InputFile) -> bool:
     """Tell whether the header names a time or coordinates."""
-    return has_columns(
-        file, ("t_s",), ("t_utc",), ("image",), ("lat_deg", "lon_deg"), ("x_m", "y_m")
-    )
+    ways = [(name,) for name in (*TIME, "image")]
+    return has_columns(file, COLUMNS, *ways, ("lat_deg", "lon_deg"), ("x_m", "y_m"))
 
 
 def read_csv_track(file: InputFile) -> TrackRows:
     """Read the track of a CSV."""
-    table = read_csv(file)
+    table = read_csv(file, COLUMNS)
     geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
@@ -77,9 +91,8 @@ def read_csv_track(file: InputFile) -> TrackRows:
     if any(table.has(name) for name in VELOCITY):
         velocity = np.stack([table.numbers(name) for name in VELOCITY], axis=1)
         velocity_sigma = table.sigmas_of_axes(VELOCITY_SIGMAS)
-    utc = table.has("t_utc")
-    timeless = table.has("image") and not (table.has("t_s") or utc)
-    time_s = None if timeless else (table.times("t_utc") if utc else table.numbers("t_s"))
+    timeless = table.has("image") and not any(map(table.has, TIME))
+    time_s, utc = (None, False) if timeless else table.clock(TIME[::-1])
     sigma = table.sigmas_of_axes(SIGMAS, SIGMA)
     if geodetic:
         for row, latitude in enumerate(coordinate[:, 1]):
@@ -91,7 +104,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
         None,
         None if timeless else ("utc-column" if utc else "seconds"),
         time_s,
-        f"CSV, {count_text(len(coordinate), 'position')}",
+        f"CSV{table.read_as}, {count_text(len(coordinate), 'position')}",
         table.column("image") if table.has("image") else [],
         velocity,
         table.line,
@@ -176,19 +189,9 @@ def photo_number(name: str) -> str:
 # GPX tracks: latitude, longitude, elevation and UTC. The schema leaves the height's datum open
 
 
-def recognises_gpx(file: InputFile) -> bool:
-    """Tell whether it is GPX."""
-    return "<gpx" in file.head
-
-
 def read_gpx(file: InputFile) -> TrackRows:
     """Read all points of all tracks of a GPX file, in their order."""
-    gpxpy = optional_package("gpxpy", "gpx", f"{file.name}: a GPX track")
-    try:
-        parse_xml(file.text)  # its words are the same with and without lxml, which gpxpy prefers
-        parsed = gpxpy.parse(file.text)
-    except (gpxpy.gpx.GPXException, ElementTree.ParseError, *UNEXPECTED) as error:
-        raise file.error(f"not valid GPX: {reason(error)}") from error
+    parsed = parse_gpx(file)
     points = [p for track in parsed.tracks for segment in track.segments for p in segment.points]
     if not points:
         raise file.error("no track point is in the file")

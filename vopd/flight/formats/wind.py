@@ -58,15 +58,17 @@ def geometric_m(geopotential_m: Floats) -> Floats:
 
 # Wind as a CSV: h_m, from_deg, and speed_m_s or speed_kt
 
+COLUMNS = ("h_m", "from_deg", "speed_m_s", "speed_kt")
+
 
 def recognises(file: InputFile) -> bool:
     """Tell whether the header has a height and a direction."""
-    return has_columns(file, ("h_m", "from_deg"))
+    return has_columns(file, COLUMNS, ("h_m", "from_deg"))
 
 
 def read(file: InputFile) -> WindRows:
     """Read the sounding of a CSV."""
-    table = read_csv(file)
+    table = read_csv(file, COLUMNS)
     knots = table.has("speed_kt")
     speed = table.numbers("speed_kt") * M_S_PER_KNOT if knots else table.numbers("speed_m_s")
     direction = table.numbers("from_deg")
@@ -74,7 +76,8 @@ def read(file: InputFile) -> WindRows:
         column = "from_deg" if speed[row] >= 0.0 else "speed_kt" if knots else "speed_m_s"
         raise table.error("a direction is 0 to 360, and a speed not below 0", int(row), column)
     toward = from_direction(direction, speed)
-    return upward(file, table.numbers("h_m"), toward, f"CSV, {'knots' if knots else 'm/s'}")
+    said = f"CSV{table.read_as}, {'knots' if knots else 'm/s'}"
+    return upward(file, table.numbers("h_m"), toward, said)
 
 
 # Soundings of the University of Wyoming: its text list in knots, and its CSV in m/s
