@@ -16,8 +16,8 @@ from tests.kit.simulated_flights import write_flight
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight import misfit
-from vopd.flight.joint import JointSolution
-from vopd.flight.misfit import SPEAK_FOR, input_errors, sampled, significant_errors, weighed
+from vopd.flight.joint import JointSolution, weighed
+from vopd.flight.misfit import SPEAK_FOR, even_path, input_errors, sampled, significant_errors
 
 SEED = 5
 
@@ -119,7 +119,7 @@ def test_a_camera_on_a_post_that_is_stated_too_low(
 def test_values_are_those_of_freeing_the_error(tmp_path: Path) -> None:
     """A dense weighted least squares of all columns, turns and places among them, by numpy."""
     one = joint(solved(tmp_path, "focal length"))
-    errors, change = input_errors(one)
+    errors, change = input_errors(one, even_path(one))
     square, right = weighed(one, change)
     rows = []
     for part in one.model.rows(one.state):
@@ -200,6 +200,6 @@ def test_frames_are_drawn_over_the_whole_flight(
 
 def test_sentences(tmp_path: Path) -> None:
     one = joint(solved(tmp_path))
-    errors, _ = input_errors(one)
+    errors, _ = input_errors(one, even_path(one))
     tenth = [0.1 * np.ones(len(each.columns)) for each in errors]
     assert_approved([each.text(v, v / 7.0) for each, v in zip(errors, tenth, strict=True)])

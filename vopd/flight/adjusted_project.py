@@ -19,7 +19,6 @@ from vopd.flight.adjust import Adjustment
 from vopd.flight.adjusted import CovarianceFile, digests, files_spoken_of
 from vopd.flight.coordinates import STEPS, coordinates_at, earth_centred_positions
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT
-from vopd.flight.errors import stated_changes_by_name
 from vopd.flight.files import read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
 from vopd.flight.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
@@ -296,7 +295,7 @@ def common_with_stated(joint: JointSolution) -> tuple[Floats, Floats, list[str]]
         landmarks of the solution; its part by the picks; and the names of the second ones.
     """
     first, (solved, own_picks) = len(joint.model.names), covariance_by_picks(joint)
-    sigma, change = stated_changes_by_name(joint)
+    sigma, change = joint.stated
     moved = propagated(joint, change)[1]  # by one sigma of each
     own = np.diag(list(sigma.values())) if sigma else np.zeros((0, 0))
     by = np.concatenate([moved[:first], own, moved[first:]])

@@ -99,35 +99,11 @@ def stated_changes(solution: JointSolution) -> dict[str, Floats]:
         Changes of the computed images by one standard deviation of each, in standard deviations
         of the picks, (P, 2, C), by component; P picks take part.
     """
-    sigma, change = stated_changes_by_name(solution)
+    sigma, change = solution.stated
     component = [COMPONENT[name] for name in sigma]
     return {
         name: change[..., [one == name for one in component]] for name in dict.fromkeys(component)
     }
-
-
-def stated_changes_by_name(solution: JointSolution) -> tuple[dict[str, float], Floats]:
-    """Differentiate the images by the parameters that are stated and not solved for.
-
-    Args:
-        solution: of the flight
-
-    Returns:
-        Their standard deviations, by name, and changes as those of `stated_changes`, (P, 2, C).
-    """
-    model, state = solution.model, solution.state
-    stated = model.flight.options.parameter_sigma.items()
-    sigma = {name: one for name, one in stated if one > 0.0 and name not in model.names}
-    change = np.zeros((len(model.pick), 2, len(sigma)))
-    if not sigma:
-        return sigma, change
-    more = replace(model.priors, parameter={**model.priors.parameter, **sigma})
-    full = model.with_priors(more)
-    none = np.zeros(len(sigma))
-    start = state._replace(parameter=np.concatenate([state.parameter, none]))
-    for rows in full.rows(start):
-        change[rows.picks] = rows.by_parameter[..., len(model.names) :]
-    return sigma, change * list(sigma.values())
 
 
 def places_by_stated(solution: JointSolution) -> Floats:
@@ -141,7 +117,7 @@ def places_by_stated(solution: JointSolution) -> Floats:
     Returns:
         East, north, up of every frame, m^2, (F, 3, 3).
     """
-    model, (sigma, change) = solution.model, stated_changes_by_name(solution)
+    model, (sigma, change) = solution.model, solution.stated
     weighted = -change * solution.normal.weight[:, None, None]
     _, fix, common = solution.factored.solve(solution.normal.right_side(weighted))
     place = model.place_by_common(np.arange(model.frames)) @ common

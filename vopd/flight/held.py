@@ -9,7 +9,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.findings import Finding, VopdError, count_text, frames_text
 from vopd.flight.equations import LEAST_SIGMA_M, Model, Priors, with_parameters
-from vopd.flight.errors import covariance_of_common, priors_of, stated_changes_by_name
+from vopd.flight.errors import covariance_of_common, priors_of
 from vopd.flight.flight import Flight, NotHeld, TrackFixes
 from vopd.flight.free import LANDMARK, free_landmarks, free_parameters, joined, shown_name
 from vopd.flight.joint import (
@@ -146,7 +146,7 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
     if joint is None or not free:
         return None
     model, sigma = joint.model, np.sqrt(np.diag(joint.factored.common))
-    stated, change = stated_changes_by_name(joint)
+    stated, change = joint.stated
     by_stated = np.abs(propagated(joint, change)[1])
     left = np.sqrt(np.diag(covariance_of_common(joint)))
     turn, _, _, by_common = marginals(joint.factored)

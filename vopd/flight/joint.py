@@ -73,6 +73,26 @@ class JointSolution:
         """The covariances of rotations and places, by component."""
         return covariance(self)
 
+    @cached_property
+    def stated(self) -> tuple[dict[str, float], Floats]:
+        """The parameters that are stated and not solved for: their standard deviations, by name.
+
+        With them the changes of the computed images by one standard deviation of each, in
+        standard deviations of the picks, (P, 2, C).
+        """
+        model, state = self.model, self.state
+        stated = model.flight.options.parameter_sigma.items()
+        sigma = {name: one for name, one in stated if one > 0.0 and name not in model.names}
+        change = np.zeros((len(model.pick), 2, len(sigma)))
+        if not sigma:
+            return sigma, change
+        more = replace(model.priors, parameter={**model.priors.parameter, **sigma})
+        full = model.with_priors(more)
+        start = state._replace(parameter=np.concatenate([state.parameter, np.zeros(len(sigma))]))
+        for rows in full.rows(start):
+            change[rows.picks] = rows.by_parameter[..., len(model.names) :]
+        return sigma, change * list(sigma.values())
+
     def with_rotations(self, solved: SolvedFlight, flight: Flight) -> JointSolution:
         """Take the same places and parameters with other rotations, and the picks of these.
 
@@ -499,3 +519,36 @@ def propagated(solution: JointSolution, change: Floats) -> tuple[Floats, Floats]
     weighted = -change * solution.normal.weight[:, None, None]
     turn, _, common = solution.factored.solve(solution.normal.right_side(weighted))
     return turn, common
+
+
+def weighed(joint: JointSolution, change: Floats) -> tuple[Floats, Floats]:
+    """Weigh changes of the images as the residuals are: their products, and those with residuals.
+
+    Args:
+        joint: the solution of a flight
+        change: of the computed images, in standard deviations of the picks, (P, 2, k)
+
+    Returns:
+        X'WX (k, k) and X'Wr (k,).
+    """
+    left, normal, k = unfollowed(joint, change), joint.normal, change.shape[2]
+    square = change.reshape(-1, k).T @ left.reshape(-1, k)
+    right = np.einsum("pik,pi->k", change * normal.weight[:, None, None], normal.residual)
+    return (square + square.T) / 2.0, right
+
+
+def unfollowed(joint: JointSolution, change: Floats) -> Floats:
+    """Take from changes of the images what the unknowns follow of them, weighted, (P, 2, k).
+
+    Args:
+        joint: the solution of a flight
+        change: of the computed images, in standard deviations of the picks, (P, 2, k)
+    """
+    normal = joint.normal
+    weighted = change * normal.weight[:, None, None]
+    turn, fix, common = joint.factored.solve(normal.right_side(weighted))
+    place = np.zeros_like(turn)
+    if normal.fixes is not None:
+        place = normal.fixes.at_frames(fix)
+    followed = normal.seen(turn, place, common) * normal.weight[:, None, None]
+    return np.asarray(weighted - followed)

@@ -22,8 +22,7 @@ from scipy.special import chdtrc, fdtrc, gammaln
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.flight.equations import LinearisedPicks, Model
-from vopd.flight.joint import JointSolution, places_by_fixes, propagated
-from vopd.flight.misfit import unfollowed, weighed
+from vopd.flight.joint import JointSolution, places_by_fixes, propagated, unfollowed, weighed
 from vopd.flight.sizes import fix_covariances
 from vopd.records import Rows
 

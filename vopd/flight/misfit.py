@@ -22,11 +22,11 @@ from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.findings import Finding, VopdError
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, Priors, Readout
-from vopd.flight.errors import priors_of, stated_changes, stated_changes_by_name
+from vopd.flight.errors import priors_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import CameraPath, Flight, Shutter
 from vopd.flight.free import value_text
-from vopd.flight.joint import JointSolution, covariance_of_sums, propagated, solve_jointly
+from vopd.flight.joint import JointSolution, covariance_of_sums, propagated, solve_jointly, weighed
 from vopd.flight.readout import row_parts, turning_rates
 from vopd.flight.sizes import cost_of_frames, explained, residual_freedom, size_of_residuals
 from vopd.flight.solve import FlightBlocks, FlightPart
@@ -36,6 +36,7 @@ REJECTED = 1.5  # times the stated standard deviation of a pick
 FEW = 0.1  # of the frames: more of them that misfit are the flight's misfit
 USUAL_PX = 3.0  # of a pick whose standard deviation is not stated
 ALIKE = 6.0  # in chi-square: errors that explain the residuals as well
+CHANCE_LIKENESS = 400.0  # in chi-square: 20 sigmas, which have a line by chance once in 400
 MOST_PICKS = 6_000  # of a longer flight frames are drawn: it is solved a dozen times
 MOST_LANDMARKS = 40  # that are tried one by one
 LEAST_FREEDOM = 4.0  # beside what is tried
@@ -149,7 +150,8 @@ class Significant(NamedTuple):
     value: Floats  # of its columns
     sigma: Floats  # their standard deviations
     chance: float
-    evidence: float  # its gain in chi-square, less what its values cost (Schwarz)
+    gain: float  # in chi-square
+    evidence: float  # the gain, less what its values cost (Schwarz)
     rest: float  # variance of what it leaves, in those of the picks
 
 
@@ -160,8 +162,9 @@ def significant_errors(
 
     All trials together find one where there is none in `SIGNIFICANCE` of flights. The flight is
     then solved again with each error unknown under its `USUAL` size. One explains it if it leaves
-    what is stated, or a tenth of the squares; that of the most evidence is named, with those of
-    `ALIKE` less that have no more values. None is named where none of these moves an angle, or its
+    what is stated, or a tenth of the squares; that of the most evidence is named, with those that
+    explain as well: by the evidence or by the gain, to `ALIKE`; more values beside fewer only
+    where they may do so by chance. None is named where none of these moves an angle, or its
     mean over the frames, by more than the half-width, unless it is `PLAIN`.
 
     Args:
@@ -169,8 +172,8 @@ def significant_errors(
         known: whether the standard deviation of the picks is stated, and believed
         expected_px: standard deviation of a pick where nothing is wrong; None: that in force
     """
-    errors, trial = input_errors(joint)
-    stated = np.concatenate([np.zeros((len(trial), 2, 0)), *stated_changes(joint).values()], axis=2)
+    path, stated = even_path(joint), joint.stated[1]
+    errors, trial = input_errors(joint, path)
     first = _first_order(joint, known, errors, trial, stated)
     limit = SIGNIFICANCE / max(len(first), 1)
     if not first or min(one.chance for one in first) > limit:
@@ -178,14 +181,16 @@ def significant_errors(
     marks = sorted((o for o in first if o.error.landmark >= 0), key=lambda one: -one.evidence)
     tried = [one.error for one in first if one.error.landmark < 0]
     tried += [one.error for one in marks[:MOST_SOLVED]]
-    found = [one for one in _solved_again(joint, known, expected_px, tried) if one.chance <= limit]
+    found = [one for one in _solved_again(joint, known, expected_px, tried, path) if one.chance <= limit]
     found.sort(key=lambda one: -one.evidence)
-    alike = [  # more values are not said beside fewer that explain as well
+    most = max((one.gain for one in found), default=0.0)
+    alike = [
         one
         for one in found
-        if one.evidence > found[0].evidence - ALIKE and len(one.value) <= len(found[0].value)
+        if (one.evidence > found[0].evidence - ALIKE or one.gain > most - ALIKE)
+        and (len(one.value) <= len(found[0].value) or most < CHANCE_LIKENESS)
     ]
-    if not alike or alike[0].evidence > PLAIN * float(chdtri(len(alike[0].value), limit)):
+    if not alike or alike[0].gain > PLAIN * float(chdtri(len(alike[0].value), limit)):
         return alike
     moving = any(_moves_an_angle(joint, trial, stated, one) for one in alike)
     return alike if moving else []
@@ -229,7 +234,7 @@ def _first_order(
         rest = max((cost - gain) / (freedom - len(index)), joint.model.flight.picks.least_variance)
         found.append(
             Significant(
-                one, value, sigma, _chance(joint, known, len(index), gain, rest), gain, rest
+                one, value, sigma, _chance(joint, known, len(index), gain, rest), gain, gain, rest
             )
         )
     return found
@@ -249,8 +254,9 @@ def _chance(joint: JointSolution, known: bool, count: int, gain: float, rest: fl
 
 
 def _solved_again(
-    joint: JointSolution, known: bool, expected_px: float | None, errors: list[TriedError]
-) -> list[Significant]:
+    joint: JointSolution, known: bool, expected_px: float | None, errors: list[TriedError],
+    path: CameraPath,
+) -> list[Significant]:  # fmt: skip
     """Solve a flight with each error unknown in turn, and find those that explain its residuals.
 
     Estimates to first order fail where an error is large: three values then seem to explain more
@@ -262,11 +268,12 @@ def _solved_again(
         known: whether the standard deviation of the picks is stated, and believed
         expected_px: standard deviation of a pick where nothing is wrong; None: that in force
         errors: those tried
+        path: the camera's, without the noise of its fixes
     """
     flight, priors = joint.model.flight, joint.model.priors
     sigma_px = expected_px or flight.picks.one_sigma_px
-    flight = replace(flight, path=_even_path(joint), picks=flight.picks.with_sigma(sigma_px))
-    priors = replace(priors, parameter={**priors.parameter, **stated_changes_by_name(joint)[0]})
+    flight = replace(flight, path=path, picks=flight.picks.with_sigma(sigma_px))
+    priors = replace(priors, parameter={**priors.parameter, **joint.stated[0]})
     without = _solved_with(joint, flight, priors)
     if without is None:
         return []
@@ -297,8 +304,9 @@ def _solved_again(
         sigma = np.sqrt(variance * np.diag(np.asarray(again.factored.common))[index])
         gain = max(cost - again.normal.cost, 0.0)
         chance = _chance(joint, known, len(index), gain, rest)
-        evidence = gain / variance - len(index) * np.log(2.0 * len(joint.model.pick))
-        found.append(Significant(one, value, sigma, chance, float(evidence), rest))
+        gain /= variance
+        evidence = gain - len(index) * float(np.log(2.0 * len(joint.model.pick)))
+        found.append(Significant(one, value, sigma, chance, gain, evidence, rest))
     return found
 
 
@@ -325,39 +333,6 @@ def _solved_with(
         return None
 
 
-def weighed(joint: JointSolution, change: Floats) -> tuple[Floats, Floats]:
-    """Weigh changes of the images as the residuals are: their products, and those with residuals.
-
-    Args:
-        joint: the solution of a flight
-        change: of the computed images, in standard deviations of the picks, (P, 2, k)
-
-    Returns:
-        X'WX (k, k) and X'Wr (k,).
-    """
-    left, normal, k = unfollowed(joint, change), joint.normal, change.shape[2]
-    square = change.reshape(-1, k).T @ left.reshape(-1, k)
-    right = np.einsum("pik,pi->k", change * normal.weight[:, None, None], normal.residual)
-    return (square + square.T) / 2.0, right
-
-
-def unfollowed(joint: JointSolution, change: Floats) -> Floats:
-    """Take from changes of the images what the unknowns follow of them, weighted, (P, 2, k).
-
-    Args:
-        joint: the solution of a flight
-        change: of the computed images, in standard deviations of the picks, (P, 2, k)
-    """
-    normal = joint.normal
-    weighted = change * normal.weight[:, None, None]
-    turn, fix, common = joint.factored.solve(normal.right_side(weighted))
-    place = np.zeros_like(turn)
-    if normal.fixes is not None:
-        place = normal.fixes.at_frames(fix)
-    followed = normal.seen(turn, place, common) * normal.weight[:, None, None]
-    return np.asarray(weighted - followed)
-
-
 def _moves_an_angle(joint: JointSolution, trial: Floats, stated: Floats, one: Significant) -> bool:
     """Tell whether an error turns a frame, or all in the mean, by more than the half-width."""
     columns = trial[..., list(one.error.columns)] @ one.value[:, None]
@@ -373,7 +348,7 @@ def _moves_an_angle(joint: JointSolution, trial: Floats, stated: Floats, one: Si
     return bool((np.abs(mean[:, 0]) > WIDE_95 * np.sqrt(variance)).any())
 
 
-def input_errors(joint: JointSolution) -> tuple[list[TriedError], Floats]:
+def input_errors(joint: JointSolution, path: CameraPath) -> tuple[list[TriedError], Floats]:
     """List the errors that are tried, and differentiate the images by them.
 
     Args:
@@ -403,7 +378,7 @@ def input_errors(joint: JointSolution) -> tuple[list[TriedError], Floats]:
     where = [full.names.index(name) for name in names]
     slot = np.full(len(flight.landmarks.name), -1)
     slot[marks] = np.arange(len(marks))
-    path, since_s = _even_path(joint), _since_first_s(flight)
+    since_s = _since_first_s(flight)
     velocity = np.zeros((model.frames, 3))
     if path.velocity_m_s is not None:
         velocity = np.nan_to_num(path.velocity_m_s @ NED_FROM_ENU)
@@ -430,7 +405,7 @@ def input_errors(joint: JointSolution) -> tuple[list[TriedError], Floats]:
     return errors, out
 
 
-def _even_path(joint: JointSolution) -> CameraPath:
+def even_path(joint: JointSolution) -> CameraPath:
     """Take the noise of the fixes out of velocity and acceleration.
 
     Where the positions are as near to an even motion, or to one that changes evenly, as their
@@ -587,6 +562,8 @@ def sizes_text(flight: Flight, left_out: Bools | None = None) -> str:
         left_out: picks that take no part, (P,)
     """
     priors = priors_of(flight)
+    stated = {name: one for name, one in flight.options.parameter_sigma.items() if one > 0.0}
+    priors = replace(priors, parameter={**stated, **priors.parameter})
     used = None if left_out is None else ~left_out
     first = solve_jointly(flight, priors, used)
     model = first.model

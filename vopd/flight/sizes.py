@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from vopd.arrays import Array, Bools, Floats
-from vopd.flight.joint import DERIVATIVE, JointSolution
+from vopd.flight.joint import DERIVATIVE, JointSolution, unfollowed
 from vopd.flight.normal import Factored
 
 
@@ -108,7 +108,8 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     """Compare the residuals of some frames together with what is stated of all errors.
 
     The cost of the joint solution, of picks and priors, is chi-square with as many degrees of
-    freedom as the picks have more coordinates than the frames have angles.
+    freedom as the picks have more coordinates than the frames have angles. Errors that are stated
+    and not solved for take their part of it, as if they were.
 
     Args:
         solution: of the flight
@@ -124,7 +125,25 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     free, held = float((~np.isfinite(model.common_sigma)).sum()), model.flight.options.held
     free += 0.0 if held is None else held.unknowns
     freedom = float((2.0 * picks - 3.0)[count].sum()) - free
-    cost = float(cost_of_frames(solution)[count].sum())
     if not freedom > 0.0:
         return 1.0, 1.0
+    cost = float(cost_of_frames(solution)[count].sum()) - _by_stated(solution, count)
     return float(np.sqrt(cost / freedom)), float(chdtrc(freedom, cost))
+
+
+def _by_stated(solution: JointSolution, frames: Bools) -> float:
+    """Find how much of the cost of some frames errors explain that are stated and not solved for.
+
+    Args:
+        solution: of the flight
+        frames: those that count, (F,)
+    """
+    change, model, normal = solution.stated[1], solution.model, solution.normal
+    if not change.size:
+        return 0.0
+    own = frames[model.flight.picks.frame[model.pick]]
+    left = unfollowed(solution, change)
+    square = np.einsum("pik,pil->kl", change[own], left[own])
+    residual = normal.residual * normal.weight[:, None]
+    right = np.einsum("pik,pi->k", change[own], residual[own])
+    return float(right @ np.linalg.solve(np.eye(len(square)) + square, right))
