@@ -214,7 +214,6 @@ TOLERANCES = {
         "ft/s", 1e-2, "heights have 1E-4 m, between levels a metre and 33 ft/s apart"
     ),
     "trial without noise": Tolerance("px", 1e-5, "picks have 1E-9 px, positions 1E-6 m at 300 m"),
-    "trial of a fitted level": Tolerance("px", 0.5, "fitted in four steps; with it 150 px"),
     "mount of rounded elements": Tolerance("1", 2e-7, "elements off by 1E-7 each"),
     "semi-axis by a quantile": Tolerance("1", 1e-9, "quantiles are typed in with 15 digits"),
     "cards of a flight": Tolerance("ft", 2e-5, "files have 1E-6 m; nine digits are 1E-6 ft"),

@@ -12,8 +12,9 @@ from tests.approved.texts import assert_approved
 from tests.kit.command import ROOT
 from tests.kit.command import vopd as command
 from tests.kit.flight_mistakes import MistakeRow
+from tests.kit.flight_project import TOML, long_track, write_project
 from tests.kit.simulated_flights import write_flight
-from tests.tolerances import assert_close
+from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import misfit
 from vopd.flight.joint import JointSolution, weighed
@@ -114,6 +115,40 @@ def test_a_camera_on_a_post_that_is_stated_too_low(
         assert ("the flight misfits: " in done.stderr) == misfits
         (said,) = (one for one in done.stderr.splitlines() if SPEAK_FOR in one)
         assert "[position] height" in said  # one value that explains it, not three
+
+
+@pytest.mark.parametrize(
+    ("key", "wrong", "right", "value"),
+    [
+        ("offset_s", "offset_s = -7.4", "offset_s = ", 0.0),
+        ("offset_s", "offset_s = 20.0", "offset_s = ", 0.0),
+        ("focal", "1.5", "a focal length of ", 1495.0),
+        ("focal", "0.7", "a focal length of ", 1495.0),
+        ("heights", "-45.7", "all landmarks ", 45.7),
+        ("heights", "120", "all landmarks ", -120.0),
+    ],
+)
+def test_a_large_error_is_named_with_its_value(
+    key: str, wrong: str, right: str, value: float, tmp_path: Path
+) -> None:
+    """A clock beyond the track's rows, another lens, a geoid; positions are exact."""
+    text = TOML + (f"{wrong}\n" if key == "offset_s" else "")
+    if key == "focal":
+        for focal in (1500.0, 1490.0):
+            text = text.replace(f"_px = {focal}", f"_px = {focal * float(wrong)}")
+    project = write_project(tmp_path, text, noise_px=0.3)
+    if key == "offset_s":
+        long_track(tmp_path)
+    if key == "heights":
+        file = tmp_path / "landmarks.csv"
+        head, *rows = file.read_text().splitlines()
+        cells = [row.rpartition(",") for row in rows]
+        raised = [f"{place},{float(height) + float(wrong)}" for place, _, height in cells]
+        file.write_text("\n".join([head, *raised]))
+    (text,) = (one for one in said(vopd.solve_flight(project)) if SPEAK_FOR in one)
+    found = float(text.partition(right)[2].split()[0])
+    limit = "focal length of a mistake" if key == "focal" else "height of another level"
+    assert abs(found - value) < within("clock offset" if key == "offset_s" else limit)
 
 
 def test_values_are_those_of_freeing_the_error(tmp_path: Path) -> None:

@@ -281,3 +281,11 @@ def lens_of(text: str, **question: Any) -> LensRead:
 def no_lens(text: str, **question: Any) -> str:
     """The message by which the text of a lens is refused."""
     return text_told(LENS_FORMATS, "lens", text, LensQuestion(**question))
+
+
+def long_track(folder: Path) -> None:
+    """A track of a minute at both sides of the frames, by the times of the one of 4 s."""
+    time_s = np.arange(-30.0, 31.0)
+    where = geodetic(camera_m(time_s))
+    rows = [f"{t},{a:.12f},{b:.12f},{h:.6f}" for t, a, b, h in zip(time_s, *where, strict=True)]
+    (folder / "track.csv").write_text("\n".join(["t_s,lat_deg,lon_deg,h_m", *rows, ""]))

@@ -181,7 +181,9 @@ def significant_errors(
     marks = sorted((o for o in first if o.error.landmark >= 0), key=lambda one: -one.evidence)
     tried = [one.error for one in first if one.error.landmark < 0]
     tried += [one.error for one in marks[:MOST_SOLVED]]
-    found = [one for one in _solved_again(joint, known, expected_px, tried, path) if one.chance <= limit]
+    found = [
+        one for one in _solved_again(joint, known, expected_px, tried, path) if one.chance <= limit
+    ]
     found.sort(key=lambda one: -one.evidence)
     most = max((one.gain for one in found), default=0.0)
     alike = [
@@ -747,7 +749,7 @@ def _explanations(
         marks = [one.error.landmark for one in found]
         own = max(marks, default=-1 if not wrong.any() else 0) >= 0
         if found and not np.append(wrong, False)[marks].any():
-            names = " or ".join(one.error.text(one.value, one.sigma) for one in found)
+            names = ", or ".join(one.error.text(one.value, one.sigma) for one in found)
             chance = chance_text(max(one.chance for one in found))
             causes = [f"{SPEAK_FOR} {names} (chance {chance})"]
         if misfit and not own:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
 
@@ -19,7 +19,7 @@ from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult
 from vopd.flight.solve import FlightBlocks, solve
 from vopd.flight.track import height_datum
-from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 
 DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
@@ -32,12 +32,9 @@ FRAMES_TRIED = 500  # of more frames some are left out
 MOST_PICKS = 4.0  # of a frame that is tried, in those that frames usually have
 TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
 TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
-LEAST_HEIGHT_M, MOST_HEIGHT_M = 5.0, 130.0  # of a geoid above the ellipsoid, and some metres
-MOST_OFFSET_S, MOST_ZOOM = 3600.0, 4.0  # clocks and focal lengths that are tried
 FRAME_RATES_HZ = (10.0, 15.0, 23.976, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 59.94, 60.0, 120.0)
 MOST_RATIO, SAME = 3.0, 1e-4  # of frame rates that are tried, and of those that are the same
 MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
-CLOSER = 4  # times a level, a clock or a focal length is solved for anew
 M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0
 
@@ -212,23 +209,6 @@ def _with_offset(project: Project, more_s: float) -> Flight:
     return some_frames(flight_of(project.changed("track", "offset_s", given + more_s)))
 
 
-def _from_another_level(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
-    """Fit a height of all landmarks, as those of another height datum have it."""
-    marks = flight.landmarks
-    up = local_axes(marks.position_m)[:, 2]
-
-    def raised(height_m: float) -> Flight:
-        position = marks.position_m + height_m * up
-        return replace(flight, landmarks=replace(marks, position_m=position))
-
-    limits = (-MOST_HEIGHT_M, MOST_HEIGHT_M)
-    for height_m, found in _fitted(
-        estimate, lambda one: one.responses.landmark[..., 2], raised, limits
-    ):
-        if LEAST_HEIGHT_M < abs(height_m) < MOST_HEIGHT_M:
-            yield found, (height_m,)
-
-
 def _at_another_rate(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Take the frames' numbers for those of another usual frame rate."""
     stated = project.section("picks").values.get("frame_rate_hz")
@@ -242,31 +222,6 @@ def _at_another_rate(project: Project, flight: Flight, estimate: Estimate) -> Co
         except VopdError:
             continue
         yield changed, (rate, stated)
-
-
-def _with_another_offset(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
-    """Fit a constant difference between the clocks of the track and of the frames."""
-    if not project.has("track") or flight.path.acceleration_m_s2 is None:
-        return  # positions that belong to images do not depend on a clock
-    given = project.section("track").number("offset_s")
-    limits = (-MOST_OFFSET_S, MOST_OFFSET_S)
-    for time_s, found in _fitted(  # frames that are later see the track earlier
-        estimate, lambda one: one.responses.time, lambda t: _with_offset(project, -t), limits
-    ):
-        yield found, (-time_s, round(given - time_s, 2) + 0.0)  # -0.0 would be written -0.00
-
-
-def _with_another_focal_length(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
-    """Fit the focal length, of another zoom, another camera or another size of the image."""
-    before = float(flight.lens.focal_px.mean())
-
-    def longer(px: float) -> Flight:
-        focal_px = flight.lens.focal_px * (1.0 + px / before)
-        return replace(flight, lens=replace(flight.lens, focal_px=focal_px))
-
-    limits = (before / MOST_ZOOM - before, before * MOST_ZOOM - before)
-    for px, found in _fitted(estimate, lambda one: one.responses.focal_length, longer, limits):
-        yield found, (before + px, before)
 
 
 def _exchanged_labels(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
@@ -346,74 +301,12 @@ USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
     ),
     *LABEL_MISTAKES,
     Mistake(
-        "another height datum",
-        _from_another_level,
-        "with all landmarks {:+.0f} m: are the heights of camera and landmarks counted from the "
-        "same level? A geoid is up to 100 m from the ellipsoid",
-    ),
-    Mistake(
-        "clocks that differ",
-        _with_another_offset,
-        "with the track {:+.2f} s: do the clocks differ? Then give [track] offset_s = {:.2f}",
-    ),
-    Mistake(
-        "another focal length",
-        _with_another_focal_length,
-        "with a focal length of {:.0f} px in the place of {:.0f}: is the lens that of this "
-        "camera, at this zoom and image size?",
-    ),
-    Mistake(
         "a wrong landmark",
         _without_a_landmark,
         f"without {{}}: {OF_LANDMARK}",
     ),
 )
 """The most telling mistake first."""
-
-
-def _fitted(
-    estimate: Estimate,
-    responses: Callable[[Estimate], Floats],
-    changed: Callable[[float], Flight],
-    limits: tuple[float, float],
-) -> Iterator[tuple[float, Flight]]:
-    """Fit the change of one input to all residuals.
-
-    Args:
-        estimate: of the flight as it is
-        responses: of residuals to the input, the angles held fixed, (F, 2L)
-        changed: the flight with the input changed by a number
-        limits: of that number
-
-    Returns:
-        The number, and the flight with it; nothing where it cannot be read so.
-    """
-    total, flight = 0.0, None
-    for _ in range(CLOSER):
-        if flight is not None:
-            estimate = solved_trial(flight)
-        shift = common_shift(estimate, responses(estimate))
-        total = float(np.clip(total + shift, *limits))
-        try:
-            flight = changed(total)
-        except VopdError:
-            return
-    if flight is not None:
-        yield total, flight
-
-
-def common_shift(estimate: Estimate, responses: Floats) -> float:
-    """Fit the one shift of an input that takes most of all residuals away, to first order.
-
-    Args:
-        estimate: the flight
-        responses: of the residuals to the input, the angles held fixed, (F, 2L)
-    """
-    left = np.isfinite(estimate.gain).all(axis=(1, 2))
-    partials, gain = estimate.partials[left], estimate.gain[left]
-    response = responses[left] - (partials @ (gain @ responses[left][..., None]))[..., 0]
-    shift = -(response * estimate.residual[left]).sum() / (response**2).sum()
-    return float(shift) if np.isfinite(shift) else 0.0
 
 
 # Clocks by which a track covers frames
