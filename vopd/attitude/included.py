@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.sigmas import INPUTS, Sigmas, angle_gains, given_components, in_force
 from vopd.estimate import Block, Estimate, Units
@@ -66,17 +66,21 @@ def errors_texts(
 def included_text(history: History, mean: MeanAttitude | None = None) -> str:
     """Describe the errors that the standard deviations include, and how large they are.
 
-    The sizes are those of the mean, or in the first frame that has an attitude.
+    The sizes are those of the mean, or medians over the frames that have an attitude.
 
     Args:
         history: of a job, or of its first frames
         mean: the mean attitude of the job, if its standard deviations are meant
     """
-    first = int(history.has_attitude.argmax())
-    of, each = "the mean attitude", {} if mean is None else mean.components
+    of, each = "the mean attitude", {}
     if mean is None:
-        of = f"frame {history.estimate.frame_label(first)}"
-        each = {name: own[first] for name, own in history.uncertainty.components.items()}
+        frames = _with_attitude(history)
+        of = f"the median of {len(frames)} frames"
+        if len(frames) == 1:
+            of = f"frame {history.estimate.frame_label(int(frames[0]))}"
+        each = {name: own[frames] for name, own in history.uncertainty.components.items()}
+    else:
+        each = {name: own[None] for name, own in mean.components.items()}
     sizes: dict[str, list[str]] = {"yaw, pitch and roll": [], "alpha, beta and eta": []}
     for name, own in each.items():
         angles, size_deg = _largest(own)
@@ -96,13 +100,17 @@ OF_ATTACK = 100.0  # times the vehicle's: an error of the angles of attack
 
 
 def _largest(angles_deg: Floats) -> tuple[str, float]:
-    """Take the largest of a frame's vehicle angles, or of its angles of attack if they alone move.
+    """Take the largest of the vehicle's angles, or of those of attack if they alone move.
 
     Args:
-        angles_deg: of camera, vehicle and attack, (9,), or without attack, (6,)
+        angles_deg: of camera, vehicle and attack, (F, 9), or without attack, (F, 6): the median
+            of the frames counts
     """
     known = np.nan_to_num(angles_deg, posinf=np.inf)
-    vehicle, attack = float(known[3:6].max()), float(known[6:9].max(initial=0.0))
+    vehicle, attack = (
+        float(np.median(known[:, some].max(axis=1, initial=0.0)))
+        for some in (slice(3, 6), slice(6, 9))
+    )
     if attack > OF_ATTACK * vehicle:
         return "alpha, beta and eta", attack
     return "yaw, pitch and roll", vehicle
@@ -120,7 +128,7 @@ def left_out_text(
     """
     blocks = history.estimates()
     if history.about.words.sigma_keys:
-        blocks = ((frames, one) for frames, one in [_first_frame(history)])
+        blocks = ((frames, one) for frames, one in [_middle_frame(history)])
     kept = [one for _, one in blocks]
     known = history.uncertainty.components
     if mean is not None:
@@ -133,13 +141,19 @@ def left_out_text(
     )
 
 
-def _first_frame(history: History) -> Block:
-    """Take the first frame that has an attitude, else the first one."""
-    first = int(history.has_attitude.argmax())
+def _with_attitude(history: History) -> Ints:
+    """List the frames that have an attitude, else the first one."""
+    return np.flatnonzero(history.has_attitude) if history.has_attitude.any() else np.zeros(1, int)
+
+
+def _middle_frame(history: History) -> Block:
+    """Take the middle one of the frames that have an attitude, else the first one."""
+    known = _with_attitude(history)
+    middle = int(known[len(known) // 2])
     for frames, one in history.estimates():
-        if first in frames:
-            return np.array([first]), one.take(np.flatnonzero(frames == first))
-    raise AssertionError(first)
+        if middle in frames:
+            return np.array([middle]), one.take(np.flatnonzero(frames == middle))
+    raise AssertionError(middle)
 
 
 def left_out(blocks: Iterable[Estimate], components: Collection[str]) -> list[str]:
@@ -185,7 +199,7 @@ def usual_effects(estimate: Estimate, names: Collection[str]) -> dict[str, str]:
         of_one = given_components(estimate, type(force)(**none | {field: size}))
         own = [gains.effect(one).angles_deg for one in of_one if one.name == name]
         if own:
-            _, degrees = _largest(np.sqrt(sum((one**2).sum(axis=2) for one in own))[0])
+            _, degrees = _largest(np.sqrt(sum((one**2).sum(axis=2) for one in own)))
             if 0.0 < degrees < np.inf:
                 found[name] = f"{text} is {degrees:.2g} degree"
     return found

@@ -146,7 +146,7 @@ class SourceRecord:
         not_converged: frames that did not converge
         flagged: frames that have any flag
         warnings: number of warnings
-        mistaken: 1 where the residuals of a flight speak for an error of its inputs
+        mistaken: 1 where residuals or track of a flight speak for an error of its inputs
         flags: frames that have each flag, of flags that any frame has
         outputs: the files that were written, in the output folder, and their hashes
         seconds: the time that it took; of sources that are solved together, in proportion
@@ -486,7 +486,7 @@ COLUMNS = {
     "not_converged": "frames that did not converge",
     "flagged": "frames that have any flag",
     "warnings": "number of warnings",
-    "mistaken": "1 where the residuals of a flight speak for an error of its inputs",
+    "mistaken": "1 where residuals or track of a flight speak for an error of its inputs",
 }
 """The columns of the Parquet file before those of the flags."""
 

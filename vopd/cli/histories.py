@@ -25,14 +25,14 @@ class Collected(NamedTuple):
     untold: list[HistoryParts]  # whose frames have not been counted
     failed: bool  # some source could not be read or solved
     misfits: bool  # some flight does
-    mistaken: int  # flights whose residuals speak for an error of their inputs
+    mistaken: int  # flights whose residuals, or track, speak for an error of their inputs
     warnings: int = 0  # that have been told
 
     def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
 
         It is 3 where a frame did not converge, a flight misfits, or with `--strict` a frame has
-        any flag or the residuals of a flight speak for an error of its inputs.
+        any flag, or the residuals or the track of a flight speak for an error of its inputs.
         """
         for job in self.untold:
             for finding in findings_of(job.about, job.summary):
@@ -46,7 +46,8 @@ class Collected(NamedTuple):
             click.echo(f"--strict: {flagged} {are} flagged", err=True)
         if options.strict and self.mistaken and not options.quiet:
             of = "a flight" if self.mistaken == 1 else f"{self.mistaken} flights"
-            click.echo(f"--strict: residuals of {of} speak for an error of the inputs", err=True)
+            speaks = f"--strict: residuals or track of {of} speak for an error of the inputs"
+            click.echo(speaks, err=True)
         unconverged = any(job.summary.unconverged for job in self.jobs)
         doubtful = options.strict and (flagged or self.mistaken)
         return 3 if unconverged or self.misfits or doubtful else 0

@@ -39,13 +39,14 @@ from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
 from vopd.flight.free import as_solved, free_parameters, not_held_findings, without_parameter
 from vopd.flight.held import least_held, solved_findings, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
-from vopd.flight.misfit import SPEAK_FOR, flight_findings
+from vopd.flight.misfit import OF_LANDMARK, SPEAK_FOR, flight_findings
 from vopd.flight.project import Project, read_project
 from vopd.flight.read import flight_of, read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.readout import picks_at_frame_times
 from vopd.flight.sizes import sigma_freedom, size_of_residuals
 from vopd.flight.solve import SolvedFlight, solve
+from vopd.flight.track import LEAPS
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
 from vopd.shown import Shown
 
@@ -77,8 +78,11 @@ class FlightResult(Shown):
 
     @property
     def mistaken(self) -> bool:
-        """Whether the residuals speak for an error of the inputs, which `findings` name."""
-        return any(one.message.startswith(SPEAK_FOR) for one in self.findings)
+        """Whether residuals or a leap of the track speak for an error that `findings` name."""
+        return any(
+            one.message.startswith(SPEAK_FOR) or one.message.endswith(LEAPS)
+            for one in self.findings
+        )
 
     @property
     def flight(self) -> Flight:
@@ -620,12 +624,22 @@ def freed_beside_blunders(flight: Flight, found: Blunders, apart: Bools) -> list
 
 
 def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
-    tell = []
-    for k in np.flatnonzero(solved.attitudes.set_aside):
-        why = UNSEEN_MEANING[Unseen(int(solved.attitudes.set_aside[k]))]
-        message = f"{pick_label(flight, int(k))} {why} as the others have it; its pick is not used"
-        tell.append(Finding(message, flight.source, severity="warning"))
-    return tell
+    """Name picks whose landmark has no image; a landmark that has none in all its frames once."""
+    aside, texts = solved.attitudes.set_aside, []
+    for k in np.flatnonzero(aside).tolist():
+        why = UNSEEN_MEANING[Unseen(int(aside[k]))]
+        own = np.flatnonzero(flight.picks.landmark == flight.picks.landmark[k])
+        if len(own) == 1 or not (aside[own] == aside[k]).all():
+            texts.append(
+                f"{pick_label(flight, k)} {why} as the others have it; its pick is not used"
+            )
+        elif k == own[0]:
+            name = flight.landmarks.name[flight.picks.landmark[k]]
+            texts.append(
+                f"{name} {why} in all {len(own)} frames that show it, as the others have it, and "
+                f"is not used: {OF_LANDMARK}"
+            )
+    return [Finding(text, flight.source, severity="warning") for text in texts]
 
 
 NOT_CONVERGED = (

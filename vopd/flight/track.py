@@ -604,6 +604,7 @@ def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPat
 
 
 MOST_BENT_M_S2, LEAST_LEAP_M = 100.0, 10.0  # beyond both a path is no vehicle's
+LEAPS = "is this position right, and its time?"
 NOISY_LEAP = 12.0  # standard deviations of a fix: five of the leaps that their errors make
 
 
@@ -634,10 +635,7 @@ def doubts_of_leaps(
         return []
     row = int(bent.argmax()) + 1
     line = f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
-    return [
-        f"{name}: {line}: the path bends by {bent[row - 1]:.3g} m/s^2 there: is this position "
-        "right, and its time?"
-    ]
+    return [f"{name}: {line}: the path bends by {bent[row - 1]:.3g} m/s^2 there: {LEAPS}"]
 
 
 def _interpolated(way: str, time_s: Floats, position: Floats, at: Floats) -> Floats:
