@@ -179,8 +179,7 @@ class CameraPath:
     @property
     def stands(self) -> bool:
         """Whether the camera does not move: it has one position and one error in all frames."""
-        moves = self.fixes is not None or self.velocity_m_s is not None
-        return not moves and bool((self.position_m == self.position_m[:1]).all())
+        return self.fixes is None and bool((self.position_m == self.position_m[:1]).all())
 
 
 @dataclass(frozen=True)

@@ -637,7 +637,7 @@ def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
             name = flight.landmarks.name[flight.picks.landmark[k]]
             texts.append(
                 f"{name} {why} in all {len(own)} frames that show it, as the others have it, and "
-                f"is not used: {OF_LANDMARK}"
+                "is not used" + f": {OF_LANDMARK}" * bool(aside[k] == Unseen.BEHIND_CAMERA)
             )
     return [Finding(text, flight.source, severity="warning") for text in texts]
 
