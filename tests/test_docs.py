@@ -107,6 +107,7 @@ class Notebook:
 @pytest.fixture
 def notebook(place: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Notebook]:
     """A notebook whose blocks may start `vopd` as a command."""
+    monkeypatch.setenv("COLUMNS", "80")
     for name, value in environment(place).items():
         monkeypatch.setenv(name, value)
     opened = Notebook(place)
@@ -121,7 +122,7 @@ def run_command(command: str, place: Path) -> tuple[int, str]:
     first, bar, rest = command.partition(" | ")
     while first.startswith("vopd ") and not SHELL.search(first):
         with contextlib.chdir(place):
-            ran = vopd(*shlex.split(first)[1:], stdin=piped)
+            ran = vopd(*shlex.split(first)[1:], stdin=piped, terminal=not bar)
         if not bar:
             said += ran.terminal
             return (0, f"{said}{ran.status}\n") if asks_status else (ran.status, said)

@@ -40,7 +40,9 @@ def stop_at_signals() -> None:
 
 
 def stop(number: int, frame: object) -> None:
-    """Remove temporary files and end the process at once, with status 128 + the signal's number.
+    """Remove temporary files, say how far the work had come, and end the process at once.
+
+    The status is 128 + the signal's number.
 
     Raising an exception instead would leave the process to whatever code was interrupted.
     """
@@ -50,6 +52,13 @@ def stop(number: int, frame: object) -> None:
             os.unlink(name)  # noqa: PTH108
         except OSError:
             continue
+    progress = getattr(sys.modules.get("vopd.cli.console"), "Progress", None)
+    for one in getattr(progress, "running", ()):
+        if text := one.stop_text():
+            try:
+                os.write(2, f"\n{text}\n".encode())
+            except OSError:
+                break
     os._exit(128 + number)
 
 

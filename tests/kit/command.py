@@ -7,7 +7,9 @@ import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest.mock import patch
 
+import click.testing
 import pytest
 from click.testing import CliRunner
 
@@ -37,12 +39,20 @@ class Ran(NamedTuple):
     terminal: str = ""
 
 
-def vopd(*arguments: str | os.PathLike[str], stdin: str | bytes | None = None) -> Ran:
+def vopd(
+    *arguments: str | os.PathLike[str], stdin: str | bytes | None = None, terminal: bool = False
+) -> Ran:
     """Run `vopd` with these arguments in this process, through its own error boundary.
 
-    An exception that the boundary does not turn into a message is raised here.
+    An exception that the boundary does not turn into a message is raised here. With `terminal`
+    standard output says that it is one.
     """
-    done = CliRunner().invoke(cli, [os.fspath(one) for one in arguments], input=stdin)
+    stream, plain = click.testing._NamedTextIOWrapper, click.testing._NamedTextIOWrapper.isatty
+    shown = patch.object(
+        stream, "isatty", lambda own: own.name == "<stdout>" if terminal else plain(own)
+    )
+    with shown:
+        done = CliRunner().invoke(cli, [os.fspath(one) for one in arguments], input=stdin)
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
     return Ran(done.exit_code, done.stdout, done.stderr, done.stdout_bytes, done.output)

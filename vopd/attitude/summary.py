@@ -259,7 +259,8 @@ def sure_text(frames: ShownFrames) -> str:
     told = "no frame has an attitude"
     if len(half):
         middle = np.median(np.where(np.isnan(half), np.inf, half), axis=0)
-        told = "+- is half of the 95 % interval, degrees: in the median " + ", ".join(
+        median = "in the median " if len(half) > 1 else ""
+        told = f"+- is half of the 95 % interval, degrees: {median}" + ", ".join(
             f"{name} {'free' if not isfinite(size) else f'{size:.2g}'}"
             for name, size in zip(("yaw", "pitch", "roll"), middle.tolist(), strict=True)
         )
@@ -290,7 +291,7 @@ def doubt_lines(frames: ShownFrames) -> list[str]:
         labels, own = frames.flagged[name], frames.details[name]
         where = frames_text(labels)
         if len(labels) == frames.attitudes > 1:
-            where = f"all {len(labels)} frames"
+            where = f"every frame ({len(labels)})"
         elif len(where) > NAMED:
             where = count_text(len(labels), "frame")
         detail = f" ({next(iter(own))})" if len(own) == 1 and any(own) else ""

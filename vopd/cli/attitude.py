@@ -171,7 +171,11 @@ def command(
     messages = Messages(options.quiet)
     if columns:
         _check_columns(found, request)
-    progress = Progress("frames written", total=sum(job.frames for job in found.jobs))
+    progress = Progress(
+        "frames written",
+        total=sum(job.frames for job in found.jobs),
+        stopped="the table is not complete" if output == "-" else f"{output} is not written",
+    )
     jobs = [job.watched(progress.add) for job in found.jobs]
     coding = sys.stdout.encoding if output == "-" else "utf-8"
     with whole_file(output) as file:

@@ -162,7 +162,9 @@ def command(
     plan = find_sources(sources, manifest, folder, settings.suffixes)
     mine = plan[number - 1 :: count]
     with place.begun(resume, settings.options) as earlier:
-        progress = Progress("sources", total=len(mine))
+        progress = Progress(
+            "sources", total=len(mine), stopped="the same command with --resume goes on"
+        )
         try:
             records = run_batch(
                 mine, settings, place, earlier, progress.add,

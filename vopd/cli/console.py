@@ -10,7 +10,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Hashable
-from typing import Any
+from typing import Any, ClassVar
 
 import click
 
@@ -82,11 +82,20 @@ class Progress:
     Args:
         unit: what is counted
         total: how many there will be, if it is known; the time that is left is shown then
+        stopped: what to say where the process is stopped meanwhile, after the count
     """
 
+    running: ClassVar[list[Progress]] = []
+
     def __init__(
-        self, unit: str, clock: Callable[[], float] = time.monotonic, total: int | None = None
+        self,
+        unit: str,
+        clock: Callable[[], float] = time.monotonic,
+        total: int | None = None,
+        stopped: str = "",
     ) -> None:
+        self._stopped = stopped
+        self.running.append(self)
         self._unit = unit
         self._clock = clock
         self._start = clock()
@@ -98,16 +107,28 @@ class Progress:
     def add(self, count: int) -> None:
         """Add to the count and show it."""
         self._count += count
+        if self not in self.running:
+            self.running.append(self)
         if (now := self._clock()) >= self._next and sys.stderr.isatty():
             self._next = now + EVERY_S
             text = self._text(now)
             click.echo("\r" + text.ljust(self._shown), nl=False, err=True)
             self._shown = len(text)
 
+    def stop_text(self) -> str:
+        """Say how far the work has come; empty if it has hardly begun."""
+        if not self._stopped or self._clock() < self._start + PATIENCE_S:
+            return ""
+        done = self._done() if self._total is None else f"{self._count} of {self._total} done"
+        return f"{done}; {self._stopped}"
+
+    def _done(self) -> str:
+        unit = self._unit.removesuffix("s") if self._count == 1 else self._unit
+        return f"{self._count} {unit}"
+
     def _text(self, now: float) -> str:
         if self._total is None:
-            unit = self._unit.removesuffix("s") if self._count == 1 else self._unit
-            return f"{self._count} {unit}"
+            return self._done()
         left_s = (now - self._start) / max(self._count, 1) * (self._total - self._count)
         minutes, seconds = divmod(round(left_s), 60)
         done = f"{self._count} of {self._total} {self._unit}"
@@ -115,6 +136,8 @@ class Progress:
 
     def close(self) -> None:
         """Clear the line."""
+        if self in self.running:
+            self.running.remove(self)
         if self._shown:
             click.echo("\r" + " " * max(self._shown, 20) + "\r", nl=False, err=True)
             self._shown = 0
@@ -231,18 +254,19 @@ def _shown_on(terminal: Any, encoding: str) -> io.TextIOWrapper:
 
 
 class _Lines(io.TextIOWrapper):
-    """Messages on a terminal: lines that are too wide for it are broken at words.
+    """Messages on a terminal: a line that is too wide for it is broken at words.
 
-    Those that begin with a blank, such as a card under its ruler, stay as they are.
+    The lines after a first one, such as a card under its ruler or what is to be copied into a
+    file, stay as they are.
     """
 
     def write(self, text: str, /) -> int:
         from vopd.screen import wrapped
 
-        columns = screen_columns()
-        lines = text.split("\n")
-        broken = [one if one[:1] in " \r" else wrapped(one, columns, "  ") for one in lines]
-        super().write("\n".join(broken))
+        first, end, rest = text.partition("\n")
+        if first[:1] not in ("", " ", "\r"):
+            first = wrapped(first, screen_columns(), "  ")
+        super().write(first + end + rest)
         return len(text)
 
 

@@ -77,7 +77,8 @@ def collect_jobs(
     if options.solve.fixes and not options.quiet:
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
     found = Collected([], [], False, False, 0)
-    messages, progress = Messages(options.quiet, on_message), Progress("frames")
+    messages = Messages(options.quiet, on_message)
+    progress = Progress("frames solved", stopped="nothing is written")
     for some in in_groups(solve_sources(decks, options.solve)):
         solved = [one for one in some if isinstance(one, SolvedJob)]
         of_jobs = iter(histories_of_run(solved, options.history) if solved else [])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from vopd.errata import Fixes, fixes
+from vopd.errata import Fix, Fixes, fixes
 from vopd.findings import VopdError
 from vopd.geometry.ellipsoids import ELLIPSOIDS
 
@@ -27,7 +27,13 @@ quiet_option = click.option("-q", "--quiet", is_flag=True, help="Print no warnin
 
 _SOLVE_OPTIONS = (
     click.option(
-        "--fix", metavar="NAME", multiple=True, help="Correct an erratum, or all; repeatable."
+        "--fix",
+        metavar="NAME",
+        multiple=True,
+        shell_complete=lambda ctx, option, begun: [
+            one for one in ("all", *(fix.value for fix in Fix)) if one.startswith(begun)
+        ],
+        help="Correct an erratum, or all; repeatable.",
     ),
     click.option(
         "--ellipsoid",
