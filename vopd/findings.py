@@ -66,7 +66,8 @@ class Finding:
         group = "" if self.group is None else group_text(self.group)
         field = (self.field + columns).strip()
         where = ", ".join(part for part in (card, job, group, field) if part)
-        return one_line(": ".join(part for part in (self.source, where, self.message) if part))
+        text = ": ".join(part for part in (self.source, where, self.message) if part)
+        return shortened(text) if LAID_OUT in self.message else one_line(text)
 
     def _ruler(self) -> list[str]:
         if self.image is None or self.columns is None:
@@ -131,6 +132,9 @@ def shortened(text: str) -> str:
     """Leave out the middle of a text that nobody reads: names and cells may have megabytes."""
     half = LONGEST_MESSAGE // 2
     return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"
+
+
+LAID_OUT = "\n\n"  # in a message of several paragraphs, with lines to copy into a file
 
 
 def one_line(text: str) -> str:

@@ -299,5 +299,6 @@ def on_a_terminal(arguments: list[str]) -> Ran:
         while data := os.read(ours, 65536):
             screen += data
     os.close(ours)
-    screen = re.sub(rb"(\r[^\r\n]+)+\r", b"", screen)  # progress, on a busy machine
-    return Ran(process.wait(), screen.decode(), "", screen.replace(b"\r\n", b"\n"))
+    shown = screen.replace(b"\r\n", b"\n")
+    shown = re.sub(rb"\r[^\r\n]*(?=\r)|\r", b"", shown)  # progress, on a busy machine
+    return Ran(process.wait(), screen.decode(), "", shown)

@@ -479,9 +479,9 @@ def test_the_progress_counts_frames_and_is_wiped_at_the_end_of_a_deck(
 ) -> None:
     events: list[Any] = []
     line = SimpleNamespace(add=events.append, close=lambda: events.append("wiped"))
-    monkeypatch.setattr(histories, "Progress", lambda unit: events.append(unit) or line)
+    monkeypatch.setattr(histories, "Progress", lambda unit, **_: events.append(unit) or line)
     collected(monkeypatch, Job("a"), Job("b"), SourceEnd("a"), Job("c"))
-    assert events == ["frames", 4, 4, "wiped", 4]
+    assert events == ["frames solved", 4, 4, "wiped", 4]
 
 
 # What is not sent to a terminal, and epochs
@@ -531,8 +531,8 @@ def test_the_progress_and_the_status_of_a_table(
     events: list[Any] = []
 
     class Noted:
-        def __init__(self, unit: str, total: int) -> None:
-            events.append((unit, total))
+        def __init__(self, unit: str, total: int, stopped: str) -> None:
+            events.append((unit, total, stopped))
 
         def add(self, count: int) -> None:
             events.append(count)
@@ -567,7 +567,13 @@ def test_the_progress_and_the_status_of_a_table(
     monkeypatch.setattr("vopd.export.AttitudeFormat.pages", lambda _, *rest: pages(*rest))
     ran = vopd("attitude", "a.dat", "-o", tmp_path / "t.csv")
     assert ran.status == 3 and (tmp_path / "t.csv").read_bytes() == b"onetwo"
-    assert events == [("frames written", 14), 7, 7, ("jobs", [7, 7]), "wiped"]
+    assert events == [
+        ("frames written", 14, f"{tmp_path / 't.csv'} is not written"),
+        7,
+        7,
+        ("jobs", [7, 7]),
+        "wiped",
+    ]
     assert_approved(ran.stderr)
     assert vopd("attitude", "a.dat", "-q").stderr == ""
 
