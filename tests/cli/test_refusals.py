@@ -389,9 +389,10 @@ def test_every_difference_is_written_however_many_go_at_once(
         assert [one["page"] for one in written] == [1, 2, 3, 4, 5]
         assert [one["expected_line"] for one in written] == lines
         return
-    *written, last = ran.stdout.splitlines()
+    *written, largest, last = ran.stdout.splitlines()
+    assert largest == "largest: 0.001 deg (frame 730, PHI)"
     assert written == [
-        f"page {k}, frame 730, line {line}, PHI: expected 75.837, actual 75.836 (off by 1)"
+        f"page {k}, frame 730, line {line}, PHI: expected 75.837, actual 75.836 (off by 0.001 deg)"
         for k, line in enumerate(lines, 1)
     ]
     assert last.startswith("5 differences; 405 fields on 5 pages compared")

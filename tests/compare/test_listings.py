@@ -117,7 +117,7 @@ def test_distance_is_told_in_units_of_the_last_digit() -> None:
     assert found.off_by == 7
     assert str(found) == (
         "page 1, frame 730, line 15, landmark 66, DELTA R: "
-        "expected -.04424, actual -.04431 (off by 7)"
+        "expected -.04424, actual -.04431 (off by 0.00007 mm)"
     )
 
 

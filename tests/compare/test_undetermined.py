@@ -92,7 +92,7 @@ def test_a_digit_that_is_determined_is_a_failure_of_the_command(folder: Path) ->
     (folder / "wrong.lst").write_text(own.replace(f" {printed}", f" {wrong}", 1))
     status, lines = diff("own.lst", "wrong.lst", "--undetermined", "low.lst", "high.lst")
     assert status == 1
-    assert lines[0].endswith(f"SIG1: expected {printed}, actual {wrong} (off by 1000)")
+    assert lines[0].endswith(f"SIG1: expected {printed}, actual {wrong} (off by 1 deg)")
 
 
 def test_the_check_of_regression_listings(
@@ -105,7 +105,7 @@ def test_the_check_of_regression_listings(
     wrong = other.replace(b"  5.160  3.732", b"  5.161  3.732", 1)  # XP, which is determined
     assert wrong != other
     assert not tools.is_kept(DECK, wrong)
-    assert "XP: expected 5.161, actual 5.160 (off by 1)" in capsys.readouterr().out
+    assert "XP: expected 5.161, actual 5.160 (off by 0.001 mm)" in capsys.readouterr().out
     assert not tools.is_kept(DECK, other + b"\n")
     assert not tools.is_kept(DECK, b"")
 

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from decimal import Decimal
-from itertools import islice
+from itertools import chain, islice
 
 import click
 
@@ -17,14 +17,19 @@ from vopd.findings import VopdError, count_text
 from vopd.listing.compare import (
     Comparison,
     Difference,
+    Within,
     exact_units,
     find_differences,
     read_listing,
+    read_within,
     tolerance_rows,
     undetermined_fields,
 )
 
 WRITTEN_AT_ONCE = 500  # differences
+UNITS = ("deg", "ft", "1000 ft", "s", "mm", "in", "")
+"""Units in the order in which differences are written."""
+SORTED = 200_000  # differences that are held at once, some 100 MB
 
 
 def _units(ctx: click.Context, param: click.Parameter, value: str) -> Decimal:
@@ -33,6 +38,14 @@ def _units(ctx: click.Context, param: click.Parameter, value: str) -> Decimal:
         return exact_units(value)
     except VopdError:
         raise click.BadParameter(f"{value!r} is not a number of 0 or more.") from None
+
+
+def _within(ctx: click.Context, param: click.Parameter, value: str | None) -> Within:
+    """Check the value of --within."""
+    try:
+        return {} if value is None else read_within(value)
+    except VopdError as error:
+        raise click.BadParameter(f"{error}.") from None
 
 
 def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -> None:
@@ -54,6 +67,13 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
     callback=_units,
     help="How many units of its last printed digit a number may differ by; fractions are "
     "possible, and 0 asks for identical text.",
+)
+@click.option(
+    "--within",
+    metavar="TOLERANCES",
+    callback=_within,
+    help="How far numbers may differ by their unit, besides, such as .01deg,1ft; the units are "
+    "deg, ft, in, mm and s.",
 )
 @click.option(
     "--tolerances",
@@ -80,6 +100,7 @@ def command(
     expected: str,
     actual: str,
     units: Decimal,
+    within: Within,
     undetermined: tuple[str, str] | None,
     output: str,
     output_format: str,
@@ -89,16 +110,19 @@ def command(
 
     One of the two may be - for standard input. Text must be equal, except for
     blanks at the end of a line. Numbers may differ by one unit of their last
-    printed digit, or by --units. Angles are compared around the circle; numbers
+    printed digit, or by --units, or by --within. Angles are compared around the circle; numbers
     of landmarks and frames must be equal. Fields are found by the columns of
     the listing's FORMATs, so they may touch (112.175-158.836). A line or page
     that only one listing has is one difference, and the comparison continues
-    after it.
+    after it. These are written first, then numbers unit by unit (deg, ft, s, mm,
+    in), the largest difference of each first.
 
     \b
     Example:
       $ vopd run case1.dat | vopd diff --units 0 case1.lst -
-      page 1, frame 730, line 18, PHI: expected 75.837, actual 75.836 (off by 1)
+      page 1, frame 730, line 18, PHI: expected 75.837,
+          actual 75.836 (off by 0.001 deg)
+      largest: 0.001 deg (frame 730, PHI)
       1 difference; 82 fields on 2 pages compared, 0 illegible
 
     Pages are counted from 1, lines from the start of EXPECTED. EXPECTED may be
@@ -122,7 +146,7 @@ def command(
     refuse_to_overwrite((expected, actual, *(undetermined or ())), output)
     free = undetermined_fields(*map(read_listing, undetermined)) if undetermined else {}
     counts = Comparison()
-    found = find_differences(*texts, units, counts, free)
+    found = find_differences(*texts, units, counts, free, within)
     if quiet:
         ctx.exit(int(any(difference.determined for difference in found)))
     write = _write_json if output_format == "json" else _write_text
@@ -132,11 +156,28 @@ def command(
 
 
 def _write_text(file: Output, found: Iterable[Difference], counts: Comparison) -> int:
-    """Write the differences for a reader, then a line that sums them up; return their number."""
+    """Write the differences, the largest first, then lines that sum them up; return their number.
+
+    Beyond `SORTED` differences the others follow in the order of the pages.
+    """
+    rest = iter(found)
+    first = sorted(islice(rest, SORTED), key=_rank)
     number = 0
-    for some in _batches(found):
+    largest: dict[str, Difference] = {}
+    for some in _batches(chain(first, rest)):
         file.write("".join(f"{difference}\n" for difference in some).encode())
         number += len(some)
+        for one in some:
+            before = largest.get(one.unit)
+            if (
+                one.apart is not None
+                and one.determined
+                and (before is None or one.apart > (before.apart or 0))
+            ):
+                largest[one.unit] = one
+    if largest:
+        texts = (f"{one.amount()} ({_place(one)})" for one in largest.values())
+        file.write(f"largest: {'; '.join(texts)}\n".encode())
     free = counts.fields_undetermined
     summary = (
         f"{_counted(number - free, 'difference')}; "
@@ -146,6 +187,17 @@ def _write_text(file: Output, found: Iterable[Difference], counts: Comparison) -
     )
     file.write(summary.encode())
     return number
+
+
+def _rank(one: Difference) -> tuple[int, Decimal]:
+    """Order text first, then numbers unit by unit, the largest difference of each first."""
+    return (-1, Decimal(0)) if one.apart is None else (UNITS.index(one.unit), -one.apart)
+
+
+def _place(one: Difference) -> str:
+    """Name frame, landmark and field of a difference."""
+    named = (("frame", one.frame), ("landmark", one.landmark))
+    return ", ".join([*(f"{what} {name}" for what, name in named if name), one.field])
 
 
 def _counted(number: int, noun: str) -> str:

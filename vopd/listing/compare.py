@@ -6,9 +6,11 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from dataclasses import field as derived
 from decimal import Context, Decimal, InvalidOperation
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import BinaryIO, Literal
 
 from vopd.findings import VopdError
@@ -47,6 +49,9 @@ class Difference:
         landmark: number of the landmark as printed, blank where there is none
         field: name of the field, as its heading prints it
         off_by: how far two numbers are apart, in units of the last printed digit; None for text
+        apart: how far they are apart in the field's own unit; None for text, and for a number
+            that identifies a frame or landmark
+        unit: that unit, blank for a number without one
         determined: False for a field whose digits depend on the last bits of sines, where both
             numbers are among those that it may have
     """
@@ -62,11 +67,13 @@ class Difference:
     field: str = ""
     off_by: Decimal | None = None
     determined: bool = True
+    apart: Decimal | None = derived(default=None, compare=False)
+    unit: str = derived(default="", compare=False)
 
     def __str__(self) -> str:
         """Describe the difference: where it is, and what either listing has there."""
         if self.kind == "field":
-            apart = "" if self.off_by is None else f"off by {self.off_by.normalize():f}"
+            apart = f"off by {self.amount()}" if self.off_by is not None else ""
             notes = ", ".join(filter(None, (apart, "" if self.determined else "not determined")))
             expected, actual = self.expected or "(blank)", self.actual or "(blank)"
             return f"{self.location()}: expected {expected}, actual {actual}" + (
@@ -84,6 +91,11 @@ class Difference:
         if what == "page":
             return f"{self.location()}: {whose} ({text.count(chr(10)) + 1} lines)"
         return f"{self.location()}: {whose}\n    {sign}|{text}"
+
+    def amount(self) -> str:
+        """Write how far two numbers are apart, with the unit; blank for text."""
+        apart = self.off_by if self.apart is None else self.apart
+        return "" if apart is None else f"{apart.normalize():f} {self.unit}".rstrip()
 
     def location(self) -> str:
         """Name page, frame, line, landmark and field, as far as they are known."""
@@ -221,35 +233,79 @@ def printed_number(text: str) -> Decimal | None:
     return Decimal(text.replace("D", "E")) if _NUMBER.fullmatch(text) else None
 
 
-def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
-    """Subtract two numbers, in units of the last printed digit; None for other text.
+def apart(field: Field, expected: str, actual: str) -> Decimal | None:
+    """Subtract two numbers, in the field's own unit; None for other text.
 
-    The last digit is the FORMAT's for I and F fields, the one printed for E and G fields (the
-    coarser of two). Angles that wrap are compared around the circle.
+    Angles that wrap are compared around the circle.
     """
     one, other = printed_number(expected), printed_number(actual)
     if one is None or other is None:
         return None
-    apart = _EXACT.abs(_EXACT.subtract(one, other))
+    difference = _EXACT.abs(_EXACT.subtract(one, other))
     period = TOLERANCES[field.quantity].period
-    if period is not None and apart.adjusted() < WRAPPED:
-        apart = _EXACT.remainder(apart, period)
-        apart = min(apart, _EXACT.subtract(period, apart))
+    if period is not None and difference.adjusted() < WRAPPED:
+        difference = _EXACT.remainder(difference, period)
+        difference = min(difference, _EXACT.subtract(period, difference))
+    return difference
+
+
+def units_apart(field: Field, expected: str, actual: str) -> Decimal | None:
+    """Subtract two numbers, in units of the last printed digit; None for other text.
+
+    The last digit is the FORMAT's for I and F fields, the one printed for E and G fields (the
+    coarser of two).
+    """
+    one, other = printed_number(expected), printed_number(actual)
+    difference = apart(field, expected, actual)
+    if one is None or other is None or difference is None:
+        return None
     digits = (-int(value.as_tuple().exponent) for value in (one, other))
     decimals = field.decimals if field.descriptor in "IF" else min(digits)
-    return _EXACT.scaleb(apart, decimals)
+    return _EXACT.scaleb(difference, decimals)
 
 
-def fields_agree(field: Field, expected: str, actual: str, units: Decimal) -> bool:
-    """Compare two fields: true for the same text, or numbers within the tolerance."""
+Within = Mapping[str, Decimal]
+"""How far numbers of a unit may differ, whatever their digits: by the unit of `TOLERANCES`."""
+WITHIN_UNITS = ("deg", "ft", "in", "mm", "s")
+
+
+def read_within(text: str) -> Within:
+    """Read tolerances such as `.01deg,1ft`.
+
+    Args:
+        text: numbers of 0 or more, each with its unit: deg, ft, in, mm or s
+
+    Raises:
+        VopdError: for anything else.
+    """
+    found: dict[str, Decimal] = {}
+    for one in text.split(","):
+        parts = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*([a-z]+)\s*", one)
+        if parts is None or parts[2] not in WITHIN_UNITS:
+            units = f"{', '.join(WITHIN_UNITS[:-1])} or {WITHIN_UNITS[-1]}"
+            raise VopdError(f"{one.strip()!r} is not a number with its unit, {units}")
+        found[parts[2]] = Decimal(parts[1])
+    if "ft" in found:
+        found["1000 ft"] = found["ft"] / 1000
+    return found
+
+
+def fields_agree(
+    field: Field, expected: str, actual: str, units: Decimal, within: Within = MappingProxyType({})
+) -> bool:
+    """Compare two fields: true for the same text, or numbers within either tolerance."""
     if expected.rstrip() == actual.rstrip():
+        return True
+    limit = within.get(TOLERANCES[field.quantity].unit)
+    difference = None if limit is None else apart(field, expected, actual)
+    if limit is not None and difference is not None and difference <= limit:
         return True
     if not units:
         return False
-    apart = units_apart(field, expected, actual)
-    if apart is None:
+    off_by = units_apart(field, expected, actual)
+    if off_by is None:
         return expected.strip() == actual.strip()
-    return apart <= _EXACT.multiply(units, TOLERANCES[field.quantity].digits)
+    return off_by <= _EXACT.multiply(units, TOLERANCES[field.quantity].digits)
 
 
 # Fields whose printed digits are not determined
@@ -316,6 +372,7 @@ def compare_listings(
     actual_text: str,
     units: float | Decimal | str = 1.0,
     undetermined: Undetermined = NONE,
+    within: Within = MappingProxyType({}),
 ) -> Comparison:
     """Compare two listings given as text.
 
@@ -325,6 +382,7 @@ def compare_listings(
         units: how many units of its last printed digit a number may differ by, 0 or more;
             0 asks for identical text
         undetermined: fields of EXPECTED whose digits are not determined
+        within: how far numbers may differ by their unit, besides, as `read_within` gives it
 
     Returns:
         The differences, and how many pages and fields were compared.
@@ -334,7 +392,7 @@ def compare_listings(
     """
     result = Comparison()
     result.differences = tuple(
-        find_differences(expected_text, actual_text, units, result, undetermined)
+        find_differences(expected_text, actual_text, units, result, undetermined, within)
     )
     return result
 
@@ -345,12 +403,13 @@ def find_differences(
     units: float | Decimal | str,
     counts: Comparison,
     undetermined: Undetermined = NONE,
+    within: Within = MappingProxyType({}),
 ) -> Iterator[Difference]:
     """Yield the differences one by one, and add to `counts` what has been compared so far.
 
     The arguments are those of `compare_listings`.
     """
-    allowed = exact_units(units)
+    allowed = exact_units(units), within
     pages = align(split_pages(expected_text), split_pages(actual_text), page_cost)
     for expected, actual in _join_illegible_pages(pages):
         counts.pages += expected is not None
@@ -405,7 +464,7 @@ def _page_without_partner(
 def _compare_pages(
     expected: ListingPage,
     actual: ListingPage,
-    units: Decimal,
+    allowed: tuple[Decimal, Within],
     counts: Comparison,
     undetermined: Undetermined,
 ) -> Iterator[Difference]:
@@ -429,7 +488,7 @@ def _compare_pages(
             actual_line=other.number if other else None,
         )
         if one and other:
-            yield from _compare_lines(one, other, units, counts, undetermined, located)
+            yield from _compare_lines(one, other, allowed, counts, undetermined, located)
         elif one:
             yield located("missing line", expected=one.text, actual="")
         elif other:
@@ -439,7 +498,7 @@ def _compare_pages(
 def _compare_lines(
     one: ListingLine,
     other: ListingLine,
-    units: Decimal,
+    allowed: tuple[Decimal, Within],
     counts: Comparison,
     undetermined: Undetermined,
     located: partial[Difference],
@@ -464,12 +523,13 @@ def _compare_lines(
             counts.fields_illegible += 1
             continue
         counts.fields_compared += bool(here.strip() or there.strip())
-        if not fields_agree(field, here, there, units):
+        if not fields_agree(field, here, there, *allowed):
             between = undetermined.get((one.number, field.name))
             free = between is not None and all(
                 may_hold(field, text, *between) for text in (here, there)
             )
             counts.fields_undetermined += free
+            measured = TOLERANCES[field.quantity]
             yield located(
                 "field",
                 expected=here.strip(),
@@ -478,6 +538,8 @@ def _compare_lines(
                 field=field.name,
                 off_by=units_apart(field, here, there),
                 determined=not free,
+                apart=apart(field, here, there) if measured.digits else None,
+                unit=measured.unit,
             )
 
 
