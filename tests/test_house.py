@@ -19,20 +19,28 @@ PACKAGE = ROOT / "vopd"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
-    "cli": "batch pipeline convert solved film flight report figures export attitude check "
+    "cli": "video batch pipeline convert solved film flight report figures export attitude check "
     "synthetic listing stellar cards program geometry base arrays",
     "batch": "pipeline solved film flight report export attitude listing base",
     "pipeline": "solved flight check cards program stellar geometry base arrays",
     "film": "estimate program geometry base arrays",
+<<<<<<< HEAD
     "flight": "shown attitude export estimate geometry base arrays",
     "convert": "flight cards program estimate geometry base arrays",
     "shown": "figures attitude base arrays",
     "solved": "film shown attitude export base arrays",
     "report": "figures attitude export estimate base arrays",
+=======
+    "flight": "video attitude export estimate geometry base arrays",
+    "convert": "flight cards program estimate geometry base arrays",
+    "solved": "film attitude export base arrays",
+    "report": "video figures attitude export estimate base arrays",
+>>>>>>> 2603641a (vopd pick: a page to click landmarks on, from a video or images; frames have the times at which the video shows them)
     "figures": "attitude estimate base arrays",
     "export": "attitude estimate geometry base arrays",
     "attitude": "geometry estimate base arrays",
     "check": "cards program geometry base arrays",
+    "video": "base arrays",
     "synthetic": "cards program geometry base arrays",
     "listing": "base arrays",
     "stellar": "geometry base arrays",

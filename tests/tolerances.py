@@ -20,6 +20,9 @@ TOLERANCES = {
     "angle wrapped 22 times": Tolerance(
         "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
     ),
+    "click on a page": Tolerance("px", 0.05, "what the page promises; two decimals are .005"),
+    "frame by its grey level": Tolerance("1", 0.4, "five grey levels a frame; coding moves two"),
+    "presentation time": Tolerance("s", 1e-9, "whole milliseconds"),
     "angle from the film reader": Tolerance(
         "deg", 0.01, "readings of .001 in. are .0007 mm of 10.4, .004 degree; four landmarks"
     ),

@@ -1,16 +1,10 @@
-"""The report in a browser: headless Chromium by its driver.
-
-Without a browser these tests are skipped, unless VOPD_REQUIRE_BROWSER is set: then
-they fail, so that the project's own gate cannot pass without them.
-"""
+"""The report in a browser."""
 
 from __future__ import annotations
 
 import csv
 import io
 import json
-import os
-import shutil
 import sys
 from collections.abc import Iterator
 from functools import cache
@@ -18,44 +12,22 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from selenium import webdriver
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
+from tests.kit.browser import forget, load, open_browser
 from tests.kit.histories import about, flight, histories
 from vopd.export import FORMATS, FileRequest
 from vopd.report import report
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-FLAGS = (
-    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync "
-    "--disable-background-networking --disable-component-update --disable-dev-shm-usage"
-)
 pytestmark = pytest.mark.usefixtures("not_laid_out")
 
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    program = next(filter(None, map(shutil.which, BROWSERS)), None)
-    driver = shutil.which("chromedriver")
-    if program is None or driver is None:
-        if os.environ.get("VOPD_REQUIRE_BROWSER"):
-            pytest.fail("no chromium or no chromedriver, and VOPD_REQUIRE_BROWSER is set")
-        pytest.skip("no chromium or no chromedriver: Debian has chromium, chromium-driver")
-    options = Options()
-    options.binary_location = program
-    for flag in FLAGS.split():
-        options.add_argument(flag)
-    options.add_argument(f"--user-data-dir={tmp_path_factory.mktemp('browser')}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    opened = webdriver.Chrome(options=options, service=Service(driver))
-    opened.set_window_size(1200, 900)
-    yield opened
-    opened.quit()
+    yield from open_browser(tmp_path_factory.mktemp("browser"))
 
 
 @pytest.fixture
@@ -82,19 +54,6 @@ def page_of(name: str) -> bytes:
     with pytest.MonkeyPatch.context() as patch:  # figures take longer than all the rest
         patch.setitem(sys.modules, "matplotlib.figure", None)
         return report(flight(450 if name == "long film" else 30))
-
-
-def load(browser: Any, folder: Path, page: bytes) -> Any:
-    (folder / "page.html").write_bytes(page)
-    browser.get((folder / "page.html").as_uri())
-    return browser
-
-
-def forget(browser: Any) -> Any:
-    """The browser without what it and its own first page have logged and still ask for."""
-    browser.get("about:blank")
-    browser.get_log("browser"), browser.get_log("performance")
-    return browser
 
 
 def columns(browser: Any, table: str = "frames-table") -> dict[str, list[str]]:

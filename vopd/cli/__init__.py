@@ -25,6 +25,7 @@ GROUPS = {
     },
     "Frames of a camera": {
         "new": "start a flight project, from your files or as an example",
+        "pick": "make a page on which landmarks are clicked in frames",
         "punch": "write a flight as a deck of 1974 cards",
     },
     "Decks and frames": {

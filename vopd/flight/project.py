@@ -134,7 +134,11 @@ KEYS: tuple[Key, ...] = (
     Key("picks", "times", "file", '"times.csv"',
         "instead: frame or image, t_s or t_utc; or the images", "in the place of both a CSV with "
         "`frame` or `image`, and `t_s` or `t_utc`; or the folder of the images, whose EXIF tags "
-        "have the times"),
+        "have the times; or `video`: those at which the frames of `video` are shown, after "
+        "`first_frame_t_s`"),
+    Key("picks", "video", "text", '"flight.mp4"', "the video that was picked in",
+        "the video that was picked in, for `times = \"video\"` and for `vopd pick`; a "
+        "`frame_rate_hz` that is not its own is an error"),
     Key("picks", "utc_offset_h", "number", "2.0",
         "hours: clock of the images in `times` less UTC", "the hours by which the clock of these "
         "images is ahead of UTC, where the tags do not say their zone"),

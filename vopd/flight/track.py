@@ -27,6 +27,7 @@ from vopd.flight.velocity import (
     with_gaps,
 )
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
+from vopd.video import open_frames
 
 # Frames and their times: by numbers, a CSV, or tags of images
 
@@ -73,12 +74,27 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
     epoch = project.section("flight").date("epoch")
     if section.has("times") and section.has("frame_rate_hz"):
         raise section.error("times", "frame_rate_hz is there too: give one of them")
+    shown_s, said = np.full(len(number), np.nan), ""
+    if not image and section.has("video"):
+        shown_s, said = _shown(project, number)
     if not image and section.has("frame_rate_hz"):
         rate = section.number("frame_rate_hz")
         time_s = section.number("first_frame_t_s") + number / rate
+        off_s = np.ptp(number / rate - shown_s)
+        if off_s * rate > 1.0:
+            raise section.error(
+                "frame_rate_hz",
+                f"{rate:g} a second, and by its own times the frames of {said}: they differ by "
+                f'{off_s:.3g} s over the flight; write times = "video" in its place',
+            )
         return FrameTimes(time_s, image, epoch)
     if not section.has("times"):
         return FrameTimes(np.full(len(number), np.nan), image, epoch)
+    if section.text("times") == "video":
+        if image or not section.has("video"):
+            message = "the picks name images, which have no place in a video" if image else ""
+            raise section.error("times", message or "the key video is missing, which names it")
+        return FrameTimes(section.number("first_frame_t_s") + shown_s, image, epoch, said)
     file = project.open("picks", "times")
     whole = False
     if file.path.is_dir():
@@ -94,6 +110,21 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
         epoch = epoch or first_whole_second(time_s)
         time_s = time_s - epoch.timestamp()
     return FrameTimes(time_s, image, epoch, said, whole)
+
+
+def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
+    """Read when frames are shown after the first of their video, seconds (F,), and a sentence."""
+    section = project.section("picks")
+    try:
+        frames = open_frames([str(project.folder / section.text("video"))])
+    except VopdError as error:
+        raise section.error("video", str(error)) from error
+    if frames.image_name:
+        raise section.error("video", f"{frames.source}: images have no times of presentation")
+    if number[-1] >= len(frames):
+        has = f"{frames.source} has {count_text(len(frames), 'frame')}, counted from 0"
+        raise section.error("video", f"frame {number[-1]} is picked, and {has}")
+    return frames.time_s[number], frames.about
 
 
 def times_of_csv(

@@ -54,7 +54,7 @@ def report(
     Raises:
         VopdError: where jinja2 is not installed, or no frame has an attitude
     """
-    template = _template("page.html")
+    template = page_template("page.html")
     if not any(h.has_attitude.any() for h in histories):
         raise VopdError("no frame has an attitude")
     try:
@@ -90,7 +90,7 @@ def check_ready() -> None:
     Raises:
         VopdError: where jinja2 is not installed
     """
-    _template("page.html")
+    page_template("page.html")
 
 
 COLUMNS: tuple[Column, ...] = (
@@ -125,14 +125,18 @@ def batch_page(
         ("" if file is None else "./" + quote(file.encode("utf-8", "surrogateescape")), cells)
         for file, cells in rows
     ]
-    page = _template("batch.html").render(
+    page = page_template("batch.html").render(
         rows=linked, totals=totals, failed=failed, columns=COLUMNS, **style_and_script()
     )
     return page.encode("utf-8", "replace")
 
 
-def _template(name: str) -> Template:
-    """Load a template of this folder, which escapes every text that is put into it."""
+def page_template(name: str) -> Template:
+    """Load a template of this folder, which escapes every text that is put into it.
+
+    Raises:
+        VopdError: where jinja2 is not installed
+    """
     jinja2 = optional_package("jinja2", "report")
     loader = jinja2.FunctionLoader(_file)
     environment = jinja2.Environment(
@@ -142,12 +146,15 @@ def _template(name: str) -> Template:
     return template
 
 
-def style_and_script() -> dict[str, str]:
+def style_and_script(name: str = "page") -> dict[str, str]:
     """Fill in `style`, `script` and `policy` of a template.
 
     The policy, of content security, allows this style, this script and embedded images only.
+
+    Args:
+        name: of both files of this folder, without the suffix
     """
-    style, script = _file("page.css"), _file("page.js")
+    style, script = _file(f"{name}.css"), _file(f"{name}.js")
     allowed = [
         f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
         for text in (style, script)

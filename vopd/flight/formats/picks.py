@@ -22,6 +22,7 @@ from vopd.flight.files import (
     frames_of_column,
     has_columns,
     open_input,
+    read_by_content,
     read_csv,
     shown,
     whole_numbers,
@@ -29,6 +30,7 @@ from vopd.flight.files import (
 from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
 from vopd.flight.formats.lens import GRID_TO_CENTRE
 from vopd.inputs import parse_json, parse_xml, plain_number, whole_number
+from vopd.video import CLICKS, Click
 
 # Picks as read
 
@@ -103,7 +105,10 @@ def recognises_csv_picks(file: InputFile) -> bool:
 
 
 def read_csv_picks(file: InputFile) -> PickRows:
-    """Read the picks of a CSV, by blocks. Frames are whole numbers from 0, or names of images."""
+    """Read the picks of a CSV, by blocks. Frames are whole numbers from 0, or names of images.
+
+    One that `vopd pick` saved says itself how pixels are counted.
+    """
     frame, pixel, sigma = array("q"), array("d"), array("d")
     landmark, image = Names(), Names()
     named = False
@@ -130,7 +135,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
         landmark,
         np.asarray(pixel).reshape(-1, 2),
         np.asarray(sigma) if len(sigma) else np.broadcast_to(np.nan, len(landmark)),
-        None,
+        "centre" if file.head.startswith(CLICKS) else None,
         None,
         f"CSV{block.read_as}",
     )
@@ -275,3 +280,20 @@ PICK_FORMATS: tuple[InputFormat[PickRows], ...] = (
     InputFormat("gcp_list.txt", recognises_gcp_picks, read_gcp_picks),
     InputFormat("CSV (frame,landmark,u_px,v_px)", recognises_csv_picks, read_csv_picks),
 )
+
+
+def read_clicks(file: InputFile) -> list[Click]:
+    """Read picks that `vopd pick` goes on with.
+
+    Raises:
+        VopdError: where the file does not say how pixels are counted
+    """
+    rows = read_by_content(PICK_FORMATS, file)
+    if rows.grid is None:
+        raise file.error(
+            "it does not say from where pixels are counted; if u and v are 0 at the centre of the "
+            f"first pixel and v counts down, write as its first line: {CLICKS}"
+        )
+    pixel = rows.centred_px(np.arange(len(rows.landmark))).tolist()
+    names = zip(map(str, rows.frame), rows.landmark, pixel, strict=True)
+    return [(frame, landmark, u, v) for frame, landmark, (u, v) in names]

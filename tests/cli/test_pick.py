@@ -1,0 +1,91 @@
+"""`vopd pick`: which frames are on the page, names and picks that it begins with, wrong usage."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.approved.texts import assert_approved
+from tests.kit.command import vopd
+from tests.kit.flight_project import TOML, write_project
+from tests.kit.video import write_video
+
+MARKS = "landmark,lat_deg,lon_deg,h_m\nmast,47,8,400\n</script>,47.001,8,400\n"
+
+
+@pytest.fixture(autouse=True)
+def in_a_new_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_video(tmp_path / "a.mp4", [40 * k for k in range(40)])
+
+
+def data(page: str = "p.html") -> dict[str, Any]:
+    """What the page was given."""
+    text = Path(page).read_text(encoding="utf-8")
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)
+    assert found
+    return dict(json.loads(found[1]))
+
+
+def test_frames_of_a_video(tmp_path: Path) -> None:
+    done = vopd("pick", "a.mp4", "-o", "p.html")
+    assert (done.status, done.stdout) == (0, "")
+    assert_approved(re.sub(r"[\d.]+ MB", "N MB", done.stderr))
+    names = [int(one["name"]) for one in data()["frames"]]
+    assert len(names) == 12 and (names[0], names[-1]) == (0, 39) and sorted(names) == names
+    assert vopd("pick", "a.mp4", "-o", "p.html", "--at", "7,3,7").status == 0
+    assert [one["title"] for one in data()["frames"]] == ["3, 0.120 s", "7, 0.280 s"]
+
+
+def test_landmarks_and_picks_that_there_are(tmp_path: Path) -> None:
+    """A pick of another frame is left out; a name of its own is offered."""
+    Path("lm.csv").write_text(MARKS)
+    saved = "# pixels: u right, v down, (0, 0) the centre of the first pixel\n"
+    Path("c.csv").write_text(saved + "frame,landmark,u_px,v_px\n3,pond,1.5,2\n4,mast,1,1\n")
+    done = vopd("pick", "a.mp4", "-o", "p.html", "--at", "3", "--landmarks", "lm.csv",
+                "--clicks", "c.csv")  # fmt: skip
+    assert done.status == 0
+    assert data()["landmarks"] == ["mast", "</script>", "pond"]
+    assert data()["picks"] == [{"frame": 0, "landmark": "pond", "u": 1.5, "v": 2.0}]
+
+
+def test_a_project_names_video_and_landmarks(tmp_path: Path) -> None:
+    project = write_project(tmp_path, TOML.replace("[landmarks]", 'video = "a.mp4"\n[landmarks]'))
+    Path("picks.csv").unlink()  # nothing is picked yet
+    assert vopd("pick", project, "-o", "p.html").status == 0
+    assert len(data()["frames"]) == 12 and "mast" in data()["landmarks"]
+
+
+def test_images_of_a_folder() -> None:
+    Path("photographs").mkdir()
+    for name in ("b.png", "a.png"):
+        Image.fromarray(np.zeros((4, 6, 3), np.uint8)).save(Path("photographs", name))
+    assert vopd("pick", "photographs", "-o", "p.html").status == 0
+    one = {"name": "a.png", "title": "a.png", "width": 6, "height": 4}
+    assert data()["column"] == "image" and data()["frames"] == [
+        one,
+        one | dict.fromkeys(("name", "title"), "b.png"),
+    ]
+
+
+def test_wrong_usage(tmp_path: Path) -> None:
+    write_project(tmp_path, TOML)
+    Path("many").mkdir()
+    for k in range(61):
+        Path("many", f"{k}.png").touch()
+    for arguments in (
+        "a.mp4 -o p.txt", "a.mp4", "a.mp4 -o p.html --at 3,x", "a.mp4 -o p.html --at 3,40",
+        "flight.toml -o p.html", "flight.toml a.mp4 -o p.html", "many -o p.html",
+        "none.mp4 -o p.html", "a.mp4 -o p.html --landmarks none.csv",
+        "a.mp4 -o p.html --clicks picks.csv", "a.mp4 -o a.mp4/p.html",
+    ):  # fmt: skip
+        done = vopd("pick", *arguments.split())
+        assert done.status in (1, 2), arguments
+        assert_approved(done.stderr)
+    assert not Path("p.html").exists()

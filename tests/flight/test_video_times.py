@@ -1,0 +1,65 @@
+"""Times of a flight's frames by the video that was picked in, and clicks that say their grid."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import vopd
+from tests.approved.texts import assert_approved, refused
+from tests.kit.flight_project import TOML, truth_deg, write_project
+from tests.kit.video import write_video
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.files import InputFile
+from vopd.flight.formats.picks import read_clicks
+from vopd.video import CLICKS
+
+RATE = "frame_rate_hz = 10.0\n"
+EVEN_MS = [100 * k for k in range(5)]
+
+
+def test_frames_have_the_times_at_which_they_are_shown(tmp_path: Path) -> None:
+    """Frame 0 is 2 s after the epoch; the third interval is twice as long as the others."""
+    write_video(tmp_path / "a.mp4", [0, 100, 200, 400, 500])
+    project = write_project(tmp_path, TOML.replace(RATE, 'times = "video"\nvideo = "a.mp4"\n'))
+    assert_close("presentation time", vopd.solve_flight(project).time_s, [2.0, 2.1, 2.2, 2.4, 2.5])
+
+
+def test_a_frame_rate_that_is_the_video_s_own(tmp_path: Path) -> None:
+    write_video(tmp_path / "a.mp4", EVEN_MS)
+    project = write_project(tmp_path, TOML.replace(RATE, RATE + 'video = "a.mp4"\n'))
+    found = vopd.solve_flight(project).camera_deg
+    assert_close("flight angle", found, truth_deg() % 360.0 - [0, 360, 0])
+
+
+@pytest.mark.parametrize(
+    ("shown_ms", "keys"),
+    [
+        ([300 * k for k in range(5)], RATE + 'video = "a.mp4"'),
+        (EVEN_MS[:4], 'times = "video"\nvideo = "a.mp4"'),
+        (EVEN_MS, 'times = "video"'),
+        (EVEN_MS, 'times = "video"\nvideo = "b.mp4"'),
+        (EVEN_MS, 'times = "video"\nvideo = "."'),
+    ],
+)
+def test_videos_that_are_not_of_the_picks(tmp_path: Path, shown_ms: list[int], keys: str) -> None:
+    write_video(tmp_path / "a.mp4", shown_ms)
+    project = write_project(tmp_path, TOML.replace(RATE, keys + "\n"))
+    with refused(VopdError):
+        vopd.solve_flight(project)
+
+
+def test_saved_clicks_need_no_grid(tmp_path: Path) -> None:
+    text = f"{CLICKS}\nframe,landmark,u_px,v_px\n7,mast,10.25,3\n"
+    assert read_clicks(InputFile("a.csv", Path(), text)) == [("7", "mast", 10.25, 3.0)]
+    project = Path(write_project(tmp_path, TOML.replace('pixel_grid = "centre"\nframe', "frame")))
+    with refused(VopdError):
+        vopd.solve_flight(project)
+    picks = project.parent / "picks.csv"
+    picks.write_text(f"{CLICKS}\n{picks.read_text()}")
+    assert vopd.solve_flight(project).solved.all()
+    with refused(VopdError):
+        read_clicks(InputFile("a.csv", Path(), text.partition("\n")[2]))
+    assert_approved(CLICKS)

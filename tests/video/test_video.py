@@ -1,0 +1,94 @@
+"""Frames of videos and of folders of images: order, times, pixels, and what cannot be read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.approved.texts import assert_approved, refused
+from tests.kit.video import number_of, write_video
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.video import open_frames, spread
+
+EVEN_MS = [40 * k for k in range(40)]
+UNEVEN_MS = [0, 33, 66, 100, 133, 333, 366, 400, 433]  # five frames are missing after the fifth
+
+
+def test_frames_count_in_the_order_in_which_they_are_shown(tmp_path: Path) -> None:
+    """Frames of H.264 are stored in another order; a grey level says which each is."""
+    frames = open_frames([str(write_video(tmp_path / "a.mp4", EVEN_MS))])
+    assert len(frames) == 40 and not frames.image_name
+    chosen = [39, 0, 13, 11, 12, 25]
+    found = [number_of(picture) for picture in frames.pictures(chosen)]
+    assert_close("frame by its grey level", found, chosen)
+    assert [frames.label(k) for k in (0, 39)] == ["0", "39"]
+
+
+def test_times_of_presentation(tmp_path: Path) -> None:
+    frames = open_frames([str(write_video(tmp_path / "a.mp4", UNEVEN_MS))])
+    assert_close("presentation time", frames.time_s, np.array(UNEVEN_MS) / 1000.0)
+    assert_approved(frames.about)
+
+
+def test_a_later_start_counts_from_the_first_frame(tmp_path: Path) -> None:
+    frames = open_frames([str(write_video(tmp_path / "a.mkv", [ms + 500 for ms in UNEVEN_MS]))])
+    assert frames.time_s[0] == 0.0
+    assert_close("presentation time", frames.time_s, np.array(UNEVEN_MS) / 1000.0)
+
+
+def test_images_have_their_names_and_stand_upright(tmp_path: Path) -> None:
+    """EXIF's orientation 6: the first row as stored is the right-hand column."""
+    own = np.zeros((20, 30, 3), np.uint8)
+    own[0] = 255
+    image = Image.fromarray(own)
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    image.save(tmp_path / "b.png", exif=exif)
+    Image.fromarray(np.array([[100, 300]], np.uint16)).save(tmp_path / "a.tif")
+    (tmp_path / "notes.txt").write_text("none")
+    frames = open_frames([str(tmp_path)])
+    assert frames.image_name == ("a.tif", "b.png")
+    thermal, turned = frames.pictures([0, 1])
+    assert [thermal.getpixel((u, 0)) for u in (0, 1)] == [(0, 0, 0), (255, 255, 255)]
+    assert turned.size == (20, 30)
+    assert np.asarray(turned)[:, 19].min() == 255 and np.asarray(turned)[:, :19].max() == 0
+
+
+def test_frames_spread_over_a_video(tmp_path: Path) -> None:
+    frames = open_frames([str(write_video(tmp_path / "a.mp4", EVEN_MS[:10]))])
+    assert spread(frames, 4) == [0, 3, 6, 9]
+    assert spread(frames, 99) == list(range(10))
+
+
+def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    video = write_video(tmp_path / "a.mp4", EVEN_MS)
+    Path("cut.mp4").write_bytes(video.read_bytes()[: video.stat().st_size // 2])
+    Path("words.mp4").write_text("frame,landmark\n" * 9)
+    Path("empty.png").write_bytes(b"")
+    Path("folder").mkdir()
+    for name in ("a", "b"):
+        Path(name).mkdir()
+        Path(name, "same.png").write_bytes(b"")
+    for names in (
+        ["none.mp4"], ["words.mp4"], ["cut.mp4"], ["folder"], ["a.mp4", "a.mp4"],
+        ["a", "empty.png"], ["a/same.png", "b/same.png"], ["/dev/zero"],
+    ):  # fmt: skip
+        with refused(VopdError):
+            open_frames(names)
+    with refused(VopdError):
+        list(open_frames(["empty.png"]).pictures([0]))
+
+
+def test_a_frame_that_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The index at the head of a file is whole, and the frames at its end are not there."""
+    monkeypatch.chdir(tmp_path)
+    video = write_video(tmp_path / "a.mkv", EVEN_MS)
+    frames = open_frames(["a.mkv"])
+    video.write_bytes(video.read_bytes()[: video.stat().st_size // 2])
+    with refused(VopdError):
+        list(frames.pictures([39]))
