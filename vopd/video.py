@@ -23,17 +23,12 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 STILLS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp")
-CLICKS = "# pixels: u right, v down, (0, 0) the centre of the first pixel"
-"""The first line of a CSV of picks that says how they are counted."""
-Click = tuple[str, str, float, float]
-"""A pick: frame or image, landmark, u and v in pixels from the centre of the first pixel."""
-
 GAP = 1.5  # of the usual time between frames: a longer one is a gap
 AT_MOST_DECODED = 1_000  # frames after a key frame, for one that is asked for
 
 
 @dataclass(frozen=True, eq=False)
-class Frames:
+class VideoFrames:
     """The frames of a video, or images, F of them.
 
     Args:
@@ -135,7 +130,7 @@ def eight_bits(image: Image) -> Image:
     return image.convert("RGB")
 
 
-def open_frames(names: Iterable[str]) -> Frames:
+def open_frames(names: Iterable[str]) -> VideoFrames:
     """Find the frames of a video, of a folder of images, or of images.
 
     Args:
@@ -160,13 +155,15 @@ def open_frames(names: Iterable[str]) -> Frames:
     moving = [path for path in paths if path.suffix.lower() not in STILLS]
     if not moving:
         source = str(folders[0]) if folders else paths[0].name
+        if not folders and len(paths) > 1:
+            source += f" and {len(paths) - 1} more"
         _refuse_twins(paths)
         none = np.full(len(paths), np.nan)
-        return Frames(source, tuple(path.name for path in paths), none, images=tuple(paths))
+        return VideoFrames(source, tuple(path.name for path in paths), none, images=tuple(paths))
     if len(paths) > 1:
         raise VopdError(f"{moving[0]}: a video is given alone")
     tick, unit_s = presentation(moving[0])
-    return Frames(moving[0].name, (), (tick - tick[0]) * unit_s, moving[0], tick=tick)
+    return VideoFrames(moving[0].name, (), (tick - tick[0]) * unit_s, moving[0], tick=tick)
 
 
 def _refuse_twins(paths: list[Path]) -> None:
@@ -220,7 +217,7 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
         raise VopdError(f"{path.name}: not a video that can be read: {reason(error)}") from error
 
 
-def spread(frames: Frames, count: int) -> list[int]:
+def spread(frames: VideoFrames, count: int) -> list[int]:
     """Choose frames spread over a video, the first and the last among them.
 
     Args:

@@ -13,8 +13,7 @@ from tests.kit.video import write_video
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile
-from vopd.flight.formats.picks import read_clicks
-from vopd.video import CLICKS
+from vopd.flight.formats.picks import CLICKS, read_clicks
 
 RATE = "frame_rate_hz = 10.0\n"
 EVEN_MS = [100 * k for k in range(5)]

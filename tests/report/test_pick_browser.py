@@ -37,7 +37,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> bytes:
         own = np.full((48, 64, 3), 60, np.uint8)
         own[20:28, 30 + 8 * k : 38 + 8 * k] = 255
         Image.fromarray(own).save(folder / f"{k}.png")
-    return pick_page(open_frames([str(folder)]), [0, 1], LANDMARKS)
+    return pick_page(open_frames([str(folder)]), [0, 1], LANDMARKS, head="#")
 
 
 @pytest.fixture

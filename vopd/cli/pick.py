@@ -54,7 +54,7 @@ def command(
     """
     from vopd.flight.files import open_input, read_by_content
     from vopd.flight.formats.landmarks import LANDMARK_FORMATS
-    from vopd.flight.formats.picks import read_clicks
+    from vopd.flight.formats.picks import CLICKS, read_clicks
     from vopd.report.pick import pick_page
     from vopd.video import open_frames, spread
 
@@ -80,7 +80,7 @@ def command(
     chosen = named or (range(len(found)) if found.image_name else spread(found, SPREAD))
     progress = Progress("frames", total=len(chosen))
     try:
-        page = pick_page(found, chosen, names, known, tell=lambda: progress.add(1))
+        page = pick_page(found, chosen, names, known, CLICKS, tell=lambda: progress.add(1))
     finally:
         progress.close()
     with whole_file(output) as file:

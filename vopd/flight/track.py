@@ -27,7 +27,6 @@ from vopd.flight.velocity import (
     with_gaps,
 )
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
-from vopd.video import open_frames
 
 # Frames and their times: by numbers, a CSV, or tags of images
 
@@ -114,6 +113,8 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
 
 def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
     """Read when frames are shown after the first of their video, seconds (F,), and a sentence."""
+    from vopd.video import open_frames
+
     section = project.section("picks")
     try:
         frames = open_frames([str(project.folder / section.text("video"))])

@@ -53,7 +53,7 @@ const cell = text => /[",\n\r]|^\s|\s$|^#/.test(text) ? '"' + text.replaceAll('"
 function table() {
   const order = [...picks].sort((a, b) => a.frame - b.frame || names.indexOf(a.landmark) - names.indexOf(b.landmark));
   const rows = order.map(one => [cell(data.frames[one.frame].name), cell(one.landmark), one.u.toFixed(2), one.v.toFixed(2)].join(","));
-  return [data.comment, data.column + ",landmark,u_px,v_px", ...rows, ""].join("\n");
+  return [data.head, data.column + ",landmark,u_px,v_px", ...rows, ""].join("\n");
 }
 
 // The frame and what is drawn on it

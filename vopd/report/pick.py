@@ -9,17 +9,18 @@ from collections.abc import Callable, Iterable, Sequence
 
 from vopd.findings import VopdError
 from vopd.report import page_template, style_and_script
-from vopd.video import CLICKS, Click, Frames
+from vopd.video import VideoFrames
 
 QUALITY = 92  # of JPEG: the difference is less than a grey level or two
 MOST_BYTES = 400_000_000  # of a page, which a browser still opens
 
 
 def pick_page(
-    frames: Frames,
+    frames: VideoFrames,
     chosen: Sequence[int],
     landmarks: Iterable[str] = (),
-    clicks: Iterable[Click] = (),
+    clicks: Iterable[tuple[str, str, float, float]] = (),
+    head: str = "",
     file: str = "clicks.csv",
     tell: Callable[[], object] = lambda: None,
 ) -> bytes:
@@ -29,7 +30,9 @@ def pick_page(
         frames: of a video or a folder of images
         chosen: the indices of those on the page
         landmarks: names that are offered
-        clicks: the picks that there are
+        clicks: the picks that there are: frame or image, landmark, u and v in pixels from the
+            centre of the first pixel
+        head: the first line of the file of picks
         file: the name that the page gives to the file of picks
         tell: is called after each frame
 
@@ -65,7 +68,7 @@ def pick_page(
         file=file,
         images=images,
         data={
-            "comment": CLICKS,
+            "head": head,
             "column": "image" if frames.image_name else "frame",
             "key": digest,
             "frames": rows,

@@ -30,7 +30,6 @@ from vopd.flight.files import (
 from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
 from vopd.flight.formats.lens import GRID_TO_CENTRE
 from vopd.inputs import parse_json, parse_xml, plain_number, whole_number
-from vopd.video import CLICKS, Click
 
 # Picks as read
 
@@ -97,6 +96,8 @@ class PickRows:
 # Picks as a CSV: frame or image, landmark, u_px, v_px and perhaps sigma_px
 
 COLUMNS = ("frame", "image", "landmark", "u_px", "v_px", "sigma_px")
+CLICKS = "# pixels: u right, v down, (0, 0) the centre of the first pixel"
+"""The first line of a CSV of picks that says how they are counted."""
 
 
 def recognises_csv_picks(file: InputFile) -> bool:
@@ -282,8 +283,9 @@ PICK_FORMATS: tuple[InputFormat[PickRows], ...] = (
 )
 
 
-def read_clicks(file: InputFile) -> list[Click]:
-    """Read picks that `vopd pick` goes on with.
+def read_clicks(file: InputFile) -> list[tuple[str, str, float, float]]:
+    """Read picks that `vopd pick` goes on with: frame or image, landmark, u and v from the centre
+    of the first pixel.
 
     Raises:
         VopdError: where the file does not say how pixels are counted
