@@ -186,7 +186,7 @@ def test_the_recipe_for_continuous_integration(place: Path) -> None:
 # docs/errata.md, and the names that last in docs/promises.md
 
 
-@pytest.mark.parametrize("tool", ["errata_page", "public_names"])
+@pytest.mark.parametrize("tool", ["errata_page", "limits", "public_names"])
 def test_a_page_is_current(tool: str) -> None:
     path = ROOT / "tools" / f"{tool}.py"
     run = subprocess.run([sys.executable, path, "--check"], capture_output=True, text=True)

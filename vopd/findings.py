@@ -125,7 +125,7 @@ Report = Callable[[Finding], None]
 """A function that is given a finding and keeps it, prints it or raises it."""
 
 
-LONGEST_MESSAGE = 3_000  # characters: of a longer one the middle is left out
+LONGEST_MESSAGE = 3_000  # characters of a message: of a longer one the middle is left out
 
 
 def shortened(text: str) -> str:

@@ -19,16 +19,17 @@ from vopd.findings import count_text
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-MOST_BYTES = 400_000_000  # of a file that is read whole: XML, JSON, stars; tables have no limit
+# A limit and its comment are a row of docs/promises.md: python tools/limits.py --write
+MOST_BYTES = 400_000_000  # bytes of a file that is read whole: XML, JSON, stars; tables have none
 MOST_SETTINGS = 1_000_000  # bytes of TOML and YAML, whose parsers take microseconds a byte
 LONGEST_LINE = 1_000_000  # characters of a line of a table
-MOST_COLUMNS = 1_000  # of a table
-MOST_ELEMENTS = 5_000_000  # of XML, lists and mappings of JSON, some 100 bytes each
-MOST_VALUES = 20_000_000  # of JSON, some 32 bytes each
-MOST_NODES = 100_000  # of YAML
+MOST_COLUMNS = 1_000  # columns of a table
+MOST_ELEMENTS = 5_000_000  # elements of XML, lists and mappings of JSON, some 100 bytes each
+MOST_VALUES = 20_000_000  # values of JSON, some 32 bytes each
+MOST_NODES = 100_000  # values of YAML
 DEEPEST = 50  # lists and mappings of YAML that stand in each other
-MOST_DIGITS = 18  # of a whole number: more are no number of a frame, camera or pixel
-MOST_PARTS = 50  # of a dotted key: the parser of TOML takes the square of them
+MOST_DIGITS = 18  # digits of a whole number: of a frame, a camera, a pixel
+MOST_PARTS = 50  # parts of a dotted key of TOML, whose parser takes the square of them
 
 TOO_DEEP = "lists or tables stand in each other by the hundreds"
 DOTTED = re.compile(

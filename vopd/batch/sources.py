@@ -123,7 +123,7 @@ def _entries(manifest: str) -> list[str]:
     return entries
 
 
-LONGEST_NAME = 4096  # characters: no system has files of longer names
+LONGEST_NAME = 4096  # characters of a line of a manifest: no file has a longer name
 
 
 def _matching(one: str, name: str) -> Iterator[tuple[str, str]]:

@@ -127,7 +127,7 @@ NEWLINE = 10
 BLOCK_BYTES = 1 << 20  # read from the file at a time, at least
 MOST_BYTES = 1 << 24  # ... however many cards are asked for
 NO_CARDS = np.zeros((0, 0), np.uint8)
-LONGEST_LINE = 1 << 14  # a line longer than this is not a card, however it ends
+LONGEST_LINE = 1 << 14  # characters of a line of a deck: a longer one is no card, however it ends
 
 
 class CardDeck:

@@ -89,7 +89,7 @@ def earth_centred_positions(
     return earth_centred_m(latitude, longitude, h)
 
 
-LONGEST_CRS = 20_000  # characters: a definition as WKT has some thousand
+LONGEST_CRS = 20_000  # characters of a `crs`: a definition as WKT has some thousand
 
 MISSING = (
     "`height` is needed: what heights are counted from, "

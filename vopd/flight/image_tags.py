@@ -35,7 +35,7 @@ DILUTION_SAID = "the dilution of precision, times 3 m, and upward 5 m"
 GIMBAL = ("GimbalYawDegree", "GimbalPitchDegree", "GimbalRollDegree")
 UNREADABLE = (OSError, ValueError, TypeError, KeyError, IndexError, ZeroDivisionError, SyntaxError)
 NONE = float("nan")
-MOST_PIXELS = 20_000_000  # of an image that is neither JPEG nor TIFF, whatever its suffix
+MOST_PIXELS = 20_000_000  # pixels of an image that is neither JPEG nor TIFF
 
 
 class ImageTags(NamedTuple):

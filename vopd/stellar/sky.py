@@ -54,7 +54,7 @@ class SkyRequest:
 
 HIPPARCOS_EPOCH = 1991.25
 """Julian year of the positions in both editions of the catalogue."""
-MOST_CATALOGUE = 100_000_000  # bytes: both editions have some 55 MB
+MOST_CATALOGUE = 100_000_000  # bytes of a star catalogue: both editions have some 55 MB
 
 NUMBER = re.compile(r"(?:hip\s*)?(\d{1,6})", re.IGNORECASE)
 

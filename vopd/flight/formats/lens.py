@@ -312,7 +312,7 @@ MODELS_OPENCV = {
 }
 COUNTS_OPENCV = MODELS[LensKind.BROWN].counts
 LEVELS = 3  # of lists in lists: a matrix has two; deeper ones are refused
-MOST = 100  # elements of a matrix: more are refused
+MOST = 100  # elements of a camera matrix or of a list of coefficients
 
 
 def recognises_opencv(file: InputFile) -> bool:
