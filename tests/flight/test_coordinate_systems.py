@@ -86,7 +86,7 @@ def test_a_projected_system() -> None:
     assert_approved(said)
     assert "\n" not in said
     assert len(said) <= 300 + len("p: [landmarks]: crs 'EPSG:0' is not known: ")
-    assert told([1e30, 1e30, 0.0], crs="EPSG:32633").startswith(
+    assert told([1e11, 1e11, 0.0], crs="EPSG:32633").startswith(
         "p: [landmarks]: EPSG:32633 to WGS 84: "
     )
 

@@ -19,7 +19,9 @@ from vopd.inputs import TOO_DEEP
 Content = str | bytes | Callable[[Path], object]
 Files = dict[str, Content]
 
-HILL: Files = {path.name: path.read_bytes() for path in (ROOT / "examples" / "hill").iterdir()}
+HILL: dict[str, bytes] = {
+    path.name: path.read_bytes() for path in (ROOT / "examples" / "hill").iterdir()
+}
 TOML = (ROOT / "examples" / "hill" / "flight.toml").read_text()
 PICKS = (ROOT / "examples" / "hill" / "picks.csv").read_text()
 STARS = (DECKS / "stars" / "table_6_3.csv").read_text()
@@ -70,6 +72,13 @@ def other(key: str, name: str, content: Content) -> Files:
 def first_number(text: str) -> str:
     """Replace the first number with decimals of the picks."""
     return re.sub(r"\d+\.\d+", text, PICKS, count=1)
+
+
+def cell(table: str, column: int, text: str) -> str:
+    """Replace a cell of the second row of a table of the project."""
+    lines = [line.split(",") for line in HILL[f"{table}.csv"].decode().splitlines()]
+    lines[2][column] = text
+    return "\n".join(map(",".join, lines)) + "\n"
 
 
 # What is hostile
@@ -164,6 +173,10 @@ TABLE = (
     Hostile("toml device", project(flight__toml=zeros), NO_DEVICE),
     Hostile("name of two lines", project(flight__toml=re.sub("name = .*", r'name = "a\\nb"', TOML)),
             "has control characters", ("punch flight.toml", "check flight.toml")),
+    Hostile("key that is not read", project(flight__toml=TOML.replace(
+            "[picks]", '[picks]\nutc_offset_h = "x"')), "is not a finite number"),
+    Hostile("refraction of 1e18", project("\n[atmosphere]\nrefraction = {k = 1e18}\n"),
+            "too large: 1e+12 at most"),
     # lenses
     Hostile("json lists", lens("json", f'{{"camera_matrix": {DEEP}}}'), TOO_DEEP),
     Hostile("json 5,000 digits", lens("json", f'{{"camera_matrix": {LONG}}}'), DIGITS),
@@ -239,6 +252,14 @@ TABLE = (
             "epoch = 0001-01-01T00:00:00+14:00", TOML)), "is a date and time with its zone"),
     Hostile("epoch year 9999", project(flight__toml=re.sub("(?m)^epoch = .*",
             "epoch = 9999-12-31T23:59:59-14:00", TOML)), "is a date and time with its zone"),
+    Hostile("track height of 1e308", project(track__csv=cell("track", 3, "1e308")),
+            "1e308 is too large: 1e+12 at most"),
+    Hostile("track longitude of 1e300", project(track__csv=cell("track", 2, "1e300")),
+            "1e300 is too large: 1e+12 at most"),
+    Hostile("landmark longitude of 400", project(landmarks__csv=cell("landmarks", 2, "400")),
+            "longitude 400: it is -180 to 360"),
+    Hostile("landmark height of 1e8", project(landmarks__csv=cell("landmarks", 3, "1e8")),
+            "would have no image where it is", ("attitude flight.toml -o out.csv",), seconds=8.0),
     # images
     Hostile("image 196 megapixels", {"img/a.jpg": pixels(14_000, 14_000)}, "", IMAGES),
     Hostile("image 4 gigapixels", {"img/a.jpg": pixels(65_000, 65_000)}, "", IMAGES),

@@ -651,10 +651,10 @@ def blunder_findings(
         done = f"it is used; {KEPT}"
         if flight.options.drop_blunders:
             done = "it is left out" + f" in {gone} of {seen} frames" * (gone < seen)
-        tell.append(
-            f"{name[k]} {WRONG} over its {seen} frames, it is "
-            f"{np.median(known):.1f} px off: look at its coordinates{fits}; {done}"
-        )
+        off = ", and would have no image where it is"
+        if seen:
+            off = f" over its {seen} frames, it is {np.median(known):.1f} px off"
+        tell.append(f"{name[k]} {WRONG}{off}: look at its coordinates{fits}; {done}")
     if found.unclear_landmark.any() and not explained:
         labels = [name[k] for k in np.flatnonzero(found.unclear_landmark)]
         tell.append(

@@ -21,6 +21,7 @@ from vopd.estimate import MapGrid
 from vopd.files import optional_package
 from vopd.findings import VopdError
 from vopd.geometry.earth import earth_centred_m, geodetic
+from vopd.inputs import MOST_NUMBER
 
 ELLIPSOIDAL = "EPSG:4979"  # longitude, latitude and height above the ellipsoid
 WGS84_NAMES = ("EPSG:4326", ELLIPSOIDAL, "WGS84", "WGS 84")
@@ -68,12 +69,16 @@ def earth_centred_positions(
         VopdError: where the CRS is not known or the transformation is not exact
     """
     name = crs_name(crs) if crs is not None else "EPSG:4326"
+    if (np.abs(coordinate) > MOST_NUMBER).any():
+        raise VopdError(f"{where}: {np.nanmax(np.abs(coordinate)):g} is too large for a coordinate")
     if len(name) > LONGEST_CRS:
         raise VopdError(f"{where}: crs has more than {LONGEST_CRS} characters: write a code")
     if name in WGS84_NAMES:
         longitude, latitude, h = coordinate.T
         if (np.abs(latitude) > 90.0).any():
             raise VopdError(f"{where}: latitude {np.abs(latitude).max():g}: x is the longitude")
+        if (np.abs(longitude) > 360.0).any():
+            raise VopdError(f"{where}: longitude {np.abs(longitude).max():g}: it is -180 to 360")
         vertical = name == ELLIPSOIDAL
     else:
         if geodetic and not crs_is_geographic(name, where):

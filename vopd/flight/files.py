@@ -27,6 +27,7 @@ from vopd.inputs import (
     LONGEST_LINE,
     MOST_BYTES,
     MOST_COLUMNS,
+    MOST_NUMBER,
     no_file,
     plain_digits,
     plain_number,
@@ -485,7 +486,7 @@ class CsvTable:
         try:
             if plain_digits(texts):
                 found = np.array(texts, dtype=np.float64)
-                if np.isfinite(found).all():
+                if (np.abs(found) <= MOST_NUMBER).all():
                     return found
         except ValueError:
             pass
@@ -504,6 +505,9 @@ class CsvTable:
             raise self.error(f"{shown(text)} is not a number{hint}", row, name) from error
         if not np.isfinite(value):
             raise self.error(f"{text[:LONG_WORD]} is not a finite number{hint}", row, name)
+        if abs(value) > MOST_NUMBER:
+            message = f"{text[:LONG_WORD]} is too large: {MOST_NUMBER:.0e} at most"
+            raise self.error(message, row, name)
         return value
 
     def clock(self, order: Sequence[str]) -> tuple[Floats, bool]:

@@ -26,7 +26,7 @@ from vopd.flight.files import (
 from vopd.flight.formats.lens import GRID_TO_CENTRE, MODELS_OPENCV
 from vopd.flight.solve import LOSSES
 from vopd.geometry.lenses import LensKind
-from vopd.inputs import MOST_SETTINGS, no_file, parse_toml, read_limited
+from vopd.inputs import MOST_NUMBER, MOST_SETTINGS, no_file, parse_toml, read_limited
 
 R = TypeVar("R")
 
@@ -409,11 +409,16 @@ class Section:
         return found
 
     def check(self) -> None:
-        """Refuse keys that are not known."""
+        """Refuse keys that are not known, and values of another kind, also where none is read."""
         known = keys_of(self.name)
-        for key in self.values:
+        for key, value in self.values.items():
             if key not in known:
                 raise self.error(key, f"there is no such key{did_you_mean(key, known)}")
+            kind = ROWS[self.name, key].kind
+            if isinstance(value, dict) and keys_of(f"{self.name}.{key}"):
+                self.section(key)
+            elif kind in ("text", "number", "numbers", "sigma", "texts", "date"):
+                getattr(self, kind)(key)
 
     def _row(self, key: str, *kinds: str) -> Key:
         """Look up the row of a key, which is of one of these kinds."""
@@ -435,6 +440,8 @@ class Section:
             raise self.error(key, f"{shown(value)} is not a finite number")
         if above is not None and not value > above:
             raise self.error(key, f"must be above {above:g}, not {value:g}")
+        if abs(value) > MOST_NUMBER:
+            raise self.error(key, f"{value:g} is too large: {MOST_NUMBER:.0e} at most")
         return float(value)
 
 
