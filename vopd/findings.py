@@ -149,6 +149,10 @@ class VopdError(Exception):
         return shortened(super().__str__())
 
 
+class NeededError(VopdError):
+    """A value is missing that no file has; there may be others."""
+
+
 class InputError(VopdError):
     """An error in an input that cannot be read or solved; `finding` has the location."""
 

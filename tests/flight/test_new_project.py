@@ -88,7 +88,8 @@ def test_files_are_recognised_and_what_they_leave_open_is_asked(tmp_path: Path) 
         "needed: [picks] frame_rate_hz", "needed: [picks] first_frame_t_s",
     ]  # fmt: skip
     path = tmp_path / "new" / "flight.toml"
-    assert "pixel_grid: is needed" in run("check", path).stdout
+    asked = run("check", path).stdout  # the same, all at once
+    assert all(one.rpartition(" ")[2] + " = " in asked for one in needed)
     text = path.read_text()
     for line in text.splitlines():  # what a user does who takes every example as it is
         if "# NEEDED, " in line:

@@ -187,7 +187,7 @@ def test_a_project_is_named_as_the_user_named_it(tmp_path: Path) -> None:
     assert told(lambda: found.section("picks").text("pixel_grid")) == needed
     direct = read_project(str(tmp_path / "p.toml"))
     assert (direct.name, direct.folder) == (str(tmp_path / "p.toml"), tmp_path)
-    assert project(tmp_path, GOOD + "[wind]\n").has("wind")  # whose file is then asked for
+    assert not project(tmp_path, GOOD + "[wind]\n").has("wind")  # a header alone
     fixed = project(tmp_path, GOOD.replace('[track]\nfile = "t"', "[position]\nh_m = 1"))
     assert fixed.has("position")
 
@@ -207,7 +207,7 @@ def test_a_project_is_named_as_the_user_named_it(tmp_path: Path) -> None:
         GOOD.replace('[picks]\nfile = "p"\n', ""),
         GOOD.replace('[landmarks]\nfile = "m"\n', ""),
         GOOD.replace('[track]\nfile = "t"\n', ""),
-        GOOD + "[position]\n",
+        GOOD + "[position]\nh_m = 1\n",
     ],
 )  # fmt: skip
 def test_projects_that_are_refused(text: str | bytes, tmp_path: Path) -> None:
@@ -297,13 +297,18 @@ def sections(values: dict[tuple[str, str], str], needed: dict[tuple[str, str], s
 
 
 def test_a_new_project_has_a_track_or_a_position() -> None:
-    rest = ["# [vehicle]", "# [wind]", "# [atmosphere]", "# [solve]", "# [uncertainty]"]
+    rest = ["[vehicle]", "[wind]", "[atmosphere]", "[solve]", "[uncertainty]"]
     usual = ["[flight]", "[camera]", "[picks]", "[landmarks]"]
     assert sections({}, {}) == [*usual, "[track]", *rest]
     assert sections({("track", "file"): '"t"'}, {}) == [*usual, "[track]", *rest]
     assert sections({("position", "h_m"): "1"}, {}) == [*usual, "[position]", *rest]
-    assert sections({}, {("track", "file"): ""}) == [*usual, "[track]", "# [position]", *rest]
-    assert sections({}, {("solve", "loss"): ""})[-2:] == ["[solve]", "# [uncertainty]"]
+    assert sections({}, {("track", "file"): ""}) == [*usual, "[track]", "[position]", *rest]
+
+
+def test_a_header_alone_is_no_section(tmp_path: Path) -> None:
+    """Its keys are comments, as in a new project."""
+    found = project(tmp_path, GOOD + "[position]\n[wind]\n[solve]\n")
+    assert [*found.sections] == ["camera", "picks", "landmarks", "track", "solve"]
 
 
 def test_values_as_toml() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +14,8 @@ from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError, count_text
 
 if TYPE_CHECKING:
-    from vopd.flight.new import NewProject
+    from vopd.flight.new import Answer, NewProject
+    from vopd.flight.project import KeyValues
 
 _FILES = (
     ("--gcp", "gcp", "gcp_list.txt of OpenDroneMap: picks and landmarks in one."),
@@ -28,20 +31,64 @@ _FILES = (
     ("--wind", "wind", "The wind: CSV, University of Wyoming."),
 )
 
+_ANSWERS = (
+    ("--height", "NAME", "ellipsoid, egm96, egm2008, navd88, same, or metres of the geoid.",
+     ("landmarks.height", "track.height", "position.height")),
+    ("--crs", "CODE", "Coordinate reference system of x and y, such as EPSG:32633.",
+     ("landmarks.crs", "track.crs", "position.crs")),
+    ("--clock", "NAME", "Clock of the track's dates: utc or gps.", ("track.clock",)),
+    ("--fps", "HZ", "Frames a second; with --epoch, the moment of frame 0.",
+     ("picks.frame_rate_hz",)),
+    ("--epoch", "TIME", "The moment of t = 0, such as 2026-05-01T11:58:42Z.", ("flight.epoch",)),
+    ("--first-frame", "SECONDS", "Time of frame 0, after the epoch.", ("picks.first_frame_t_s",)),
+    ("--pixel-grid", "NAME", "Where picks count from: centre, corner, one-based.",
+     ("picks.pixel_grid",)),
+    ("--image-size", "W,H", "Width and height of the images, pixels.", ("camera.image_size_px",)),
+    ("--sigma-position", "METRES", "Standard deviation of track or position: 3, or 2,2,4.",
+     ("track.sigma_m", "position.sigma_m")),
+    ("--sigma-landmarks", "METRES", "Standard deviation of the landmarks.",
+     ("landmarks.sigma_m",)),
+    ("--sigma-time", "SECONDS", "Standard deviation of the frames' times.", ("track.sigma_t_s",)),
+)  # fmt: skip
+"""Options for what no file says: name, value, help, and the keys that they answer."""
+
 
 @click.command("new")
 @click.argument("folder", type=FILE_NAME, metavar="DIR")
 @click.option("--deck", type=FILE_NAME, metavar="DECK", help="A card deck, to be made a project.")
 @click.option("--job", type=click.IntRange(min=1), metavar="N", help="Which job of the deck.")
+@click.option(
+    "--position",
+    metavar="LAT,LON,H",
+    help="Place of a camera that does not move; X,Y,Z with --crs.",
+)
+@click.option(
+    "--columns",
+    multiple=True,
+    metavar="FILE:NAMES",
+    help="Columns of a CSV: track:h_m=alt,lat_deg=y; all of one without header: picks:frame,...",
+)
+@click.option(
+    "--set", "keys", multiple=True, metavar="KEY=VALUE", help="Any other key: picks.v=up."
+)
 @click.pass_context
 def command(
-    ctx: click.Context, /, folder: str, deck: str | None, job: int | None, **given: str | None
+    ctx: click.Context,
+    /,
+    folder: str,
+    deck: str | None,
+    job: int | None,
+    position: str | None,
+    columns: tuple[str, ...],
+    keys: tuple[str, ...],
+    **given: str | None,
 ) -> None:
     """Write a new flight project: DIR/flight.toml, with every key explained.
 
     Given files, it finds out what each of them is, says so, and names them in the
     project; they stay where they are. What no file says and the project must
-    know (what heights are counted from, the pixel grid of a CSV, ...) is marked
+    know (what heights are counted from, the pixel grid of a CSV, ...) the options
+    from --height on say; on a terminal it is asked. What is open still is marked
     NEEDED in flight.toml and listed.
 
     With --deck it writes the project that is the same problem as one job of a card
@@ -55,6 +102,7 @@ def command(
         vopd new example
         vopd attitude example/flight.toml
         vopd new survey --gcp gcp_list.txt --lens cameras.json --track geo.txt
+        vopd new hill --picks p.csv --landmarks l.csv --position 47.6,16.4,540 --height same
         vopd new case1 --deck decks/appendix_h/case1.dat
 
     A flight.toml that is there already is not touched: that is an error.
@@ -64,7 +112,10 @@ def command(
     """
     from vopd.flight.new import NAME, example_project, project_of_files
 
-    files = {key: name for key, name in given.items() if name is not None}
+    files = {key: name for _, key, _ in _FILES if (name := given[key]) is not None}
+    answers = _answers(given, position, columns, keys)
+    if answers and not files:
+        raise click.UsageError(f"{answers[0].option} is for a project of files: give --picks, ...")
     if deck is not None and files:
         raise click.UsageError("--deck has everything: leave the other files out.")
     if job is not None and deck is None:
@@ -73,9 +124,104 @@ def command(
     if deck is not None:
         new = _of_deck(deck, job)
     else:
-        new = project_of_files(Path(folder), files) if files else example_project()
+        new = project_of_files(Path(folder), files, answers, _ask) if files else example_project()
     write_project(Path(folder), new)
     ctx.exit(0)
+
+
+def _answers(
+    given: Mapping[str, str | None],
+    position: str | None,
+    columns: tuple[str, ...],
+    keys: tuple[str, ...],
+) -> list[Answer]:
+    """Read the options for what no file says.
+
+    Raises:
+        click.UsageError: where one is not a value of its key
+    """
+    from vopd.flight.files import did_you_mean
+    from vopd.flight.new import Answer, answer_value
+    from vopd.flight.project import ROWS
+
+    found = []
+    try:
+        for option, _, _, names in _ANSWERS:
+            text = given[option[2:].replace("-", "_")]
+            if text is not None:
+                targets = [(one.partition(".")[0], one.partition(".")[2]) for one in names]
+                found.append(Answer(option, targets, answer_value(option, targets[0], text)))
+        if position is not None:
+            three = ("x_m", "y_m", "z_m") if given["crs"] else ("lat_deg", "lon_deg", "h_m")
+            parts = position.split(",")
+            if len(parts) != len(three):
+                raise click.UsageError(f"--position: {position} is not three numbers with commas.")
+            for name, text in zip(three, parts, strict=True):
+                key = "position", name
+                value = answer_value("--position", key, text)
+                found.append(Answer("--position", [key], value, at_once=True))
+        found += [_columns(one) for one in columns]
+        for one in keys:
+            name, _, text = one.partition("=")
+            section, _, last = name.strip().partition(".")
+            key = section, last
+            if key not in ROWS:
+                near = did_you_mean(name.strip(), [f"{a}.{b}" for a, b in ROWS if "." not in a])
+                raise click.UsageError(f"--set: there is no key {name}{near}")
+            value = answer_value("--set", key, text)
+            found.append(Answer("--set", [key], value, at_once=True))
+    except VopdError as error:
+        raise click.UsageError(str(error)) from error
+    return found
+
+
+def _columns(text: str) -> Answer:
+    """Read what --columns says of a CSV: the names of some of its columns, or of all."""
+    from vopd.flight.new import Answer
+    from vopd.flight.project import ROWS, toml_text
+
+    section, _, names = text.partition(":")
+    if (section, "columns") not in ROWS or not names:
+        known = ", ".join(name for name, key in ROWS if key == "columns")
+        raise click.UsageError(f"--columns: {text}: write FILE:NAMES, of {known}.")
+    parts = [part.strip() for part in names.split(",")]
+    value = f"[{', '.join(map(toml_text, parts))}]"
+    if "=" in names:
+        pairs = [part.partition("=") for part in parts]
+        mapped = [f"{a.strip()} = {toml_text(b.strip())}" for a, _, b in pairs]
+        value = f"{{ {', '.join(mapped)} }}"
+    return Answer("--columns", [(section, "columns")], value, at_once=True)
+
+
+def _ask(new: NewProject, values: KeyValues) -> None:
+    """Ask on a terminal for what no file says; Enter alone leaves a key open."""
+    from vopd.flight.new import answer_value
+    from vopd.flight.project import ROWS
+
+    asked = [one for one in new.needed if ROWS[one].kind != "file"]
+    if not asked or not (sys.stdin.isatty() and sys.stdout.isatty()):
+        return
+    for sentence in new.said:
+        click.echo(sentence)
+    new.said.clear()
+    click.echo("No file says the following; Enter leaves a value open.")
+    before: dict[str, str] = {}  # answers for another section, by the key
+    for section, key in asked:
+        row = ROWS[section, key]
+        choices = f" ({', '.join(row.choices)})" if row.choices else f", such as {row.example}"
+        while (section, key) not in values:
+            text = click.prompt(
+                f"[{section}] {key}: {row.comment}{choices if key != 'height' else ''}\n",
+                default=before.get(key, ""),
+                prompt_suffix="> ",
+            )
+            if not text.strip():
+                break
+            try:
+                values[section, key] = answer_value("answer", (section, key), text)
+                before[key] = text
+            except VopdError as error:
+                click.echo(error)
 
 
 def _of_deck(name: str, number: int | None) -> NewProject:
@@ -96,6 +242,10 @@ def _of_deck(name: str, number: int | None) -> NewProject:
 for _option, _key, _help in _FILES:
     _metavar = "DIR" if _key == "images" else "FILE"
     command = click.option(_option, _key, type=FILE_NAME, metavar=_metavar, help=_help)(command)
+
+
+for _option, _metavar, _help, _ in reversed(_ANSWERS):
+    command = click.option(_option, metavar=_metavar, help=_help)(command)
 
 
 def write_project(

@@ -19,7 +19,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.estimate import MapGrid
 from vopd.files import optional_package
-from vopd.findings import VopdError
+from vopd.findings import NeededError, VopdError
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.inputs import MOST_NUMBER
 
@@ -88,7 +88,7 @@ def earth_centred_positions(
         longitude, latitude, h = _transform(name, target, coordinate, where)
     if vertical != (height is None):
         message = "the CRS has heights of its own: leave `height` out" if vertical else MISSING
-        raise VopdError(f"{where}: {message}")
+        raise (VopdError if vertical else NeededError)(f"{where}: {message}")
     if height is not None:
         h = _ellipsoidal(longitude, latitude, h, height, where)
     return earth_centred_m(latitude, longitude, h)

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.files import reason
 from vopd.findings import VopdError, count_text
 from vopd.flight.coordinates import crs_name, has_height_axis
-from vopd.flight.files import EXACT, InputFile, InputFormat, open_input, read_by_content
+from vopd.flight.files import (
+    EXACT,
+    Columns,
+    InputFile,
+    InputFormat,
+    open_input,
+    read_by_content,
+)
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS, Names
@@ -24,10 +33,13 @@ from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import (
     ROWS,
     KeyValues,
+    Project,
+    Section,
     project_text,
     toml_numbers,
     toml_text,
 )
+from vopd.inputs import plain_number
 
 R = TypeVar("R")
 
@@ -41,6 +53,7 @@ class NewProject:
     contents: dict[str, bytes] = field(default_factory=dict)  # by the name of the file
     said: list[str] = field(default_factory=list)  # a sentence for each file that was looked at
     needed: dict[tuple[str, str], str] = field(default_factory=dict)  # keys, and why
+    columns: dict[str, Columns] = field(default_factory=dict)  # of CSV files, by section
 
 
 def _named(name: str, folder: Path) -> str:
@@ -54,10 +67,11 @@ def _missing(new: NewProject, section: str, what: str) -> None:
 
 
 def _read(
-    values: KeyValues, folder: Path, section: str, name: str, formats: Sequence[InputFormat[R]]
-) -> tuple[InputFile, R]:
+    new: NewProject, values: KeyValues, folder: Path, section: str, name: str,
+    formats: Sequence[InputFormat[R]],
+) -> tuple[InputFile, R]:  # fmt: skip
     """Read a user's file by its content, and name it in the project."""
-    file = open_input(name, Path())
+    file = open_input(name, Path(), new.columns.get(section))
     rows = read_by_content(formats, file)
     values[section, "file"] = _named(file.name, folder)
     return file, rows
@@ -109,7 +123,7 @@ def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | 
     if name is None:
         _missing(new, "picks", "a CSV with frame,landmark,u_px,v_px, or another format")
         return True
-    file, rows = _read(values, folder, "picks", name, PICK_FORMATS)
+    file, rows = _read(new, values, folder, "picks", name, PICK_FORMATS)
     if rows.grid is None:
         new.needed["picks", "pixel_grid"] = "the file does not say it"
     if rows.size_px is not None and ("camera", "image_size_px") not in values:
@@ -137,7 +151,7 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
         ask_height(new, "landmarks", None)
         _sigma(new, "landmarks", "sigma_m")
         return
-    file, rows = _read(values, folder, "landmarks", name, LANDMARK_FORMATS)
+    file, rows = _read(new, values, folder, "landmarks", name, LANDMARK_FORMATS)
     new.said.append(f"{file.name}: {rows.said}, {count_text(len(rows.name), 'landmark')}")
     if rows.crs is None and not rows.geodetic:
         new.needed["landmarks", "crs"] = "the file has x and y"
@@ -185,7 +199,7 @@ def look_at_track(
         ask_height(new, "track", None)
         _sigma(new, "track", "sigma_m")
         return None
-    file, rows = _read(values, folder, "track", name, TRACK_FORMATS)
+    file, rows = _read(new, values, folder, "track", name, TRACK_FORMATS)
     new.said.append(f"{file.name}: {rows.said}")
     if ("camera", "image_size_px") not in values and images_in(file.path):
         size = read_tags(images_in(file.path)[0]).size_px
@@ -228,6 +242,8 @@ def look_at_times(
     if rows.time_s is None or (rows.image and not by_number):
         return
     _sigma(new, "track", "sigma_t_s")
+    if ("picks", "times") in values and images is None:
+        return
     if images is not None:
         values["picks", "times"] = _named(images, folder)
         tags = [read_tags(path) for path in images_in(Path(images))]
@@ -255,7 +271,7 @@ def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) ->
         folder: where the project will be
         name: the file
     """
-    new.said.append(_read(values, folder, "wind", name, WIND_FORMATS)[1].said)
+    new.said.append(_read(new, values, folder, "wind", name, WIND_FORMATS)[1].said)
 
 
 # New projects: from files, or the example
@@ -312,7 +328,12 @@ def example_project() -> NewProject:
     return new
 
 
-def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
+def project_of_files(
+    folder: Path,
+    given: Mapping[str, str],
+    answers: Sequence[Answer] = (),
+    ask: Callable[[NewProject, KeyValues], None] = lambda new, values: None,
+) -> NewProject:
     """Build a project from files of the user, which stay where they are.
 
     Args:
@@ -320,26 +341,154 @@ def project_of_files(folder: Path, given: Mapping[str, str]) -> NewProject:
         given: the files by what they are: lens, picks, landmarks, track, wind, gcp (picks
             and landmarks in one), images (a folder, whose tags are the track, or with another
             track by time the frames' times)
+        answers: what the user says that no file does
+        ask: asks for what is needed still, and adds it to the values
 
     Raises:
         VopdError: where a file cannot be read, or is not of a known format
+    """
+    new, values = NewProject(), KeyValues()
+    values["flight", "name"] = toml_text(folder.resolve().name)
+    for one in [one for one in answers if one.at_once]:
+        for section, key in one.keys:
+            values[section, key] = one.value
+            if key == "columns":
+                new.columns[section] = tomllib.loads(f"x = {one.value}")["x"]
+    look_at_files(new, values, folder, given)
+    for one in [one for one in answers if not one.at_once]:
+        keys = [key for key in one.keys if key in new.needed or key in values]
+        values |= dict.fromkeys(keys, one.value)
+        if not keys:
+            new.said.append(f"{one.option}: not used, as no file leaves it open")
+    first, rate = ("picks", "first_frame_t_s"), ("picks", "frame_rate_hz")
+    if first in new.needed and first not in values and {rate, ("flight", "epoch")} <= {*values}:
+        values[first] = "0.0"
+        new.said.append("frame 0 is at the epoch: first_frame_t_s = 0.0")
+    new.needed = {key: why for key, why in new.needed.items() if key not in values}
+    ask(new, values)
+    new.needed = {key: why for key, why in new.needed.items() if key not in values}
+    new.contents[NAME] = project_text(values, new.needed, OWN_HEAD).encode()
+    return new
+
+
+def look_at_files(
+    new: NewProject, values: KeyValues, folder: Path, given: Mapping[str, str]
+) -> None:
+    """Say what each file is, and ask what they leave open.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        folder: where the project will be
+        given: as for `project_of_files`
     """
     named = dict(given)
     if "gcp" in named:
         gcp = named.pop("gcp")
         named = {"picks": gcp, "landmarks": gcp} | named
     images = named.pop("images", None)
-    if "track" not in named and images is not None:
+    fixed = "position" in {section for section, _ in values}
+    if "track" not in named and images is not None and not fixed:
         named["track"] = images
-    new, values = NewProject(), KeyValues()
-    values["flight", "name"] = toml_text(folder.resolve().name)
-    look_at_lens(new, values, folder, named.get("lens"))
+    if ("camera", "lens") not in values or "lens" in named:
+        look_at_lens(new, values, folder, named.get("lens"))
     by_number = look_at_picks(new, values, folder, named.get("picks"))
     look_at_landmarks(new, values, folder, named.get("landmarks"))
-    track = look_at_track(new, values, folder, named.get("track"))
-    if track is not None and named["track"] != images:
-        look_at_times(new, values, folder, track, images, by_number)
+    if fixed:
+        if ("position", "x_m") not in values:
+            new.needed |= {("position", key): "its place" for key in ("lat_deg", "lon_deg", "h_m")}
+        new.needed["position", "height"] = "no file says what its heights are counted from"
+        if ("position", "x_m") in values:
+            new.needed["position", "crs"] = "it has x and y"
+        _sigma(new, "position", "sigma_m")
+    else:
+        track = look_at_track(new, values, folder, named.get("track"))
+        if track is not None and named["track"] != images:
+            look_at_times(new, values, folder, track, images, by_number)
     if "wind" in named:
         look_at_wind(new, values, folder, named["wind"])
-    new.contents[NAME] = project_text(values, new.needed, OWN_HEAD).encode()
-    return new
+
+
+def open_keys(project: Project) -> dict[tuple[str, str], str]:
+    """List the keys that a project needs and neither it nor a file has, and why; none if unknown.
+
+    Args:
+        project: its sections
+    """
+    new, values = NewProject(), KeyValues()
+    given = {}
+    for name, section in project.sections.items():
+        values |= {(name, key): "" for key in section.values or ("",)}
+        file = section.values.get("lens" if name == "camera" else "file")
+        if isinstance(file, str):
+            given["lens" if name == "camera" else name] = str(project.folder / file)
+        if (columns := section.columns() if section.has("columns") else None) is not None:
+            new.columns[name] = columns
+    try:
+        look_at_files(new, values, project.folder, given)
+    except VopdError:  # the error that there is says more
+        return {}
+    stated = {(name, key) for name, one in project.sections.items() for key in one.values}
+    return {key: why for key, why in new.needed.items() if key not in stated}
+
+
+# What a user says: options, and answers on a terminal
+
+
+class Answer(NamedTuple):
+    """What a user says of one or more keys, before any file is looked at or after."""
+
+    option: str
+    keys: Sequence[tuple[str, str]]
+    value: str  # TOML
+    at_once: bool = False
+
+
+def answer_value(option: str, key: tuple[str, str], text: str) -> str:
+    """Check a value that a user gives for a key, and write it as TOML.
+
+    Args:
+        option: what it was given by, for errors
+        key: section and key
+        text: as the user wrote it
+
+    Raises:
+        VopdError: where it is not of the key's kind
+    """
+    row, text = ROWS[key], text.strip()
+    table = text[:1] in "{[" and text[:1] != ""
+    if row.kind in ("text", "file") and key[1] == "height" and _is_number(text):
+        text = f"{{ undulation_m = {text} }}"
+    elif row.kind in ("text", "file") or text == EXACT:
+        text = text if table else toml_text(text.strip("\"'"))
+    elif row.kind in ("numbers", "sigma") and "," in text and not table:
+        text = f"[{text}]"
+    elif row.kind == "texts" and not table:
+        text = "[" + ", ".join(toml_text(one.strip()) for one in text.split(",")) + "]"
+    try:
+        value = tomllib.loads(f"x = {text}")["x"]
+    except ValueError as error:
+        if table or row.kind == "other":
+            raise VopdError(f"{option}: {text} is not a value of TOML: {reason(error)}") from error
+        value = text  # of which its reader says what is wrong
+    section = Section(option, key[0], {key[1]: value})
+    readers: dict[str, Callable[[str], object]] = {
+        "texts": section.texts,
+        "number": section.number,
+        "numbers": section.numbers,
+        "sigma": section.sigma,
+        "date": section.date,
+    }
+    if isinstance(value, dict):
+        section.section(key[1])
+    elif row.kind != "other":
+        readers.get(row.kind, section.text)(key[1])
+    return text
+
+
+def _is_number(text: str) -> bool:
+    try:
+        plain_number(text)
+    except ValueError:
+        return False
+    return True

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from vopd.files import reason
-from vopd.findings import VopdError
+from vopd.findings import NeededError, VopdError
 from vopd.flight.coordinates import HEIGHTS
 from vopd.flight.files import (
     EXACT,
@@ -117,7 +117,7 @@ KEYS: tuple[Key, ...] = (
         "with `readout_ms`", choices=("first-row", "middle")),
     Key("picks", "file", "file", '"picks.csv"',
         "columns frame,landmark,u_px,v_px, or another format", "the picks"),
-    Key("picks", "columns", "other", "", "",
+    Key("picks", "columns", "other", "", "names of the columns of a CSV",
         "of a CSV whose header has other names: `{ landmark = \"target\" }`; of one without a "
         "header the names of all its columns: `[\"frame\", \"landmark\", \"u_px\", \"v_px\"]`"),
     Key("picks", "pixel_grid", "text", '"centre"', _GRID,
@@ -144,7 +144,7 @@ KEYS: tuple[Key, ...] = (
         "images is ahead of UTC, where the tags do not say their zone"),
     Key("landmarks", "file", "file", '"landmarks.csv"',
         "landmark,lat_deg,lon_deg,h_m, or another format", "the landmarks"),
-    Key("landmarks", "columns", "other", "", "", "as for picks"),
+    Key("landmarks", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
     Key("landmarks", "crs", "text", '"EPSG:32633"', _CRS, "their coordinate reference system; "
         "needed with `x_m`, `y_m` where the file has none"),
     Key("landmarks", "height", "text", '"ellipsoid"', _DATUM, _COUNTED, choices=HEIGHTS),
@@ -153,7 +153,7 @@ KEYS: tuple[Key, ...] = (
         _ROWS, size=3),
     Key("track", "file", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format",
         "the track of a camera that moves"),
-    Key("track", "columns", "other", "", "", "as for picks"),
+    Key("track", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
     Key("track", "crs", "text", '"EPSG:32633"', _CRS, "as for landmarks"),
     Key("track", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS),
     Key("track.height", "undulation_m", "number", "", _UNDULATION),
@@ -205,7 +205,7 @@ KEYS: tuple[Key, ...] = (
     Key("wind", "file", "file", '"wind.csv"',
         "h_m,from_deg,speed_m_s; without it against the ground",
         "a sounding; without it the angles of attack are against the ground"),
-    Key("wind", "columns", "other", "", "", "as for picks"),
+    Key("wind", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
     Key("wind", "sigma_m_s", "sigma", "1.0", "m/s, of the wind along north and along east",
         "standard deviation of the wind along north and along east, the same error in all frames"),
     Key("atmosphere", "refraction", "text", '"standard"', "standard, off or { k = 0.13 }",
@@ -250,8 +250,6 @@ KEYS: tuple[Key, ...] = (
 """In the order of a new project, a section's keys together."""
 ROWS = {(key.section, key.name): key for key in KEYS}
 REQUIRED = ("camera", "picks", "landmarks")
-OPTIONAL = ("vehicle", "wind", "atmosphere", "solve", "uncertainty")
-"""Sections that stand in a new project as comments where nothing is said of them."""
 SECTIONS = tuple(dict.fromkeys(key.section for key in KEYS if "." not in key.section))
 
 
@@ -288,7 +286,8 @@ class Section:
 
     def error(self, key: str, message: str) -> VopdError:
         """An error about one key."""
-        return VopdError(f"{self.project}: [{self.name}] {key}: {message}")
+        kind = NeededError if message.startswith("is needed") else VopdError
+        return kind(f"{self.project}: [{self.name}] {key}: {message}")
 
     def has(self, key: str) -> bool:
         """Tell whether the key is given."""
@@ -516,9 +515,16 @@ def read_project(name: str, location: str | None = None) -> Project:
             raise VopdError(f"{name}: {section} is a section: write [{section}]")
         sections[section] = Section(name, section, inside)
         sections[section].check()
-    for section in REQUIRED:
-        if section not in sections:
-            raise VopdError(f"{name}: the section [{section}] is needed")
+    missing = [f"[{section}]" for section in REQUIRED if section not in sections]
+    if missing:
+        are = (
+            f"sections {', '.join(missing)} are" if len(missing) > 1 else f"section {missing[0]} is"
+        )
+        raise VopdError(f"{name}: the {are} needed")
+    for section in ("wind", "position", "track"):  # a header alone, whose keys are comments
+        alone = section in sections and not sections[section].values
+        if alone and (section == "wind" or {"track", "position"} <= {*sections}):
+            del sections[section]
     if ("track" in sections) == ("position" in sections):
         which = "both are there" if "track" in sections else "neither is there"
         raise VopdError(
@@ -548,9 +554,9 @@ def toml_numbers(*numbers: float) -> str:
 def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head: str) -> str:
     """Write the text of a project file.
 
-    Keys without a value stand as comments with an example. Sections that stand
-    for others, and have no value, are left out: `[track]` beside `[position]`. Where
-    neither is known both are there, `[position]` as a comment, which needs what `[track]` does.
+    Keys without a value stand as comments with an example; the headers above them do not, so that
+    a key is put in force by itself. Sections that stand for others, and have no value, are left
+    out: `[track]` beside `[position]`. Where neither is known both are there.
 
     Args:
         values: the values that are known
@@ -560,18 +566,15 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
     fixed = any(section == "position" for section, _ in values)
     either = ("track", "file") in needed
     left_out = ("track",) if fixed else () if either else ("position",)
-    comments = OPTIONAL if fixed else (*OPTIONAL, "position")
     lines = [f"# {line}".rstrip() for line in head.splitlines()]
     section = ""
     for row in KEYS:
         given = (row.section, row.name) in values
         if row.section in left_out or not (row.example or given):
             continue
-        said = any(name == row.section for name, _ in [*values, *needed])
         if row.section != section:
             section = row.section
-            out = section in comments and not said
-            lines += ["", f"{'# ' * out}[{section}]"]
+            lines += ["", f"[{section}]"]
         lines.append(_line(row, values.get((row.section, row.name)), needed))
     return "\n".join(lines) + "\n"
 

@@ -12,7 +12,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.estimate import MapGrid
 from vopd.files import reason
-from vopd.findings import Finding, count_text
+from vopd.findings import Finding, NeededError, count_text
 from vopd.flight.adjusted import with_held, with_stated_offset
 from vopd.flight.coordinates import (
     crs_name,
@@ -35,8 +35,15 @@ from vopd.flight.formats.lens import (
 from vopd.flight.formats.picks import PICK_FORMATS, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.free import check_free
-from vopd.flight.project import Project, Section, read_project
-from vopd.flight.stated import Notes, RowSigmas, flight_options, refuse_missing, row_sigmas
+from vopd.flight.project import ROWS, Project, Section, read_project
+from vopd.flight.stated import (
+    Notes,
+    RowSigmas,
+    flight_options,
+    lines_to_add,
+    refuse_missing,
+    row_sigmas,
+)
 from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, LensKind
@@ -344,7 +351,6 @@ def read_flight(name: str, location: str | None = None) -> Flight:
     return flight_of(read_project(name, location))
 
 
-@np.errstate(all="ignore")
 def flight_of(project: Project) -> Flight:
     """Read the files of a project whose keys have been read.
 
@@ -352,8 +358,25 @@ def flight_of(project: Project) -> Flight:
         project: its sections
 
     Raises:
-        VopdError: where a value or a file is not as it should be
+        VopdError: where a value or a file is not as it should be; all values that are missing are
+            named at once
     """
+    try:
+        return _flight_of(project)
+    except NeededError as error:
+        from vopd.flight.new import open_keys  # what no file says, as for a new project
+
+        keys = open_keys(project)
+        if len(keys) < 2 or all(ROWS[one].kind == "sigma" for one in keys):
+            raise
+        raise NeededError(
+            f"{project.name}: {len(keys)} values are needed that no file has. Add these lines, "
+            f"with values of your own:\n{lines_to_add(keys)}"
+        ) from error
+
+
+@np.errstate(all="ignore")
+def _flight_of(project: Project) -> Flight:
     name = project.name
     lens = read_lens(project)
     picks = read_pick_rows(project, lens.lens.size_px)

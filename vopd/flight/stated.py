@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.findings import VopdError
+from vopd.findings import NeededError, VopdError
 from vopd.flight.equations import COMPONENT, LENS_COEFFICIENTS
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.formats.lens import LensRead
@@ -217,20 +217,33 @@ def refuse_missing(project: str, missing: Sequence[MissingSigma]) -> None:
         project: the project's name
         missing: the keys without a value
     """
-    if not missing:
-        return
-    lines = [
-        f"{project}: standard deviations are missing, and nothing counts as exact unless you say "
-        "so. Add these lines, with numbers of your own:"
-    ]
-    section, order = "", list(ROWS)
-    for one in sorted(missing, key=lambda one: order.index((one.section, one.key))):
-        if one.section != section:
-            section = one.section
+    if missing:
+        raise NeededError(
+            f"{project}: standard deviations are missing, and nothing counts as exact unless you "
+            "say so. Add these lines, with numbers of your own:\n"
+            + lines_to_add({(one.section, one.key): one.why for one in missing})
+        )
+
+
+def lines_to_add(keys: Mapping[tuple[str, str], str]) -> str:
+    """Write the lines that a project lacks, with examples, under the headers of their sections.
+
+    Args:
+        keys: why each is needed, by section and key
+    """
+    lines, section, order = list[str](), "", list(ROWS)
+    for one in sorted(keys, key=order.index):
+        if one[0] != section:
+            section = one[0]
             lines += ["", f"under [{section}]"]
-        row = ROWS[one.section, one.key]
-        why = f" ({one.why})" if one.why else ""
-        lines.append(f"{f'{row.name} = {row.example}':{WIDTH - 1}} # {row.comment}{why}")
-    lines += ["", 'If you do not know one, state it rather too large than too small. "exact" in',
-              "the place of a number is for what has no error, as in a simulation."]  # fmt: skip
-    raise VopdError("\n".join(lines))
+        row, why = ROWS[one], keys[one]
+        example = row.example or ROWS["landmarks", row.name].example
+        why = f" ({why})" if why and not why.startswith(row.comment) else ""
+        lines.append(f"{f'{row.name} = {example}':{WIDTH - 1}} # {row.comment}{why}")
+    if any(ROWS[one].kind == "sigma" for one in keys):
+        lines += [
+            "",
+            'If you do not know one, state it rather too large than too small. "exact" in',
+            "the place of a number is for what has no error, as in a simulation.",
+        ]
+    return "\n".join(lines)
