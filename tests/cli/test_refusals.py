@@ -171,7 +171,7 @@ def test_a_deck_has_jobs_up_to_its_last(job: str, status: int, tmp_path: Path) -
 # Options of star photographs
 
 IMAGE: dict[str, Any] = dict.fromkeys(("focal", "focal_px", "pitch_um", "centre", "size", "k1"))
-IMAGE["y_down"] = False
+IMAGE["y_down"] = None
 SKY: dict[str, Any] = dict.fromkeys(
     ("date", "place", "pressure", "temperature", "ephemeris", "catalogue", "mount")
 )

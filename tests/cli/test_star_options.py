@@ -19,7 +19,7 @@ from vopd.stellar.files.photograph import StarRequest
 
 USUAL: dict[str, Any] = {
     "axes": {"focal_mm": None, "focal_px": None, "pitch_um": None, "centre_px": None,
-             "size_px": None, "y_down": False, "k1": 0.0},
+             "size_px": None, "y_down": None, "k1": 0.0},
     "method": "collinearity", "pair": None, "all_pairs": False, "reject": False,
     "edit_by_pairs": False, "magnitude_limit": None, "by_elongation": False, "listing": False,
     "camera_m": None, "resection": False, "free": (), "shared": None,

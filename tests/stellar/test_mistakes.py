@@ -85,9 +85,11 @@ MIRROR += "(or x and y are exchanged; only the swing tells which)"
 def test_other_images(unit: str, down: str) -> None:
     """Mirrored in y; and in pixels with x and y exchanged, before the principal point is taken."""
     pixels = PixelFormat(y_down=down == "format")
-    axes = ImageAxes(focal_px=100.0, centre_px=(40.0, 50.0), y_down=down == "option")
+    axes = ImageAxes(
+        focal_px=100.0, centre_px=(40.0, 50.0), y_down=True if down == "option" else None
+    )
     if unit == "mm":
-        axes = ImageAxes(focal_mm=100.0, y_down=down == "option")
+        axes = ImageAxes(focal_mm=100.0, y_down=True if down == "option" else None)
     stars = problem()
     first, *others = corrected(IMAGE_MISTAKES, star_file(unit, pixels=pixels), stars, axes)
     assert_approved(first[1])

@@ -1057,7 +1057,7 @@ MISTAKES = {
         lambda: [read(3)[:, ::-1] + [500.0, -500.0], picture().ra_deg, picture().dec_deg],
         (*LENS, "--y-down")
     ),
-    "y down": (right_ones, LENS),
+    "y down": (right_ones, (*LENS, "--y-up")),
     "focal": (
         right_ones,
         ("--focal-px", "2100", "--size", "4000,3000", "--k1", str(K1), "--y-down")

@@ -281,7 +281,11 @@ _IMAGE_OPTIONS = (
         help="Radial distortion: images lie 1 + K1 r**2 times as far out, r the tangent of the "
         "angle from the axis.",
     ),
-    click.option("--y-down", is_flag=True, help="The file's y axis points down."),
+    click.option(
+        "--y-down/--y-up",
+        default=None,
+        help="Where the file's y axis points. Default: down for x_px, y_px; up for x_mm, y_mm.",
+    ),
 )
 
 

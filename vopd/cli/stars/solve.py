@@ -142,7 +142,8 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     refuse_idle_options(ctx, given, form)
     refuse_to_overwrite(files, output)
     from vopd.stellar.files.images import MissingOption
-    from vopd.stellar.files.photograph import solve_photographs
+    from vopd.stellar.files.photograph import SolvedPhotograph, solve_photographs
+    from vopd.stellar.files.read import PixelFormat
 
     request = _request(given)
 
@@ -159,6 +160,10 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
         raise click.UsageError(f"{error}.") from error
     for finding in findings:
         report(finding)
+    by_default = given["y_down"] is None and not given["quiet"]
+    files_read = [one.file for one in photographs if isinstance(one, SolvedPhotograph)]
+    if by_default and any(one.pixels == PixelFormat(y_down=True) for one in files_read):
+        click.echo("x_px, y_px: y taken as pointing down; --y-up if it points up", err=True)
     content = render(form, photographs, request, report)
     with whole_file(output) as page:
         page.write(content)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from vopd.stellar.methods.calibration import LensOfStars, without_lens
 # Image coordinates from the principal point, y up
 
 UM_PER_MM = 1000.0
+_FOCAL = "--focal-px PX (or --focal MM with --pitch-um UM, or --free focal)"
+_POINT = "--size W,H (or --centre X,Y)"
 
 
 class MissingOption(VopdError):
@@ -30,7 +32,7 @@ class ImageAxes:
         pitch_um: distance of neighbouring pixels, micrometres
         centre_px: the principal point in the file's pixel coordinates
         size_px: width and height of the image
-        y_down: whether the file's y axis points down
+        y_down: whether the file's y axis points down; None leaves it to the file's format
         k1: radial distortion of the lens: images lie (1 + k1 r**2) times as far out, r the
             tangent of the angle from the optical axis
     """
@@ -40,12 +42,23 @@ class ImageAxes:
     pitch_um: float | None = None
     centre_px: tuple[float, ...] | None = None
     size_px: tuple[float, ...] | None = None
-    y_down: bool = False
+    y_down: bool | None = None
     k1: float = 0.0
 
     def flipped(self, file: StarFile) -> bool:
-        """Test whether y is turned upward: user or file format say that it points down."""
-        return self.y_down or file.pixels.y_down
+        """Test whether y is turned upward: the user, or else the file's format, has it down."""
+        return file.pixels.y_down if self.y_down is None else self.y_down
+
+    def has_focal(self, file: StarFile) -> bool:
+        """Test whether the principal distance of a file is stated."""
+        if file.unit == "mm":
+            return self.focal_mm is not None
+        by_pitch = self.focal_mm is not None and self.pitch_um is not None
+        return by_pitch or self.focal_px is not None or file.pixels.field_of_view_deg is not None
+
+    def with_focal(self, focal: float, unit: str) -> ImageAxes:
+        """State the principal distance in the unit of the images, "mm" or "px"."""
+        return replace(self, focal_mm=focal) if unit == "mm" else replace(self, focal_px=focal)
 
     def focal_advice(self, focal: float, unit: str) -> str:
         """Format a principal distance in the unit of the images, with the option that states it."""
@@ -77,9 +90,11 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
             message = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
             raise InputError(Finding(message, source=file.source))
         if axes.focal_mm is None:
-            raise _missing(file, "--focal MM is needed")
+            raise _missing(file, "--focal MM is needed (or --free focal)")
         points, focal = file.image * upward, axes.focal_mm
     else:
+        if not axes.has_focal(file) and axes.centre_px is None and axes.size_px is None:
+            raise _missing(file, f"the file has pixels: {_FOCAL}, and {_POINT}, are needed")
         points = file.image - _principal_point(file, axes)
         if file.pixels.distortion:
             points = _undistorted(points, file, axes)
@@ -106,13 +121,14 @@ def _focal_px(file: StarFile, axes: ImageAxes) -> float:
         return axes.focal_px
     if axes.focal_mm is not None:
         if axes.pitch_um is None:
-            raise _missing(file, "the file has pixels: with --focal give --pitch-um, or --focal-px")
+            text = (
+                "the file has pixels: with --focal give --pitch-um, or --focal-px, or --free focal"
+            )
+            raise _missing(file, text)
         return axes.focal_mm * UM_PER_MM / axes.pitch_um
     field_deg = file.pixels.field_of_view_deg
     if field_deg is None:
-        raise _missing(
-            file, "the file has pixels: --focal-px, or --focal with --pitch-um, is needed"
-        )
+        raise _missing(file, f"the file has pixels: {_FOCAL} is needed")
     return _width(file, axes) / 2.0 / float(np.tan(np.radians(field_deg) / 2.0))
 
 
@@ -121,7 +137,7 @@ def _principal_point(file: StarFile, axes: ImageAxes) -> Floats:
     if axes.centre_px is not None:
         return np.array(axes.centre_px)
     if axes.size_px is None:
-        raise _missing(file, "the file has pixels: --centre X,Y or --size W,H is needed")
+        raise _missing(file, f"the file has pixels: {_POINT} is needed")
     return (np.array(axes.size_px) - 1.0) / 2.0 + file.pixels.first_centre
 
 

@@ -209,7 +209,7 @@ Corrections = Iterator[tuple[Corrected, tuple[object, ...]]]
 
 
 def _mirrored(file: StarFile, stars: StarField, axes: ImageAxes, fit: AttitudeFit) -> Corrections:
-    downward = "up: no --y-down" if axes.flipped(file) else "down: --y-down"
+    downward = "up: --y-up" if axes.flipped(file) else "down: --y-down"
     yield Corrected(replace(stars, image_mm=stars.image_mm * [1.0, -1.0])), (downward,)
 
 

@@ -44,6 +44,7 @@ from vopd.stellar.methods.calibration import (
     Calibration,
     calibrate_from_both_starts,
     calibrate_together,
+    focal_by_pairs,
     without_lens,
 )
 from vopd.stellar.methods.resection import LEAST, LIMIT, resection
@@ -234,6 +235,9 @@ def _with_one_camera(
     units = {one.file.unit for one in own}
     if not request.free or request.resection or len(own) < 2 or len(units) > 1:
         return photographs
+    if not request.axes.has_focal(own[0].file):
+        start = float(own[0].stars.focal_length_mm[0])
+        request = replace(request, axes=request.axes.with_focal(start, own[0].file.unit))
     unknowns = tuple(name for one in PARAMETERS if one in request.free for name in PARAMETERS[one])
     fields = []
     for one in own:
@@ -345,9 +349,15 @@ def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
         raise file.error(f"more than {MOST_STARS} stars in one photograph", MOST_STARS)
     if file.utc is not None:
         request = replace(request, sky=replace(request.sky, utc=file.utc))
-    points, focal = centred_images(file, request.axes)
+    unknown = "focal" in request.free and not (request.resection or request.axes.has_focal(file))
+    axes = request.axes.with_focal(1.0, file.unit) if unknown else request.axes
+    points, focal = centred_images(file, axes)
     notes: list[Finding] = []
     sky = None if request.resection else photograph_directions(file, request, notes.append)
+    if sky is not None and unknown:
+        axes = axes.with_focal(focal_by_pairs(points, sky.directions), file.unit)
+        request = replace(request, axes=axes)
+        points, focal = centred_images(file, axes)
     if sky is not None and file.magnitude is None:
         file = replace(file, magnitude=sky.magnitude)
     errors, sigma = reading_errors(

@@ -469,6 +469,7 @@ def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, source: 
         columns.unit,
         columns.kind,
         positions,
+        pixels=PixelFormat(y_down=columns.unit == "px"),
         photograph=name,
         sigmas=sigmas,
         magnitude=known_numbers("mag"),

@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.lenses import distort_brown, undistort_brown
-from vopd.geometry.linear import inverse, transform
+from vopd.geometry.linear import angle_between, inverse, transform
 from vopd.stellar.field import Failure, StarField, image_points_mm
 from vopd.stellar.methods.collinearity import image_partials, turned
 from vopd.stellar.methods.wahba import wahba_rotation
@@ -310,3 +310,31 @@ def estimated_start(field: StarField, free: tuple[str, ...]) -> tuple[Floats, Le
 def _spread(points: Floats) -> float:
     """Measure the root mean square distance of points from their mean."""
     return float(np.sqrt(points.var(axis=0).sum()))
+
+
+# A principal distance to begin with, where none is stated
+
+PAIRED_STARS = 60  # of a photograph: more pairs tell no more
+TRIED = 0.05, 200.0, 400  # radii of the outermost star, least and largest, and how many between
+
+
+def focal_by_pairs(points: Floats, directions: Floats) -> float:
+    """Estimate the principal distance from the angles between the stars, without an attitude.
+
+    Of many principal distances the one is taken with which the median pair of images is
+    nearest to its stars' angle: it begins a solve, in which it is free.
+
+    Args:
+        points: images from the principal point, (n, 2), without distortion
+        directions: unit vectors to the stars, (n, 3)
+    """
+    points, directions = points[:PAIRED_STARS], directions[:PAIRED_STARS]
+    low, high, count = TRIED
+    first, second = np.triu_indices(len(points), 1)
+    true = angle_between(directions[first], directions[second])
+    tried = np.geomspace(low, high, count) * max(float(np.linalg.norm(points, axis=1).max()), 1e-9)
+    off = []
+    for focal in tried:
+        rays = np.column_stack([points, np.full(len(points), -focal)])
+        off.append(np.median(np.abs(angle_between(rays[first], rays[second]) - true)))
+    return float(tried[int(np.argmin(off))])
