@@ -173,6 +173,7 @@ class StatedSigmas(NamedTuple):
     principal_point: tuple[float, float] = (0.0, 0.0)  # x, y; the same error in all frames
     place: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of the position, the same in all frames
     wind: float = 0.0  # along north and east, the same in all frames
+    mount_deg: float = 0.0  # about each of the vehicle's axes, the same in all frames
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -104,7 +104,7 @@ def in_force(estimate: Estimate, given: Sigmas) -> SigmasInForce:
         time_s=given.time_s or stated.time_s,
         velocity=given.velocity,
         wind=given.wind or stated.wind,
-        mount_deg=given.mount_deg,
+        mount_deg=given.mount_deg or stated.mount_deg,
     )
 
 

@@ -26,6 +26,7 @@ from vopd.flight.free import (
 )
 from vopd.flight.held import MOST_LEFT, trading
 from vopd.flight.joint import JointSolution
+from vopd.flight.mounting import AXES
 from vopd.flight.project import Project, read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult, solve_flight_read
@@ -175,6 +176,15 @@ def adjustment_of(result: FlightResult) -> Adjustment:
     found += marks
     factors += [1.0] * len(marks)
     covariance = _covariance(common, [*at, *marks_at], factors, found)
+    vehicle = result.flight.vehicle
+    if vehicle is not None and vehicle.turned_deg is not None:
+        assert vehicle.covariance_deg2 is not None
+        sigmas = np.sqrt(np.diag(vehicle.covariance_deg2)).tolist()
+        prior = flight.mount_sigma_deg or float("inf")
+        for axis, turn, sigma in zip(AXES, vehicle.turned_deg.tolist(), sigmas, strict=True):
+            found.append(Parameter(f"mount {axis}", "deg", 0.0, turn, prior, sigma, held=True))
+        apart = np.zeros((len(covariance), 3))
+        covariance = np.block([[covariance, apart], [apart.T, vehicle.covariance_deg2]])
     return Adjustment(result, tuple(found), covariance)
 
 

@@ -21,7 +21,7 @@ from vopd.flight.coordinates import STEPS, coordinates_at, earth_centred_positio
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT
 from vopd.flight.files import read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
-from vopd.flight.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
+from vopd.flight.free import LANDMARK, MOUNT, UNIT, shown_name, stated_value, unit_factor
 from vopd.flight.joint import JointSolution, covariance_by_picks, propagated
 from vopd.flight.new import NAME, NewProject
 from vopd.flight.project import ROWS, Project, project_text, toml_text
@@ -69,16 +69,22 @@ def adjusted_project(project: Project, adjustment: Adjustment, folder: Path) -> 
     if "clock" in names and flight.path.row_s is not None:
         before_s = project.section("track").number("offset_s")
         changes["track", "offset_s"] = repr(before_s - joint.model.value(joint.state, "clock"))
+    if solved.vehicle is not None and solved.vehicle.turned_deg is not None:
+        changes["vehicle", "mount"] = toml_value({"matrix": solved.mount.tolist()})
+        changes["vehicle", "mount_sigma_deg"] = repr(solved.mount_sigma_deg)
+        changes["vehicle", "attitude"] = changes["vehicle", "attitude_sigma_deg"] = None
+        new.said.append("[vehicle] mount: as solved, with its standard deviation")
     source = _from_folder(Path(project.folder) / Path(project.name).name, folder)
     free = flight.options.free
-    file = _covariance_file(adjustment, source, free, before_s, project, new, changes)
-    new.contents[COVARIANCE] = file.text().encode()
-    changes["uncertainty", "covariance"] = toml_text(COVARIANCE)
+    if len(joint.model.common_sigma) or MOUNT not in free:
+        file = _covariance_file(adjustment, source, free, before_s, project, new, changes)
+        new.contents[COVARIANCE] = file.text().encode()
+        changes["uncertainty", "covariance"] = toml_text(COVARIANCE)
+        count = count_text(len(file.name), "parameter")
+        new.said.append(f"{COVARIANCE}: {count} with their covariance")
     head = HEAD.format(covariance=COVARIANCE, source=f"{source} --free {','.join(free)} -o DIR")
     text = project_text({k: v for k, v in changes.items() if v is not None}, {}, head)
     new.contents[NAME] = text.encode()
-    count = count_text(len(file.name), "parameter")
-    new.said.append(f"{COVARIANCE}: {count} with their covariance")
     return new
 
 

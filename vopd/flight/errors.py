@@ -137,6 +137,7 @@ class HeldEffects(NamedTuple):
     place: Floats  # (F, 3, C) east, north, up, m
     late_s: Floats  # (F, C) of the frames' times
     component: dict[str, slice]  # the columns of each
+    change: Floats  # (P, 2, C) of the computed images, in standard deviations of the picks
 
 
 ADJUSTED = "adjusted"
@@ -181,7 +182,7 @@ def held_effects(solution: JointSolution) -> HeldEffects | None:
             since_s = full.since_s if name == "clock_rate" else np.ones(model.frames)
             late_s += since_s[:, None] * own
     component = {"reading": slice(held.by_picks), ADJUSTED: slice(held.by_picks, None)}
-    return HeldEffects(turn, place, late_s, component)
+    return HeldEffects(turn, place, late_s, component, change)
 
 
 def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) -> dict[str, Floats]:

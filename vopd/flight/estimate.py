@@ -25,6 +25,7 @@ from vopd.estimate import (
 )
 from vopd.findings import count_text
 from vopd.flight.errors import (
+    ADJUSTED,
     HeldEffects,
     covariance_of_common,
     errors_of_sums,
@@ -493,7 +494,10 @@ class FlightEstimates:
         """Changes of the images by errors that are only propagated and have no `Responses`."""
         assert self.joint is not None
         changes = stated_changes(self.joint)
-        return {name: self._pixels(one) for name, one in changes.items() if name in FURTHER}
+        found = {name: self._pixels(one) for name, one in changes.items() if name in FURTHER}
+        if self._held is not None:
+            found[ADJUSTED] = self._pixels(self._held.change)
+        return found
 
     @cached_property
     def _places_by_stated(self) -> Floats:
@@ -813,4 +817,5 @@ def _stated(flight: Flight) -> StatedSigmas:
         principal_point=(common.get("centre_u", 0.0), common.get("centre_v", 0.0)),
         place=(float(place[0]), float(place[1]), float(place[2])),
         wind=flight.path.wind_sigma_m_s,
+        mount_deg=flight.mount_sigma_deg,
     )

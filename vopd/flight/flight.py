@@ -203,6 +203,19 @@ class Shutter:
     middle: bool  # a frame's time is that of its middle row, not of the first one
 
 
+class VehicleAttitudes(NamedTuple):
+    """Attitudes of the vehicle that a file has, T of them, and the mount that they show."""
+
+    name: str  # of the file
+    by: str  # the column that says when: frame, image, t_s
+    keys: tuple[str, ...]  # (T,) its texts
+    time_s: Floats  # (T,) on the frames' clock; NaN: by frame or image
+    body_to_ned: Floats  # (T, 3, 3)
+    sigma_rad: Floats  # (T,) about each axis, each attitude by itself
+    turned_deg: Floats | None = None  # (3,) of the mount, about the vehicle's forward, right, down
+    covariance_deg2: Floats | None = None  # (3, 3) of that
+
+
 class NotHeld(NamedTuple):
     """A parameter that was to be solved for, and that the picks do not hold: it is kept."""
 
@@ -293,6 +306,8 @@ class Flight:
     landmarks: LandmarkSet
     path: CameraPath
     mount: Floats  # (3, 3) from camera axes (x right, y down, z forward) to body axes
+    mount_sigma_deg: float = 0.0  # about each of the vehicle's axes; 0: not stated
+    vehicle: VehicleAttitudes | None = None  # known from elsewhere
     refraction: Refraction = field(default_factory=Refraction)
     options: FlightOptions = field(default_factory=FlightOptions)
     shutter: Shutter | None = None  # None: all rows are of one time

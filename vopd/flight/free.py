@@ -27,7 +27,7 @@ class FreeName(NamedTuple):
     about: str
 
 
-LANDMARKS, LANDMARK = "landmarks", "landmark:"
+LANDMARKS, LANDMARK, MOUNT = "landmarks", "landmark:", "mount"
 FREE = {
     "focal": FreeName(("focal",), "[uncertainty] focal_rel", "focal length, px"),
     "aspect": FreeName(("aspect",), "", "fy over fx"),
@@ -124,14 +124,16 @@ def _refused(flight: Flight, name: str) -> str:
     """Say why a name cannot be freed; empty if it can."""
     if name == LANDMARKS or name.startswith(LANDMARK):
         return _refused_landmark(flight, name)
-    if name == "mount":
+    if name == MOUNT:
+        if flight.vehicle is not None:
+            return ""
         return (
             "no pick depends on how the camera is mounted, which turns the vehicle's angles and "
-            "not the camera's: measure it, state it in [vehicle] mount, and its error by "
-            "--mount-sigma of vopd attitude"
+            "not the camera's: name a file with the vehicle's attitudes in [vehicle] attitude, or "
+            "measure it, state it in [vehicle] mount, and its error in mount_sigma_deg"
         )
     if name not in FREE:
-        known = (*FREE, LANDMARKS, f"{LANDMARK}NAME")
+        known = (*FREE, LANDMARKS, MOUNT, f"{LANDMARK}NAME")
         return f"there is no such parameter{did_you_mean(name, known)}"
     row, path = FREE[name], flight.path
     coefficients = LENS_COEFFICIENTS[flight.lens.kind]

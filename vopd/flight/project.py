@@ -202,6 +202,15 @@ KEYS: tuple[Key, ...] = (
     Key("vehicle.mount", "ypr_deg", "numbers", "", "yaw, pitch, roll of the camera against the "
         "vehicle: `{ ypr_deg = [90, 0, 0] }`", size=3),
     Key("vehicle.mount", "matrix", "other", "", "`{ matrix = [[...], [...], [...]] }`"),
+    Key("vehicle", "mount_sigma_deg", "sigma", "0.2",
+        "standard deviation of the mount, a turn about each of the vehicle's axes, degrees"),
+    Key("vehicle", "attitude", "file", "",
+        "the vehicle's attitudes, from which `free = [\"mount\"]` finds the mount: a CSV with "
+        "`yaw_deg`, `pitch_deg`, `roll_deg` and `frame`, `image` or `t_s`, seconds on the clock "
+        "of the track"),
+    Key("vehicle", "attitude_sigma_deg", "sigma", "",
+        "standard deviation of each of these attitudes by itself, degrees about each axis; needed "
+        "unless the file has a column `sigma_deg`"),
     Key("wind", "file", "file", '"wind.csv"',
         "h_m,from_deg,speed_m_s; without it against the ground",
         "a sounding; without it the angles of attack are against the ground"),

@@ -35,6 +35,7 @@ from vopd.flight.formats.lens import (
 from vopd.flight.formats.picks import PICK_FORMATS, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.free import check_free
+from vopd.flight.mounting import read_vehicle
 from vopd.flight.project import ROWS, Project, Section, read_project
 from vopd.flight.stated import (
     Notes,
@@ -402,6 +403,7 @@ def _flight_of(project: Project) -> Flight:
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, label)
     refraction = refraction_of(project.section("atmosphere"))
+    offset_s = project.section("track").number("offset_s") if project.has("track") else 0.0
     flight = Flight(
         name=_name(project.section("flight")),
         source=name,
@@ -414,10 +416,12 @@ def _flight_of(project: Project) -> Flight:
         landmarks=landmarks,
         path=camera,
         mount=mount_of(project.section("vehicle")),
+        mount_sigma_deg=(project.section("vehicle").sigma("mount_sigma_deg") or (0.0,))[0],
+        vehicle=read_vehicle(project, offset_s),
         refraction=refraction,
         shutter=shutter_of(project.section("camera")),
         frame_rate_hz=_frame_rate_hz(project, times),
-        offset_s=project.section("track").number("offset_s") if project.has("track") else 0.0,
+        offset_s=offset_s,
         options=flight_options(project, lens, refraction, camera, landmarks),
         grid=landmark_grid(project, rows, camera),
         about=(

@@ -110,15 +110,16 @@ def row_shifts_px(flight: Flight, rotation: Floats, rates: Floats, distance_m: F
     return np.where(np.isfinite(shift), shift, 0.0)
 
 
-ROUNDS = 2  # of shifts and solves: they leave a 500th of what the rows' times turn a frame by
+ROUNDS = 6  # of shifts and solves; two leave a 500th of what the rows' times turn a frame by
+SETTLED = 3e-3  # of a pick's standard deviation: shifts that change less are left
 
 
 def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> Flight:
     """Shift the picks of a flight to where they would be at their frames' times.
 
     The shifts are by the turning rates of a solution, so that the flight is to be solved again,
-    `ROUNDS` times. Picks of a frame whose turning rate is not known are shifted by its velocity
-    alone.
+    twice, and until shifts are `SETTLED`. Picks of a frame whose turning rate is not known are
+    shifted by its velocity alone.
 
     Args:
         flight: with a rolling shutter, and the picks as they were read

@@ -36,13 +36,21 @@ from vopd.flight.estimate import (
     vehicle_angles,
 )
 from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
-from vopd.flight.free import as_solved, free_parameters, not_held_findings, without_parameter
+from vopd.flight.free import (
+    MOUNT,
+    as_solved,
+    free_parameters,
+    not_held_findings,
+    without_parameter,
+)
 from vopd.flight.held import least_held, solved_findings, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
 from vopd.flight.misfit import OF_LANDMARK, SPEAK_FOR, flight_findings
+from vopd.flight.mounting import mounted
 from vopd.flight.project import Project, read_project
 from vopd.flight.read import flight_of, read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
+from vopd.flight.readout import SETTLED as ROWS_SETTLED
 from vopd.flight.readout import picks_at_frame_times
 from vopd.flight.sizes import sigma_freedom, size_of_residuals
 from vopd.flight.solve import SolvedFlight, solve
@@ -293,9 +301,12 @@ def solve_flight_read(
     same = None if robust else solve(flight, out, before=first)
     flight, estimates = settled_as_held(read, out, tell, same)
     if read.shutter is not None and read.path.turning_rad_s is None:
-        for _ in range(ROUNDS_OF_ROWS):
+        for round_ in range(ROUNDS_OF_ROWS):
             read = replace(read, options=flight.options)
             shifted = picks_at_frame_times(read, estimates.solved)
+            moved = np.abs(shifted.picks.pixel - flight.picks.pixel).max(axis=1)
+            if round_ > 1 and (moved < ROWS_SETTLED * flight.picks.sigma_px).all():
+                break
             flight, estimates = settled_as_held(shifted, out, tell)
     read = replace(read, options=flight.options)
     for _ in range(ROUNDS_OF_LABELS):
@@ -329,6 +340,8 @@ def solve_flight_read(
     more = least_held(without.joint)
     if more is not None:
         return solve_flight_read(without_parameter(read, more), tell, project)
+    if MOUNT in read.options.free and read.vehicle is not None:
+        estimates = mounted(estimates)
     solved = estimates.solved
     estimates.mark_outliers((found.pick | swapped) & solved.used, swaps.chances(len(swapped)))
 

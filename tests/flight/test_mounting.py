@@ -1,0 +1,83 @@
+"""The mount of a camera in a vehicle whose attitude a file has."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.approved.texts import refused
+from tests.kit.simulated_flights import Errors, Plan, body_to_ned, write_flight
+from tests.tolerances import assert_close
+from vopd.cli.new import write_project
+from vopd.flight.adjust import Adjustment, adjust
+from vopd.flight.adjusted_project import adjusted_project
+from vopd.flight.project import read_project
+from vopd.flight.result import solve_flight
+
+PLAN = Plan(Errors(0.3), frames=20, landmarks=6, sigma_px=True, frame_hz=5.0, jitter_deg=0.0)
+SENSOR_DEG = 0.3
+
+
+def write(folder: Path, turn_deg: list[float], keys: str, rng: np.random.Generator) -> None:
+    """A camera that looks forward, but for a turn about the vehicle's forward, right, down."""
+    truth = write_flight(folder, PLAN, rng)
+    mount = Rotation.from_rotvec(turn_deg, degrees=True).as_matrix()
+    vehicle = body_to_ned(truth.angles_deg[:, 3:6]) @ mount.T
+    noise = rng.normal(0.0, SENSOR_DEG, (PLAN.frames, 3))
+    wrong = vehicle @ Rotation.from_rotvec(noise, degrees=True).as_matrix()
+    angles = Rotation.from_matrix(wrong).as_euler("ZYX", degrees=True)
+    rows = [f"{k},{k / 5.0},{y},{p},{r}" for k, (y, p, r) in enumerate(angles.tolist())]
+    text = "\n".join([f"{keys},yaw_deg,pitch_deg,roll_deg", *rows, ""])
+    (folder / "ins.csv").write_text(text, encoding="utf-8")
+    file = folder / "flight.toml"
+    more = f'[vehicle]\nattitude = "ins.csv"\nattitude_sigma_deg = {SENSOR_DEG}\n'
+    file.write_text(file.read_text(encoding="utf-8") + more, encoding="utf-8")
+
+
+def solved(folder: Path, seed: int, keys: str = "frame,second") -> Adjustment:
+    write(folder, [1.0, -2.0, 3.0], keys, np.random.default_rng(seed))
+    return adjust(folder / "flight.toml", ["mount"])
+
+
+@pytest.mark.parametrize("keys", ["frame,second", "row,t_s"])
+def test_the_mount_is_within_its_standard_deviations(tmp_path: Path, keys: str) -> None:
+    found = solved(tmp_path, 1, keys).parameters
+    assert [one.name for one in found] == ["mount forward", "mount right", "mount down"]
+    sigma = np.array([one.sigma_after for one in found])
+    # the mean of twenty attitudes; the camera's own error is a hundredth of theirs
+    assert_close("mount", sigma, SENSOR_DEG / np.sqrt(20.0))
+    off = np.array([one.after for one in found]) - [1.0, -2.0, 3.0]
+    assert (np.abs(off) < 4.0 * sigma).all()
+
+
+def test_the_adjusted_project_has_the_mount(tmp_path: Path) -> None:
+    joint = solved(tmp_path, 1)
+    project, new = read_project(str(tmp_path / "flight.toml")), tmp_path / "new"
+    write_project(new, adjusted_project(project, joint, new))
+    again, before = solve_flight(new / "flight.toml").history(), joint.result.history()
+    assert_close("mount", again.estimate.vehicle_deg, before.estimate.vehicle_deg)
+    assert_close("mount", again.uncertainty.total, before.uncertainty.total)
+    stated = read_project(str(tmp_path / "flight.toml"))
+    assert "attitude" in stated.section("vehicle").values
+    assert "attitude" not in read_project(str(new / "flight.toml")).section("vehicle").values
+
+
+@pytest.mark.parametrize("what", ["no times", "no sigmas", "no frame", "no file"])
+def test_what_is_missing_is_said(tmp_path: Path, what: str) -> None:
+    write(tmp_path, [0.0] * 3, "row,second" if what == "no times" else "frame,second",
+          np.random.default_rng(1))  # fmt: skip
+    file, rows = tmp_path / "flight.toml", tmp_path / "ins.csv"
+    text = file.read_text(encoding="utf-8")
+    if what == "no sigmas":
+        text = text.replace(f"attitude_sigma_deg = {SENSOR_DEG}\n", "")
+    if what == "no file":
+        text = text.partition("[vehicle]")[0]
+    file.write_text(text, encoding="utf-8")
+    if what == "no frame":
+        head, *lines = rows.read_text(encoding="utf-8").splitlines()
+        rows.write_text("\n".join([head, *(f"9{one}" for one in lines)]), encoding="utf-8")
+    with refused():
+        adjust(file, ["mount"])

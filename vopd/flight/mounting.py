@@ -1,0 +1,138 @@
+"""The camera's mounting in a vehicle whose attitude is known from a file.
+
+Every frame tells how the camera is turned against the vehicle; the mount is their weighted mean.
+The vehicle's attitudes have no weight in the camera's, so that picks alone determine these.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.findings import VopdError
+from vopd.flight.estimate import FlightEstimates
+from vopd.flight.files import read_csv
+from vopd.flight.flight import Flight, VehicleAttitudes
+from vopd.flight.project import Project
+from vopd.geometry.earth import NED_FROM_ENU
+from vopd.geometry.rotations import FORWARD, mount_by_angles, rotation_matrices
+
+AXES = ("forward", "right", "down")
+PASSES = 5  # of a mean of rotations: each squares what is left
+LARGEST_GAP = 3.0  # usual steps of an attitude's rows: a longer one is not interpolated over
+
+
+def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes | None:
+    """Read the attitudes of the vehicle; None where the project names no file of them.
+
+    Args:
+        project: its sections
+        offset_s: added to the file's times, as to the track's
+
+    Raises:
+        VopdError: where the file does not say when each attitude is, or how well it is known
+    """
+    if not project.has("vehicle") or not project.section("vehicle").has("attitude"):
+        return None
+    section, file = project.section("vehicle"), project.open("vehicle", "attitude")
+    table = read_csv(file)
+    by = next((one for one in ("frame", "image", "t_s") if table.has(one)), None)
+    if by is None:
+        raise file.error(
+            "does not say when each attitude is: it needs a column frame, image or t_s, seconds "
+            "on the clock of the track, beside yaw_deg, pitch_deg and roll_deg"
+        )
+    angles = np.stack([table.numbers(f"{one}_deg") for one in ("yaw", "pitch", "roll")], axis=1)
+    body_to_ned = np.array([mount_by_angles(one) @ FORWARD.T for one in angles])
+    of_all = section.sigma("attitude_sigma_deg")
+    sigma_deg = np.full(len(angles), np.nan if of_all is None else of_all[0])
+    if table.has("sigma_deg"):
+        own = table.sigmas("sigma_deg")
+        sigma_deg = np.where(np.isnan(own), sigma_deg, own)
+    if not (sigma_deg > 0.0).all():
+        raise section.error(
+            "attitude_sigma_deg",
+            f"is needed, above 0: {file.name} does not say in a column sigma_deg how well each "
+            "attitude is known, degrees about each axis, as 0.2 of a small inertial sensor",
+        )
+    keys = table.column(by)
+    time_s = np.full(len(angles), np.nan)
+    if by == "t_s":
+        time_s = table.numbers(by) + offset_s
+        back = np.flatnonzero(~(np.diff(time_s) > 0.0))
+        if len(back):
+            raise table.error("its time is not after the one before", int(back[0]) + 1, by)
+    elif by == "frame":
+        keys = [str(int(one)) for one in table.numbers(by).tolist()]
+    return VehicleAttitudes(file.name, by, tuple(keys), time_s, body_to_ned, np.radians(sigma_deg))
+
+
+def mounted(estimates: FlightEstimates) -> FlightEstimates:
+    """Solve for the mount of a flight, and turn its vehicle by it.
+
+    Args:
+        estimates: of a flight whose camera has been solved
+
+    Raises:
+        VopdError: where the file has the vehicle's attitude of no frame with an attitude
+    """
+    flight, joint = estimates.flight, estimates.joint
+    assert flight.vehicle is not None and joint is not None
+    vehicle, sigma_rad = _at_frames(flight, joint.model.late_s(joint.state))
+    rotation = estimates.solved.attitudes.rotation
+    weight = np.where(np.isfinite(rotation[:, 0, 0]), np.nan_to_num(sigma_rad**-2.0), 0.0)
+    if not weight.any():
+        raise VopdError(
+            f"{flight.source}: free mount: {flight.vehicle.name} has the vehicle's attitude of no "
+            f"frame that has one of the camera; look at its column {flight.vehicle.by}"
+        )
+    weight, mount, known = weight / weight.sum(), flight.mount, weight > 0.0
+    body = vehicle[known].swapaxes(1, 2) @ NED_FROM_ENU @ rotation[known].swapaxes(1, 2)
+    for _ in range(PASSES):
+        turn = (weight[known, None] * _rotation_vectors(body @ mount.T)).sum(axis=0)
+        mount = rotation_matrices(turn[None])[0] @ mount
+    now = replace(flight, mount=mount)
+    made = FlightEstimates(replace(estimates.solved, flight=now), joint, estimates.reading)
+    by_camera = made.sum_errors(weight[:, None, None] * np.eye(3))
+    by_vehicle = ((weight * np.where(known, sigma_rad, 0.0)) ** 2).sum() * np.eye(3)
+    covariance = np.degrees(np.degrees(sum(by_camera.values(), by_vehicle)))
+    turned = np.degrees(_rotation_vectors((mount @ flight.mount.T)[None])[0])
+    attitudes = flight.vehicle._replace(turned_deg=turned, covariance_deg2=covariance)
+    sigma_deg = float(np.sqrt(np.trace(covariance) / 3.0))
+    now = replace(now, vehicle=attitudes, mount_sigma_deg=sigma_deg)
+    return FlightEstimates(replace(estimates.solved, flight=now), joint, estimates.reading)
+
+
+def _at_frames(flight: Flight, late_s: Floats) -> tuple[Floats, Floats]:
+    """Look up the vehicle's attitudes of the frames, (F, 3, 3), and sigmas (F,); NaN: none."""
+    rows, frames = flight.vehicle, len(flight.frame)
+    assert rows is not None
+    out, sigma = np.full((frames, 3, 3), np.nan), np.full(frames, np.nan)
+    if rows.by == "t_s":
+        from scipy.spatial.transform import Rotation, Slerp  # takes a tenth of a second to load
+
+        at_s, step_s = flight.time_s + late_s, np.diff(rows.time_s)
+        if len(step_s):
+            after = np.clip(np.searchsorted(rows.time_s, at_s), 1, len(step_s))
+            near = step_s[after - 1] <= LARGEST_GAP * np.median(step_s)
+            inside = near & (at_s >= rows.time_s[0]) & (at_s <= rows.time_s[-1])
+            out[inside] = Slerp(rows.time_s, Rotation.from_matrix(rows.body_to_ned))(
+                at_s[inside]
+            ).as_matrix()
+            sigma[inside] = np.interp(at_s[inside], rows.time_s, rows.sigma_rad)
+        return out, sigma
+    labels = flight.image_name if rows.by == "image" else tuple(map(str, flight.frame.tolist()))
+    row = {key: k for k, key in enumerate(rows.keys)}
+    found = np.array([row.get(one, -1) for one in labels or ("",) * frames])
+    there = found >= 0
+    out[there], sigma[there] = rows.body_to_ned[found[there]], rows.sigma_rad[found[there]]
+    return out, sigma
+
+
+def _rotation_vectors(matrices: Floats) -> Floats:
+    """Convert rotations to vectors, axis times angle, (B, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_matrix(matrices).as_rotvec())
