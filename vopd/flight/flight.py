@@ -306,8 +306,6 @@ class Flight:
     landmarks: LandmarkSet
     path: CameraPath
     mount: Floats  # (3, 3) from camera axes (x right, y down, z forward) to body axes
-    mount_sigma_deg: float = 0.0  # about each of the vehicle's axes; 0: not stated
-    vehicle: VehicleAttitudes | None = None  # known from elsewhere
     refraction: Refraction = field(default_factory=Refraction)
     options: FlightOptions = field(default_factory=FlightOptions)
     shutter: Shutter | None = None  # None: all rows are of one time
@@ -318,6 +316,8 @@ class Flight:
         str, ...
     ] = ()  # what was read, a sentence each: "lens.yml: OpenCV, 5 coefficients"
     findings: tuple[Finding, ...] = ()
+    mount_sigma_deg: float = 0.0  # about each of the vehicle's axes; 0: not stated
+    vehicle: VehicleAttitudes | None = None  # known from elsewhere
 
     @property
     def grid_convergence_deg(self) -> float:

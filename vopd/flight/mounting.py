@@ -24,8 +24,8 @@ PASSES = 5  # of a mean of rotations: each squares what is left
 LARGEST_GAP = 3.0  # usual steps of an attitude's rows: a longer one is not interpolated over
 
 
-def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes | None:
-    """Read the attitudes of the vehicle; None where the project names no file of them.
+def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes:
+    """Read the attitudes of the vehicle from the file that a project names.
 
     Args:
         project: its sections
@@ -34,8 +34,6 @@ def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes | None:
     Raises:
         VopdError: where the file does not say when each attitude is, or how well it is known
     """
-    if not project.has("vehicle") or not project.section("vehicle").has("attitude"):
-        return None
     section, file = project.section("vehicle"), project.open("vehicle", "attitude")
     table = read_csv(file)
     by = next((one for one in ("frame", "image", "t_s") if table.has(one)), None)

@@ -21,7 +21,15 @@ from vopd.flight.coordinates import (
     outside_area,
 )
 from vopd.flight.files import did_you_mean, read_by_content, shown
-from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction, Shutter
+from vopd.flight.flight import (
+    CameraPath,
+    Flight,
+    LandmarkSet,
+    Picks,
+    Refraction,
+    Shutter,
+    VehicleAttitudes,
+)
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import (
     GRID_TO_CENTRE,
@@ -35,7 +43,6 @@ from vopd.flight.formats.lens import (
 from vopd.flight.formats.picks import PICK_FORMATS, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.free import check_free
-from vopd.flight.mounting import read_vehicle
 from vopd.flight.project import ROWS, Project, Section, read_project
 from vopd.flight.stated import (
     Notes,
@@ -417,7 +424,7 @@ def _flight_of(project: Project) -> Flight:
         path=camera,
         mount=mount_of(project.section("vehicle")),
         mount_sigma_deg=(project.section("vehicle").sigma("mount_sigma_deg") or (0.0,))[0],
-        vehicle=read_vehicle(project, offset_s),
+        vehicle=_vehicle(project, offset_s),
         refraction=refraction,
         shutter=shutter_of(project.section("camera")),
         frame_rate_hz=_frame_rate_hz(project, times),
@@ -553,6 +560,15 @@ def mount_of(section: Section) -> Floats:
         raise inside.error("matrix", "is not a rotation: three rows of three, right-handed")
     u, _, vt = np.linalg.svd(matrix)
     return np.asarray(u @ vt)
+
+
+def _vehicle(project: Project, offset_s: float) -> VehicleAttitudes | None:
+    """Read the vehicle's attitudes, as far as a file of them is named."""
+    if not project.section("vehicle").has("attitude"):
+        return None
+    from vopd.flight.mounting import read_vehicle
+
+    return read_vehicle(project, offset_s)
 
 
 def shutter_of(section: Section) -> Shutter | None:

@@ -46,7 +46,6 @@ from vopd.flight.free import (
 from vopd.flight.held import least_held, solved_findings, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
 from vopd.flight.misfit import OF_LANDMARK, SPEAK_FOR, flight_findings
-from vopd.flight.mounting import mounted
 from vopd.flight.project import Project, read_project
 from vopd.flight.read import flight_of, read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
@@ -341,6 +340,8 @@ def solve_flight_read(
     if more is not None:
         return solve_flight_read(without_parameter(read, more), tell, project)
     if MOUNT in read.options.free and read.vehicle is not None:
+        from vopd.flight.mounting import mounted  # of few flights
+
         estimates = mounted(estimates)
     solved = estimates.solved
     estimates.mark_outliers((found.pick | swapped) & solved.used, swaps.chances(len(swapped)))
