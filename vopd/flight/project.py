@@ -202,7 +202,7 @@ KEYS: tuple[Key, ...] = (
     Key("vehicle.mount", "ypr_deg", "numbers", "", "yaw, pitch, roll of the camera against the "
         "vehicle: `{ ypr_deg = [90, 0, 0] }`", size=3),
     Key("vehicle.mount", "matrix", "other", "", "`{ matrix = [[...], [...], [...]] }`"),
-    Key("vehicle", "mount_sigma_deg", "sigma", "0.2",
+    Key("vehicle", "mount_sigma_deg", "sigma", "",
         "standard deviation of the mount, a turn about each of the vehicle's axes, degrees"),
     Key("vehicle", "attitude", "file", "",
         "the vehicle's attitudes, from which `free = [\"mount\"]` finds the mount: a CSV with "
