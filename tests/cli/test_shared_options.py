@@ -270,7 +270,8 @@ def test_this_page_has_every_shared_option() -> None:
         if name.startswith("--")
     } - {"--output"}
     tested = {option for option in TOGETHER.split() if option.startswith("--")}
-    assert shared == tested | {"--compare-initial", "--limits-1974", "--strict", "--quiet"}
+    alone = {"--compare-initial", "--limits-1974", "--strict", "--quiet", "--help-decks"}
+    assert shared == tested | alone
     for command in (plot.command, batch.command):
         assert shared <= {name for parameter in command.params for name in parameter.opts}
     solve = {"--fix", "--ellipsoid", "--initial", "--compare-initial", "--limits-1974"}

@@ -36,8 +36,9 @@ GROUPS = {
         "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
         "batch": "solve many decks and flights into one folder",
     },
-    "Stars": {
+    "Stars, and help": {
         "stars": "orientation of a camera that sees stars (Rae 1987)",
+        "help": "show a page of the documentation",
     },
 }
 """Every command and its one line of help, by what its input is."""
@@ -118,6 +119,5 @@ def cli() -> None:
     """
     \b
     Attitude of a vehicle or a camera from landmarks in its images.
-    Exit status: 0 all well; 1 an input could not be read, a run failed, listings
-    differ; 2 wrong usage; 3 no convergence, a misfit, or with --strict a flag.
+    Exit status: 0 all well; 1 failed, listings differ; 2 wrong usage; 3 doubtful.
     """

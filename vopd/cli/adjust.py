@@ -128,7 +128,7 @@ def command(
 
     A parameter starts from the standard deviation that the project states, as
     [uncertainty] focal_rel; without one it is known by the picks alone.
-    docs/adjust.md says what may be freed when.
+    vopd help adjust says what may be freed when.
 
     -o DIR writes a project whose lens, landmarks and offsets are as solved. Its
     covariance.json has their covariance: vopd attitude, plot and report hold them, and

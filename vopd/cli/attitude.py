@@ -52,7 +52,7 @@ TEXT = "text"  # what a terminal shows; not the format of a file
 
 _HELP = """Show the attitude of every frame, how sure it is, and flags; write it to a file.
 
-SOURCE is a flight project, whose name ends in .toml (docs/flight-project.md), or
+SOURCE is a flight project, whose name ends in .toml (vopd help flight-project), or
 a deck of 80-column cards; - is a deck on standard input. The table has a row a
 frame: the angles of camera and vehicle, the angles of attack alpha, beta and eta,
 the position, the quaternion, standard deviations and flags. Every file states from
@@ -76,7 +76,7 @@ Examples:
 
 The table has all frames, also ignored ones, which have no angles; aem, acm, czml
 and kml have the frames with an attitude, in order of time.
-docs/attitude-files.md explains the columns.
+vopd help attitude-files explains the columns.
 
 Exit status: 0 the file is written; 1 a source could not be read or solved
 (what comes before that is written), no frame has an attitude, or FILE cannot

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import wraps
 from typing import TYPE_CHECKING, Any
@@ -25,39 +25,60 @@ AnyCommand = Callable[..., Any]
 
 quiet_option = click.option("-q", "--quiet", is_flag=True, help="Print no warnings.")
 
-_SOLVE_OPTIONS = (
-    click.option(
-        "--fix",
-        metavar="NAME",
-        multiple=True,
-        shell_complete=lambda ctx, option, begun: [
+_SOLVE_OPTIONS: dict[str, dict[str, Any]] = {
+    "--fix": {
+        "metavar": "NAME",
+        "multiple": True,
+        "shell_complete": lambda ctx, option, begun: [
             one for one in ("all", *(fix.value for fix in Fix)) if one.startswith(begun)
         ],
-        help="Correct an erratum, or all; repeatable.",
-    ),
-    click.option(
-        "--ellipsoid",
-        type=click.Choice(list(ELLIPSOIDS)),
-        help="Ellipsoid of the Earth for --fix earth.  [default: wgs84]",
-    ),
-    click.option(
-        "--initial",
-        type=click.Choice(["deck", "closed-form"]),
-        default="deck",
-        show_default=True,
-        help="Start a frame from the one before (the first from group 8), or from two landmarks.",
-    ),
-    click.option(
-        "--compare-initial",
-        is_flag=True,
-        help="With closed-form: solve from the deck's start too, and name frames that differ.",
-    ),
-    click.option(
-        "--limits-1974",
-        is_flag=True,
-        help="A deck that exceeds the original's array sizes is an error.",
-    ),
-)
+        "help": "Correct an erratum, or all; repeatable.",
+    },
+    "--ellipsoid": {
+        "type": click.Choice(list(ELLIPSOIDS)),
+        "help": "Ellipsoid of the Earth for --fix earth.  [default: wgs84]",
+    },
+    "--initial": {
+        "type": click.Choice(["deck", "closed-form"]),
+        "default": "deck",
+        "show_default": True,
+        "help": "Start a frame from the one before (the first from group 8), or from two "
+        "landmarks.",
+    },
+    "--compare-initial": {
+        "is_flag": True,
+        "help": "With closed-form: solve from the deck's start too, and name frames that differ.",
+    },
+    "--limits-1974": {
+        "is_flag": True,
+        "help": "A deck that exceeds the original's array sizes is an error.",
+    },
+}
+"""The options of decks, by name."""
+
+
+def _of_decks(
+    names: Iterable[str], hidden: bool = False
+) -> tuple[Callable[[AnyCommand], AnyCommand], ...]:
+    return tuple(click.option(name, hidden=hidden, **_SOLVE_OPTIONS[name]) for name in names)
+
+
+def _show_deck_options(ctx: click.Context, option: click.Parameter, asked: bool) -> None:
+    """Print the options that a command has for decks alone, which its help leaves out."""
+    if not asked or ctx.resilient_parsing:
+        return
+    rows = []
+    for one in ctx.command.params:
+        if isinstance(one, click.Option) and one.hidden:
+            one.hidden = False
+            rows.append(one.get_help_record(ctx) or ("", ""))
+            one.hidden = True
+    formatter = ctx.make_formatter()
+    with formatter.section("Options of decks"):
+        formatter.write_dl(rows)
+    click.echo(formatter.getvalue(), nl=False)
+    ctx.exit()
+
 
 _SIGMAS = (
     (
@@ -141,11 +162,16 @@ def fix_options(function: AnyCommand) -> AnyCommand:
     def with_fixes(*, fix: tuple[str, ...], ellipsoid: str | None, **others: Any) -> Any:
         return function(**others, fixes=_chosen_fixes(fix, ellipsoid))
 
-    return _with(_SOLVE_OPTIONS[:2], with_fixes)
+    return _with(_of_decks([*_SOLVE_OPTIONS][:2]), with_fixes)
 
 
-def solve_options(function: AnyCommand) -> AnyCommand:
-    """Add the options of a solve; the command is given one argument, `solve`."""
+def solve_options(function: AnyCommand, hidden: bool = False) -> AnyCommand:
+    """Add the options of a solve; the command is given one argument, `solve`.
+
+    Args:
+        function: the command
+        hidden: whether its help leaves them out
+    """
 
     @wraps(function)
     def with_solve(
@@ -164,7 +190,7 @@ def solve_options(function: AnyCommand) -> AnyCommand:
             raise click.UsageError("--compare-initial is only for --initial closed-form.")
         return function(**others, solve=SolveOptions(chosen, initial, compare_initial, limits_1974))
 
-    return _with(_SOLVE_OPTIONS, with_solve)
+    return _with(_of_decks(_SOLVE_OPTIONS, hidden), with_solve)
 
 
 @dataclass(frozen=True)
@@ -183,7 +209,6 @@ def history_options(function: AnyCommand) -> AnyCommand:
     The command is given one argument, `options`, of `SharedOptions`.
     """
 
-    @solve_options
     @wraps(function)
     def with_options(
         *,
@@ -207,8 +232,14 @@ def history_options(function: AnyCommand) -> AnyCommand:
 
     options = (
         *(
-            click.option(name, type=float, metavar="SIGMA", help=f"Standard deviation {text}")
-            for name, _, text in _SIGMAS
+            click.option(
+                name,
+                type=float,
+                metavar="SIGMA",
+                hidden=field == "fiducial",
+                help=f"Standard deviation {text}",
+            )
+            for name, field, text in _SIGMAS
         ),
         *_OF_HISTORY.values(),
         click.option(
@@ -218,8 +249,16 @@ def history_options(function: AnyCommand) -> AnyCommand:
             "for an error of its inputs.",
         ),
         quiet_option,
+        click.option(
+            "--help-decks",
+            is_flag=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_show_deck_options,
+            help="Show the options of decks: --fix, --initial and others.",
+        ),
     )
-    return _with(options, with_options)
+    return _with(options, solve_options(with_options, hidden=True))
 
 
 # Arguments and options for file names, shared by all commands.

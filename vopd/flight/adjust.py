@@ -100,7 +100,7 @@ def adjust(
 
     Args:
         source: the path of the project file, `flight.toml`, or the flight as it was read
-        free: names of parameters: `focal`, `k1`, `clock`, ... (docs/adjust.md), `landmarks` or
+        free: names of parameters: `focal`, `k1`, `clock`, ... (`vopd help adjust`), `landmarks` or
             `landmark:NAME`
         tell: is called before each solve of all frames
 
