@@ -259,7 +259,9 @@ def look_at_times(
         if rows.clock != "seconds":
             new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"
     else:
-        new.needed["picks", "times"] = "the track is by time; --images names the folder"
+        new.needed["picks", "times"] = (
+            "the track is by time; --images names the folder, --fps serves numbers in names"
+        )
 
 
 def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) -> None:
@@ -355,12 +357,16 @@ def project_of_files(
             if key == "columns":
                 new.columns[section] = tomllib.loads(f"x = {one.value}")["x"]
     look_at_files(new, values, folder, given)
+    rate, times = ("picks", "frame_rate_hz"), ("picks", "times")
+    if times in new.needed and any(rate in one.keys for one in answers):  # numbers in names
+        why = new.needed.pop(times)
+        new.needed |= dict.fromkeys([rate, ("picks", "first_frame_t_s"), ("flight", "epoch")], why)
     for one in [one for one in answers if not one.at_once]:
         keys = [key for key in one.keys if key in new.needed or key in values]
         values |= dict.fromkeys(keys, one.value)
         if not keys:
             new.said.append(f"{one.option}: not used, as no file leaves it open")
-    first, rate = ("picks", "first_frame_t_s"), ("picks", "frame_rate_hz")
+    first = "picks", "first_frame_t_s"
     if first in new.needed and first not in values and {rate, ("flight", "epoch")} <= {*values}:
         values[first] = "0.0"
         new.said.append("frame 0 is at the epoch: first_frame_t_s = 0.0")

@@ -104,6 +104,9 @@ KEYS: tuple[Key, ...] = (
     Key("camera", "image_size_px", "numbers", "[1920, 1080]", "width and height of the images",
         "width and height of the images; needed where the lens file has none, and compared with it "
         "where it has one", size=2),
+    Key("camera", "lens_size_px", "numbers", "[3840, 2160]", "of the calibration, if another",
+        "width and height of the images that the calibration was made of, where it was the same "
+        "picture in another size: it is scaled to `image_size_px`", size=2),
     Key("camera", "pixel_grid", "text", '"centre"', f"of cx_px, cy_px; {_GRID}",
         "for `cx_px` and `cy_px` of a table", choices=_GRIDS),
     Key("camera", "readout_ms", "number", "", "of a rolling shutter: from first row to last",
@@ -142,6 +145,9 @@ KEYS: tuple[Key, ...] = (
     Key("picks", "utc_offset_h", "number", "2.0",
         "hours: clock of the images in `times` less UTC", "the hours by which the clock of these "
         "images is ahead of UTC, where the tags do not say their zone"),
+    Key("picks", "interpolated", "text", '"use"', "use or drop: points between clicked ones",
+        "`drop` leaves out points that CVAT has interpolated between those that were clicked",
+        default="use", choices=("use", "drop")),
     Key("landmarks", "file", "file", '"landmarks.csv"',
         "landmark,lat_deg,lon_deg,h_m, or another format", "the landmarks"),
     Key("landmarks", "columns", "other", "", "names of the columns of a CSV", "as for picks"),

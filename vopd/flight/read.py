@@ -67,12 +67,50 @@ def read_lens(project: Project) -> LensRead:
         VopdError: where it is missing, or its image size is not that of the project
     """
     section = project.section("camera")
-    size = None
-    if section.has("image_size_px"):
-        width, height = section.numbers("image_size_px")
-        if min(width, height) < 1 or width % 1 or height % 1:
-            raise section.error("image_size_px", "is width and height, whole numbers of pixels")
-        size = int(width), int(height)
+    size = _size_px(section, "image_size_px")
+    made_of = _size_px(section, "lens_size_px")
+    if made_of is None:
+        return _lens_of(project, section, size)
+    if size is None:
+        raise section.error("image_size_px", "is needed with lens_size_px")
+    return _scaled(section, _lens_of(project, section, made_of), size)
+
+
+def _size_px(section: Section, key: str) -> tuple[int, int] | None:
+    """Read the size of an image; None if it is not given."""
+    if not section.has(key):
+        return None
+    width, height = section.numbers(key)
+    if min(width, height) < 1 or width % 1 or height % 1:
+        raise section.error(key, "is width and height, whole numbers of pixels")
+    return int(width), int(height)
+
+
+def _scaled(section: Section, read: LensRead, size: tuple[int, int]) -> LensRead:
+    """Scale a lens to images of another size: the distortion is of angles and stays."""
+    lens = read.lens
+    ratio = size[0] / lens.size_px[0]
+    if abs(size[1] / ratio - lens.size_px[1]) > 1.0:
+        (w, h), (width, height) = lens.size_px, size
+        message = f"{w} x {h} is no larger or smaller picture of {width} x {height}: it was cropped"
+        raise section.error("lens_size_px", message)
+    scaled = replace(
+        lens,
+        size_px=size,
+        focal_px=lens.focal_px * ratio,
+        centre_px=(lens.centre_px + 0.5) * ratio - 0.5,
+        skew_px=lens.skew_px * ratio,
+        table=None if lens.table is None else lens.table * ratio,
+    )
+    in_px = ("focal", "centre_u", "centre_v")
+    sigma = {name: one * (ratio if name in in_px else 1.0) for name, one in read.sigma.items()}
+    w, h = lens.size_px
+    said = f"{read.said}; a calibration of {w} x {h}, scaled by {ratio:.6g}"
+    return LensRead(scaled, said, sigma)
+
+
+def _lens_of(project: Project, section: Section, size: tuple[int, int] | None) -> LensRead:
+    """Read a lens as it was calibrated, for images of this size."""
     if isinstance(section.values.get("lens"), dict):
         return _inline(section, section.section("lens"), size)
     file = project.open("camera", "lens")
@@ -83,10 +121,14 @@ def read_lens(project: Project) -> LensRead:
     if size is not None and found.lens.size_px != size:
         w, h = found.lens.size_px
         turned = " (turned by 90 degrees)" if (h, w) == size else ""
+        key = "lens_size_px" if section.has("lens_size_px") else "image_size_px"
+        scale = ""
+        if key == "image_size_px" and size[0] != w and abs(size[1] * w / size[0] - h) <= 1.0:
+            scale = f"; if yours are the same pictures in another size, lens_size_px = [{w}, {h}]"
         raise section.error(
-            "image_size_px",
+            key,
             f"{size[0]} x {size[1]}, but {name} is a calibration for {w} x {h}{turned}; "
-            "a calibration serves the pictures that it was made of",
+            f"a calibration serves the pictures that it was made of{scale}",
         )
     return found
 
@@ -187,6 +229,8 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
     section = project.section("picks")
     file = project.open("picks")
     rows = project.read("picks", file, PICK_FORMATS)
+    if section.text("interpolated") == "drop" and rows.interpolated is not None:
+        rows = rows.where(~rows.interpolated)
     finite = np.isfinite(rows.pixel).all(axis=1)
     if not finite.all():
         k = int(np.argmin(finite))
@@ -445,7 +489,7 @@ def _flight_of(project: Project) -> Flight:
 def _frame_rate_hz(project: Project, times: FrameTimes) -> float | None:
     """Look up the rate by which numbered frames have times."""
     section = project.section("picks")
-    if times.image or not section.has("frame_rate_hz"):
+    if not section.has("frame_rate_hz"):
         return None
     return section.number("frame_rate_hz")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from datetime import UTC, datetime
 from typing import NamedTuple
 
@@ -46,7 +47,24 @@ class FrameTimes(NamedTuple):
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
     """Number the frames (F,), with their times, and the index of each pick's frame (P,)."""
     number, image, index = number_frames(rows.frame)
+    section = project.section("picks")
+    if image and section.has("frame_rate_hz") and _has_numbers(image):
+        own = np.array(_numbers_of(image), dtype=np.int64)
+        order = np.argsort(own)
+        number, image = own[order], tuple(image[k] for k in order)
+        index = in_four_bytes(np.argsort(order)[index])
     return number, _times(project, number, image), index
+
+
+def _has_numbers(image: tuple[str, ...]) -> bool:
+    """Tell whether the names of all images end in numbers, each in another."""
+    return len({*_numbers_of(image)} - {-1}) == len(image)
+
+
+def _numbers_of(image: tuple[str, ...]) -> list[int]:
+    """Find the numbers at the ends of images' names, before the suffix; -1 where there is none."""
+    found = [re.search(r"(\d{1,15})\D*$", name.rpartition(".")[0] or name) for name in image]
+    return [-1 if one is None else int(one[1]) for one in found]
 
 
 def number_frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
@@ -76,7 +94,7 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
     shown_s, said = np.full(len(number), np.nan), ""
     if not image and section.has("video"):
         shown_s, said = _shown(project, number)
-    if not image and section.has("frame_rate_hz"):
+    if section.has("frame_rate_hz") and (not image or _has_numbers(image)):
         rate = section.number("frame_rate_hz")
         time_s = section.number("first_frame_t_s") + number / rate
         off_s = np.ptp(number / rate - shown_s)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Bools, Floats, Ints
 from vopd.files import reason
 from vopd.findings import VopdError
 from vopd.flight.files import (
@@ -83,6 +83,19 @@ class PickRows:
     said: str  # the format, for a sentence
     up_from: float | None = None  # the v of the last row, where v counts upward
     stated: bool = False  # whether the project or the file states `sigma_px`
+    interpolated: Bools | None = None  # (P,) by the program that wrote the file; None: unknown
+
+    def where(self, kept: Bools) -> PickRows:
+        """Take some of the picks of numbered frames, (P,)."""
+        names = Names(name for name, one in zip(self.landmark, kept.tolist(), strict=True) if one)
+        return replace(
+            self,
+            frame=np.asarray(self.frame)[kept],
+            landmark=names,
+            pixel=self.pixel[kept],
+            sigma_px=self.sigma_px[kept],
+            interpolated=None,
+        )
 
     def centred_px(self, picks: Ints) -> Floats:
         """Convert u and v of some picks, by their indices, to the first pixel's centre, (n, 2)."""
@@ -171,6 +184,7 @@ def read_cvat(file: InputFile) -> PickRows:
     except (ElementTree.ParseError, ValueError) as error:
         raise file.error(f"not valid XML: {reason(error)}") from error
     found: list[tuple[int | str, str, float, float]] = []
+    between: list[bool] = []
     images = root.findall("image")
     for image in images:
         for points in image.findall("points"):
@@ -181,6 +195,7 @@ def read_cvat(file: InputFile) -> PickRows:
             if points.get("outside") != "1":
                 pixels = _pixels(file, points.get("points", ""))
                 frame = whole_number(points.get("frame", "0"))
+                between += [points.get("keyframe") == "0"] * len(pixels)
                 found += [(frame, track.get("label", ""), *xy) for xy in pixels]
     if not found:
         raise file.error("no points are in the file: landmarks are drawn as points")
@@ -201,9 +216,13 @@ def read_cvat(file: InputFile) -> PickRows:
     landmark = Names(one[1] for one in found)
     pixel = np.array([one[2:] for one in found])
     unknown = np.full(len(found), np.nan)
+    count = sum(between)
+    said = "CVAT images" if images else "CVAT video"
+    said += f", {len(found) - count} clicked, {count} interpolated" if count else ""
     return PickRows(
         Names(frames) if by_image else np.array(frames), landmark, pixel, unknown, "corner",
-        sizes.pop() if sizes else None, "CVAT images" if images else "CVAT video",
+        sizes.pop() if sizes else None, said,
+        interpolated=np.array(between) if count else None,
     )  # fmt: skip
 
 
