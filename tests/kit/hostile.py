@@ -202,6 +202,10 @@ TABLE = (
             "</opencv_storage>"), "no camera matrix"),
     Hostile("colmap arabic", lens("txt", "1 PINHOLE 1920 1080 1000 1000 ٩٦٠ 540\n"),
             "'٩٦٠' is not a number"),
+    Hostile("colmap focal length of 1e308", lens("txt", "1 PINHOLE 1920 1080 1500 1e308 960 540\n"),
+            "a number of 1e+308: 1e+09 at most"),
+    Hostile("cvat pixel of 1e308", other("picks", "p.xml", CVAT.format("0").replace("1,2",
+            "1e308,2")), "a in 0: 1e+308 px is too large"),
     Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe},
             NO_PIPE),
     # picks

@@ -56,6 +56,7 @@ from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
+from vopd.inputs import MOST_NUMBER
 
 # The lens: an inline table, or a file
 
@@ -235,6 +236,10 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
     if not finite.all():
         k = int(np.argmin(finite))
         raise file.error(f"{rows.landmark[k]} in {rows.frame[k]}: u or v is not finite")
+    far = np.abs(rows.pixel).max(axis=1, initial=0.0)
+    if (far > MOST_NUMBER).any():
+        k = int(np.argmax(far))
+        raise file.error(f"{rows.landmark[k]} in {rows.frame[k]}: {far[k]:g} px is too large")
     if rows.size_px is not None and rows.size_px != size_px:
         (w, h), (width, height) = rows.size_px, size_px
         turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""

@@ -71,6 +71,9 @@ def make_lens(
     )
 
 
+MOST_PX = 1e9  # of a focal length, centre or size; no camera has more
+
+
 def checked(file: InputFile, lens: Lens) -> Lens:
     """Check that the numbers of a lens can be those of one.
 
@@ -80,6 +83,9 @@ def checked(file: InputFile, lens: Lens) -> Lens:
     numbers = np.concatenate([lens.focal_px, lens.centre_px, lens.k, [lens.skew_px]])
     if not np.isfinite(numbers).all():
         raise file.error("the lens has a number that is not finite")
+    if (np.abs(numbers) > MOST_PX).any() or max(lens.size_px) > MOST_PX:
+        largest = max(np.abs(numbers).max(), *lens.size_px)
+        raise file.error(f"the lens has a number of {largest:g}: {MOST_PX:.0e} at most")
     if min(lens.size_px) < 1:
         raise file.error("the image's size is {} x {} px".format(*lens.size_px))
     if not (lens.focal_px > 1.0).all():
