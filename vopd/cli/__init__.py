@@ -23,12 +23,10 @@ GROUPS = {
         "errata": "list the known errata of the originals",
         "demo": "make a deck of a synthetic flight, with its true attitude",
     },
-    "Frames of a camera": {
+    "Frames of a camera, and decks": {
         "new": "start a flight project, from your files or as an example",
         "pick": "make a page on which landmarks are clicked in frames",
         "punch": "write a flight as a deck of 1974 cards",
-    },
-    "Decks and frames": {
         "check": "check flights and decks for errors and doubtful values",
         "attitude": "write the attitude table: CSV, JSON, Parquet, AEM, CZML, KML, ...",
         "adjust": "solve for lens, clock and landmarks with all frames together",

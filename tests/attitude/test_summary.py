@@ -1,0 +1,50 @@
+"""The short table: which digits, which columns, which letters; in the library and a notebook."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import vopd
+from vopd.screen import aligned, shortened, width, wrapped
+
+ROOT = Path(__file__).parents[2]
+HILL = ROOT / "examples" / "hill"
+
+
+def test_results_show_themselves_in_print_and_in_a_notebook() -> None:
+    flight = vopd.solve_flight(HILL)
+    assert str(flight) == flight.summary(80) and max(map(len, str(flight).splitlines())) <= 80
+    assert repr(flight) == f"FlightResult({HILL / 'flight.toml'}, 5 frames)"
+    page = flight._repr_html_()
+    assert page.count("<tr>") == 6 and "-11.9974" in page
+    assert flight.history()._repr_html_().count("<tr>") == 6
+    run = vopd.run(ROOT / "decks" / "appendix_h" / "case2.dat")
+    assert run._repr_html_().count("<tr>") == 2 and "card 59" in run._repr_html_()
+
+
+def test_each_names_the_other_for_what_it_does_not_take() -> None:
+    deck, project = ROOT / "decks" / "appendix_h" / "case1.dat", HILL / "flight.toml"
+    with pytest.raises(vopd.VopdError, match=re.escape("vopd.solve_flight(")):
+        vopd.run(project)
+    with pytest.raises(vopd.VopdError, match=re.escape("vopd.run(")):
+        vopd.solve_flight(deck)
+    with pytest.raises(vopd.VopdError, match=re.escape("vopd.run ")):
+        vopd.solve_flight(vopd.read_deck(deck))  # type: ignore[arg-type]
+    read = vopd.solve_flight(project)
+    assert (vopd.solve_flight(read.read).camera_deg == read.camera_deg).all()
+
+
+def test_wide_characters_take_two_columns() -> None:
+    assert (width("東京"), width("e\u0301")) == (4, 1)
+    assert aligned([["東京", "1"], ["a", "22"]], {0}) == ["東京   1", "a     22"]
+    assert shortened("frame_000001_left.jpg", 12) == "fra...ft.jpg"
+    assert width(shortened("写真" * 10, 12)) <= 12
+
+
+def test_lines_are_broken_at_words() -> None:
+    assert wrapped("a bb ccc", 5, "  ") == "a bb\n  ccc"
+    assert wrapped("    a bb ccc", 8) == "    a bb\n    ccc"
+    assert wrapped("x" * 9, 5) == "x" * 9
