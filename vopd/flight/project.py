@@ -442,7 +442,8 @@ class Section:
 
     def _list(self, key: str, value: Any, count: int) -> tuple[float, ...]:
         if not isinstance(value, list | tuple) or len(value) != (count or len(value)):
-            raise self.error(key, f"{shown(value)} is not a list of {count} numbers")
+            several = f"{count} numbers" if count else "numbers"
+            raise self.error(key, f"{shown(value)} is not a list of {several}")
         return tuple(self._number(key, one) for one in value)
 
     def _number(self, key: str, value: Any, above: float | None = None) -> float:

@@ -87,11 +87,17 @@ def _size_px(section: Section, key: str) -> tuple[int, int] | None:
     return int(width), int(height)
 
 
+def _one_shape(one: tuple[int, int], other: tuple[int, int]) -> bool:
+    """Tell whether two sizes are those of one picture, but for rounding to whole pixels."""
+    ratio = one[0] / other[0]
+    return abs(one[1] - other[1] * ratio) <= 0.6 * max(1.0, ratio)
+
+
 def _scaled(section: Section, read: LensRead, size: tuple[int, int]) -> LensRead:
     """Scale a lens to images of another size: the distortion is of angles and stays."""
     lens = read.lens
     ratio = size[0] / lens.size_px[0]
-    if abs(size[1] / ratio - lens.size_px[1]) > 1.0:
+    if not _one_shape(size, lens.size_px):
         (w, h), (width, height) = lens.size_px, size
         message = f"{w} x {h} is no larger or smaller picture of {width} x {height}: it was cropped"
         raise section.error("lens_size_px", message)
@@ -124,7 +130,7 @@ def _lens_of(project: Project, section: Section, size: tuple[int, int] | None) -
         turned = " (turned by 90 degrees)" if (h, w) == size else ""
         key = "lens_size_px" if section.has("lens_size_px") else "image_size_px"
         scale = ""
-        if key == "image_size_px" and size[0] != w and abs(size[1] * w / size[0] - h) <= 1.0:
+        if key == "image_size_px" and size[0] != w and _one_shape(size, (w, h)):
             scale = f"; if yours are the same pictures in another size, lens_size_px = [{w}, {h}]"
         raise section.error(
             key,
