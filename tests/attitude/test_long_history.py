@@ -134,7 +134,7 @@ def test_parts_of_a_long_job_are_those_of_the_whole(
     if together == 1000:
         assert len(made) == 1
     else:
-        assert len(made) > 1 and parts.head.estimate.frame.tolist() == [1]
+        assert len(made) > 1 and len(parts.head.estimate.frame) == 1
     first = 0
     for one in made:
         for name, values in table([one]).items():

@@ -463,7 +463,7 @@ def values(force: SigmasInForce) -> dict[str, Any]:
 
 def test_a_source_that_states_nothing_has_none() -> None:
     assert StatedSigmas() == (
-        *((0.0, 0.0, 0.0),) * 2, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+        *((0.0, 0.0, 0.0),) * 2, 0.0, 0.0, (0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0
     )  # fmt: skip
     unstated = one(stated=StatedSigmas(), fiducial_sigma=np.nan)
     assert values(in_force(unstated, Sigmas())) == NOTHING

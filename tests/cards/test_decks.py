@@ -424,7 +424,11 @@ def test_files_that_are_no_decks(tmp_path: Path) -> None:
     (tmp_path / "blank.dat").write_text("\n   \r\n")
     for name, why in (
         ("none.dat", "No such file or directory"),
-        (".", "Is a directory"),
+        (
+            ".",
+            "is a folder, without a project flight.toml; vopd new writes one, and vopd batch "
+            "takes all decks and projects of a folder",
+        ),
         ("empty.dat", "the deck is empty"),
         ("blank.dat", "the deck is empty"),
     ):

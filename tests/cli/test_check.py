@@ -18,7 +18,7 @@ from tests.kit.flight_project import MARKS, write_project
 from vopd.cli import check, diff
 from vopd.cli import histories as collect_histories
 from vopd.findings import Finding
-from vopd.listing.compare import Comparison
+from vopd.listing.compare import Comparison, Difference
 
 
 @pytest.mark.parametrize(
@@ -176,10 +176,12 @@ def test_the_last_line_of_a_comparison(
         pages=pages, fields_compared=fields, fields_illegible=illegible, fields_undetermined=free
     )
     written: list[bytes] = []
-    some: Any = [f"difference {k}" for k in range(found)]
+    some = [
+        Difference("line", k, "", 1, 1, "a", "b") for k in range(found)
+    ]  # texts: how far they are apart is not known
     assert diff._write_text(SimpleNamespace(write=written.append), some, counts) == found
     lines = b"".join(written).decode().splitlines()
-    assert lines == [*some, summary]
+    assert lines == [*"\n".join(map(str, some)).splitlines(), summary]
 
 
 def test_findings_that_are_not_shown_are_counted_by_kind() -> None:

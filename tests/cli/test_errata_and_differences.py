@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 from types import SimpleNamespace
@@ -46,8 +47,8 @@ def test_errata_are_parted_by_an_empty_line_and_json_is_indented() -> None:
     assert_approved(ran.stderr)
     ran = vopd("zzzz")
     names = (
-        "run, cards, diff, errata, demo, new, punch, check, attitude, adjust, plot, report, "
-        "batch, stars"
+        "run, cards, diff, errata, demo, new, pick, punch, check, attitude, adjust, plot, "
+        "report, batch, stars, help"
     )
     assert_approved(ran.stderr, parts=[names])
 
@@ -71,7 +72,7 @@ def test_differences_in_json() -> None:
     assert found["differences"][1] == {
         "kind": "field", "page": 2, "frame": "730", "expected_line": 18, "actual_line": 19,
         "expected": "75.837", "actual": "75.836", "landmark": "66", "field": "PHI",
-        "off_by": 1.5, "determined": True,
+        "off_by": 1.5, "determined": True, "apart": None, "unit": "",
     }  # fmt: skip
     assert {name: found[name] for name in found if name != "differences"} == {
         "pages": 2, "fields_compared": 82, "fields_illegible": 3, "fields_undetermined": 0,
@@ -87,7 +88,7 @@ def test_only_digits_that_are_determined_fail(
 ) -> None:
     def differences(*given: Any) -> Any:
         given[3].fields_undetermined = determined.count(False)
-        return [SimpleNamespace(determined=one) for one in determined]
+        return [replace(FIELD, determined=one) for one in determined]
 
     monkeypatch.setattr(diff, "read_listing", str)
     monkeypatch.setattr(diff, "find_differences", differences)

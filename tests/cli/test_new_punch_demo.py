@@ -169,7 +169,7 @@ def test_a_new_project_is_told_which_file_is_what(
         new_project, "project_of_files", lambda *one: given.append(one) or NewProject({})
     )
     assert vopd("new", tmp_path / "p", option, "some.file").status == 0
-    assert given == [(tmp_path / "p", {key: "some.file"})]
+    assert [one[:3] for one in given] == [(tmp_path / "p", {key: "some.file"}, [])]
 
 
 def test_what_a_new_project_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

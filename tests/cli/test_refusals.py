@@ -340,7 +340,8 @@ OF_DECKS = [
     option.opts[0]
     for option in plot.command.params
     if isinstance(option, click.Option)
-    and option.opts[0] not in ("-o", "--format", "--frame", "--size", "--dpi", "--help")
+    and option.opts[0]
+    not in ("-o", "--format", "--frame", "--size", "--dpi", "--help", "--help-decks")
 ]
 
 

@@ -346,7 +346,7 @@ def test_several_decks_and_the_worst_status(tmp_path: Path) -> None:
     result = vopd("run", tmp_path / "none", case, tmp_path)
     assert result.status == 1 and pages(result) == 1
     assert "none: No such file or directory" in result.stderr
-    assert f"{tmp_path}: Is a directory" in result.stderr
+    assert f"{tmp_path}: is a folder, without" in result.stderr
 
 
 def test_an_error_outranks_a_frame_that_did_not_converge(tmp_path: Path) -> None:

@@ -439,7 +439,7 @@ def test_the_wind_comes_from_where_it_does_not_go() -> None:
 
 def test_calm_is_no_wind() -> None:
     project = project_of(wind=Wind(np.array([0.0]), np.zeros((1, 2))))
-    assert "wind.csv" not in project.contents and "wind" not in keys(project)
+    assert "wind.csv" not in project.contents and not keys(project).get("wind")
 
 
 @pytest.mark.parametrize(

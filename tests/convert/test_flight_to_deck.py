@@ -155,7 +155,7 @@ def test_images_are_numbered_and_get_times(tmp_path: Path) -> None:
         "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\n"
         "height = 'ellipsoid'\nsigma_m = 'exact'\n"
     )
-    toml = PLAIN[: PLAIN.index("[track]")] + fixed
+    toml = PLAIN[: PLAIN.index("[track]")].replace("frame_rate_hz", "# frame_rate_hz") + fixed
     path = write_project(tmp_path, toml)
     picks = tmp_path / "picks.csv"
     rows = [f"IMG_{row[0]}.jpg{row[1:]}" for row in picks.read_text().splitlines()[1:]]

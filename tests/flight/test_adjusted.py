@@ -218,7 +218,7 @@ def test_another_offset_of_the_clock_is_refused(copied: Path) -> None:
 def test_free_parameters_of_an_adjusted_project_are_refused(copied: Path) -> None:
     file = copied / "flight.toml"
     text = file.read_text(encoding="utf-8")
-    file.write_text(text.replace("[uncertainty]", '[solve]\nfree = ["k1"]\n\n[uncertainty]'))
+    file.write_text(text.replace("[solve]\n", '[solve]\nfree = ["k1"]\n'))
     with refused():
         solve_flight(file)
 

@@ -143,7 +143,7 @@ WRONG_ROWS = {
     "comma": ("picks.csv", 2, '0,church,"1,5",5'),
     "empty": ("picks.csv", 3, "0,mast,,5"),
     "cells": ("picks.csv", 3, "0,mast,1,2,3"),
-    "header": ("picks.csv", 1, "frame,landmark,u,v_px"),
+    "header": ("picks.csv", 1, "frame,landmark,width,v_px"),
     "name": ("picks.csv", 3, "0,,1,2"),
     "nan": ("landmarks.csv", 2, "church,nan,16,5"),
     "inf": ("landmarks.csv", 2, "church,inf,16,5"),

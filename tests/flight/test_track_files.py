@@ -259,7 +259,8 @@ def photo_line(number: int, week: int, seconds: float, quality: int = 50, **wher
 
 def marks_project(folder: Path) -> Path:
     """The project with a .MRK file in the place of its track, and photos 17 to 21."""
-    project = write_project(folder, TOML[: TOML.index("[track]")] + '[track]\nfile = "a.MRK"\n')
+    toml = TOML[: TOML.index("[track]")].replace("frame_rate_hz", "# frame_rate_hz")
+    project = write_project(folder, toml + '[track]\nfile = "a.MRK"\n')
     where = geodetic(camera_m(2.0 + np.arange(5) / 10.0))
     lines = []
     for k in range(5):

@@ -332,7 +332,7 @@ ANGLES = np.tile([140.0, -60.0, 20.0], (2, 1))
 
 def test_words_and_units_of_any_source() -> None:
     assert asdict(Words()) == {
-        "source": "source", "jobs": True, "no_fixes": "", "surface": "in the image",
+        "source": "source", "jobs": True, "attack": True, "no_fixes": "", "surface": "in the image",
         "centre": "principal point", "landmark": "its name or number",
         "reading": "a measured image coordinate", "repeated": "by repeated measurements",
         "vertical": "", "own_position": "", "columns": {}, "flags": {}, "conventions": {},
@@ -345,7 +345,7 @@ def test_words_and_units_of_any_source() -> None:
     assert About("a.dat") == (
         "a.dat", 1, "", "", "along the ellipsoid's normal", Words(), None,
     )  # fmt: skip
-    assert StatedSigmas() == ((0.0,) * 3, (0.0,) * 3, 0.0, 0.0, (0.0, 0.0), (0.0,) * 3, 0.0)
+    assert StatedSigmas() == ((0.0,) * 3, (0.0,) * 3, 0.0, 0.0, (0.0, 0.0), (0.0,) * 3, 0.0, 0.0)
     with pytest.raises(AttributeError):
         Words().source = "deck"  # type: ignore[misc]
 

@@ -64,10 +64,11 @@ def shown(command: list[str]) -> Shown:
 
 
 def _run(command: list[str]) -> None:
-    """In the child, whose standard streams are the terminal."""
+    """In the child, whose output goes to the terminal; nobody is there to answer a question."""
     status = 70
     try:
         resource.setrlimit(resource.RLIMIT_CPU, (10, 11))
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         sys.stdin = open(0, closefd=False)  # noqa: SIM115
         sys.stdout = open(1, "w", closefd=False, encoding="utf-8")  # noqa: SIM115
         sys.stderr = open(2, "w", closefd=False, encoding="utf-8")  # noqa: SIM115

@@ -51,7 +51,7 @@ def test_a_terminal_gets_no_control_characters() -> None:
 
 
 def test_a_return_cannot_hide_what_a_line_says(tmp_path: Path) -> None:
-    assert r"a\x0db: No such" in on_terminal("check", "a\rb", folder=tmp_path)
+    assert r"a\rb: No such" in on_terminal("check", "a\rb", folder=tmp_path)
 
 
 def test_a_terminal_shows_what_a_pipe_gets() -> None:

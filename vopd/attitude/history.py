@@ -71,6 +71,8 @@ class History(Rows):
     blocks: Callable[[], Iterator[Block]] | None = None  # None: the estimate is the only one
     sum_errors: SumErrors | None = field(default=None, repr=False, compare=False)
     """Covariances of sums over frames, if these were solved together; see `mean`."""
+    typical: History | None = field(default=None, repr=False, compare=False)
+    """Of a long job: one frame, the history of which says how large errors are."""
 
     def estimates(self) -> Iterator[Block]:
         """Iterate over the blocks of the job, with their landmarks."""

@@ -66,7 +66,8 @@ def errors_texts(
 def included_text(history: History, mean: MeanAttitude | None = None) -> str:
     """Describe the errors that the standard deviations include, and how large they are.
 
-    The sizes are those of the mean, or medians over the frames that have an attitude.
+    The sizes are those of the mean, or medians over the frames that have an attitude; of a job
+    that is made in parts those of its middle frame.
 
     Args:
         history: of a job, or of its first frames
@@ -74,6 +75,7 @@ def included_text(history: History, mean: MeanAttitude | None = None) -> str:
     """
     of, each = "the mean attitude", {}
     if mean is None:
+        history = history.typical or history
         frames = _with_attitude(history)
         of = f"the median of {len(frames)} frames"
         if len(frames) == 1:
@@ -128,6 +130,7 @@ def left_out_text(
     """
     blocks = history.estimates()
     if history.about.words.sigma_keys:
+        history = history.typical or history
         blocks = ((frames, one) for frames, one in [_middle_frame(history)])
     kept = [one for _, one in blocks]
     known = history.uncertainty.components

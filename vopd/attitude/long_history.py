@@ -300,14 +300,16 @@ def history_of_long_job(
 
     every = [frames for blocks in runs for frames in blocks]
 
-    def whole() -> History:
-        return replace(part(every, MOST_FRAMES), sum_errors=sum_errors)
-
     if len(runs) == 1:
-        return one_part(whole())
-    first = np.array([(layout.count >= 2).argmax()])
-    head = block(first, 0)
-    head.flags.raised["jump"] = jump[first]
+        return one_part(replace(part(every, MOST_FRAMES), sum_errors=sum_errors))
+    several = np.flatnonzero(layout.count >= 2)
+    middle = several[[len(several) // 2]] if len(several) else np.zeros(1, int)
+    head = block(middle, 0)
+    head.flags.raised["jump"] = jump[middle]
+
+    def whole() -> History:
+        return replace(part(every, MOST_FRAMES), sum_errors=sum_errors, typical=head)
+
     return HistoryParts(head, len(layout.count), lambda: parts(runs), whole)
 
 
