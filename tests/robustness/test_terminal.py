@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import CASE_1, ROOT
+from tests.kit.flight_project import write_project
 
 PROJECT = Path(__file__).parent / "inputs" / "flight_of_control_characters"
 RAW, SHOWN = "chu\x1b[31mrch\x9b", r"chu\x1b[31mrch\x9b"
 SAID = "is picked 2 times"
 
 
-def on_terminal(*arguments: str, folder: Path = PROJECT) -> str:
-    """What both streams show on a terminal, which has its own line ends."""
+def on_terminal(*arguments: str, folder: Path = PROJECT, typed: str = "") -> str:
+    """What both streams show on a terminal, which has its own line ends, and what is typed."""
     pty = pytest.importorskip("pty", reason="no pseudo-terminals here")
     ours, theirs = pty.openpty()
     command = [sys.executable, "-m", "vopd", *arguments]
@@ -26,6 +29,7 @@ def on_terminal(*arguments: str, folder: Path = PROJECT) -> str:
         command, stdin=theirs, stdout=theirs, stderr=theirs, cwd=folder, env=environment
     ):
         os.close(theirs)
+        os.write(ours, typed.encode())
         shown = b""
         try:
             while chunk := os.read(ours, 10_000):
@@ -69,3 +73,15 @@ def test_pipes_and_files_get_the_bytes_as_they_are(tmp_path: Path) -> None:
     to_file = [*command, "-o", str(tmp_path / "found")]
     subprocess.run(to_file, cwd=PROJECT, env=environment, check=True)
     assert (tmp_path / "found").read_bytes() == piped.stdout
+
+
+def test_a_new_project_asks_for_what_no_file_says(tmp_path: Path) -> None:
+    """A wrong answer is asked again, Enter leaves a key open, a height is offered once more."""
+    write_project(tmp_path)
+    files = ("--picks", "picks.csv", "--landmarks", "landmarks.csv", "--track", "track.csv")
+    typed = "1920,1080\nsame\ncentre\negm96\n.05\n\nnine\n\n"
+    shown = on_terminal("new", "made", *files, folder=tmp_path, typed=typed + "\n" * 9)
+    asked = shown[shown.index("no lens") :]  # before is what was typed
+    assert_approved(re.sub(r"\r+\n", "\n", asked))
+    made = (tmp_path / "made" / "flight.toml").read_text()
+    assert made.count('\nheight = "egm96"') == 2 and '\npixel_grid = "centre"' in made

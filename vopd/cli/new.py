@@ -205,23 +205,21 @@ def _ask(new: NewProject, values: KeyValues) -> None:
         click.echo(sentence)
     new.said.clear()
     click.echo("No file says the following; Enter leaves a value open.")
-    before: dict[str, str] = {}  # answers for another section, by the key
+    height = ""  # as answered for another section
     for section, key in asked:
         row = ROWS[section, key]
         choices = f" ({', '.join(row.choices)})" if row.choices else f", such as {row.example}"
+        click.echo(f"[{section}] {key}: {row.comment}{choices if key != 'height' else ''}")
         while (section, key) not in values:
-            text = click.prompt(
-                f"[{section}] {key}: {row.comment}{choices if key != 'height' else ''}\n",
-                default=before.get(key, ""),
-                prompt_suffix="> ",
-            )
+            usual = height if key == "height" else ""
+            text = click.prompt("  " + key, usual, show_default=bool(usual), prompt_suffix=" = ")
             if not text.strip():
                 break
             try:
                 values[section, key] = answer_value("answer", (section, key), text)
-                before[key] = text
+                height = text if key == "height" else height
             except VopdError as error:
-                click.echo(error)
+                click.echo(f"  {error}")
 
 
 def _of_deck(name: str, number: int | None) -> NewProject:
@@ -244,7 +242,7 @@ for _option, _key, _help in _FILES:
     command = click.option(_option, _key, type=FILE_NAME, metavar=_metavar, help=_help)(command)
 
 
-for _option, _metavar, _help, _ in reversed(_ANSWERS):
+for _option, _metavar, _help, _ in _ANSWERS:
     command = click.option(_option, metavar=_metavar, help=_help)(command)
 
 

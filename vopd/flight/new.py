@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -463,6 +464,8 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     """
     row, text = ROWS[key], text.strip()
     table = text[:1] in "{[" and text[:1] != ""
+    if row.kind in ("number", "numbers", "sigma") or key[1] == "height":  # TOML knows no .05
+        text = re.sub(r"(?<![\w.])\.(?=\d)", "0.", text)
     if row.kind in ("text", "file") and key[1] == "height" and _is_number(text):
         text = f"{{ undulation_m = {text} }}"
     elif row.kind in ("text", "file") or text == EXACT:
