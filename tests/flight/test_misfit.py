@@ -121,7 +121,7 @@ def test_a_camera_on_a_post_that_is_stated_too_low(
     ("key", "wrong", "right", "value"),
     [
         ("offset_s", "offset_s = -7.4", "offset_s = ", 0.0),
-        ("offset_s", "offset_s = 12.0", "offset_s = ", 0.0),
+        ("offset_s", "offset_s = 20.0", "offset_s = ", 0.0),
         ("focal", "1.5", "a focal length of ", 1495.0),
         ("focal", "0.7", "a focal length of ", 1495.0),
         ("heights", "-45.7", "all landmarks ", 45.7),

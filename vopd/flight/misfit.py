@@ -40,7 +40,7 @@ CHANCE_LIKENESS = 400.0  # in chi-square: 20 sigmas, which have a line by chance
 MOST_PICKS = 6_000  # of a longer flight frames are drawn: it is solved a dozen times
 MOST_LANDMARKS = 40  # that are tried one by one
 LEAST_FREEDOM = 4.0  # beside what is tried
-MOST_UNSETTLED = 2  # trials that do not converge: after more of them no error is named
+MOST_UNSETTLED = 2  # trials that do not converge: after more of them no other error is tried
 MOST_SOLVED = 2  # landmarks with which a flight is solved again
 PLAIN = 4.0  # times the least gain: an error is named whatever it does to angles
 MOST_LEFT = 0.1  # of the residuals' squares, where an error is named that leaves a misfit
@@ -286,7 +286,7 @@ def _solved_again(
         again = _solved_with(joint, flight, priors, one)
         unsettled += again is not None and not again.settles
         if unsettled > MOST_UNSETTLED:
-            return []
+            break
         if again is not None:
             rest = again.normal.cost / (freedom - len(one.columns))
             solved.append((one, again, max(rest, flight.picks.least_variance)))
