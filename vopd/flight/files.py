@@ -295,7 +295,7 @@ def own_names(
     plain = [plain_name(name) for name in found]
     left_out = {name for some, rest in ENOUGH if {*some} & {*found} for name in rest}
     if "lat_deg" in known and "x_m" in known:
-        x = "x_m" in found or not {"lat_deg", *plain} & {*SYNONYMS["lat_deg"]}
+        x = "x_m" in found or not {*plain} & {*SYNONYMS["lat_deg"]}
         left_out |= {*GEODETIC} if x else {*PLANE}
     for name in known:
         if name in found or name in left_out:

@@ -119,7 +119,8 @@ def recognises_csv_picks(file: InputFile) -> bool:
 
 
 def read_csv_picks(file: InputFile) -> PickRows:
-    """Read the picks of a CSV, by blocks. Frames are whole numbers from 0, or names of images.
+    """Read the picks of a CSV, by blocks. Frames are whole numbers from 0, or names of images;
+    without either column all are of one image.
 
     One that `vopd pick` saved says itself how pixels are counted.
     """
@@ -130,6 +131,8 @@ def read_csv_picks(file: InputFile) -> PickRows:
         _add_names(landmark, block, "landmark")
         if block.has("image"):
             _add_names(image, block, "image")
+        elif not block.has("frame"):
+            frame.extend(np.zeros(len(block.line), int).tolist())
         elif not named:
             numbers = whole_numbers(block, "frame")
             named = numbers is None
@@ -140,6 +143,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
             sigma.frombytes(block.sigmas("sigma_px").tobytes())
     if not len(landmark):
         raise file.error("no pick is in the file")
+    one_image = "" if block.has("frame") or block.has("image") else ", all of one image"
     if named:  # or a number is wrong
         table = read_csv(file, COLUMNS)
         frames_of_column(table)
@@ -151,7 +155,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
         np.asarray(sigma) if len(sigma) else np.broadcast_to(np.nan, len(landmark)),
         "centre" if file.head.startswith(CLICKS) else None,
         None,
-        f"CSV{block.read_as}",
+        f"CSV{block.read_as}" + one_image,
     )
 
 
