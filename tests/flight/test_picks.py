@@ -386,8 +386,7 @@ def test_rows_of_a_table_of_picks() -> None:
 @pytest.mark.parametrize(
     ("header", "missing"),
     [
-        ("landmark", "frame"), ("u_px", "landmark"), ("v_px", "landmark"),
-        ("landmark,u_px", "frame"), ("landmark,u_px,v_px", "frame"),
+        ("landmark", "u_px"), ("u_px", "landmark"), ("v_px", "landmark"), ("landmark,u_px", "v_px"),
         ("frame,u_px,v_px", "landmark"),
         ("frame,landmark,v_px", "u_px"), ("frame,landmark,u_px", "v_px"),
     ],
@@ -395,6 +394,14 @@ def test_rows_of_a_table_of_picks() -> None:
 def test_a_table_that_has_part_of_picks(header: str, missing: str) -> None:
     said = told(f"{header}\n{','.join('1' * (header.count(',') + 1))}\n")
     assert_approved(said, parts=[missing])
+
+
+def test_picks_of_one_image_need_no_frame() -> None:
+    """Unless a landmark stands twice: then they are of several."""
+    rows = read("landmark,u_px,v_px\nmast,1,2\npond,3,4\n")
+    assert np.asarray(rows.frame).tolist() == [0, 0]
+    assert_approved(rows.said)
+    assert_approved(told("landmark,u_px,v_px\nmast,1,2\nmast,3,4\n"))
 
 
 def test_a_table_of_other_columns_is_none_of_picks() -> None:

@@ -284,17 +284,19 @@ def _solved_again(
     unsettled = 0
     for one in errors:
         again = _solved_with(joint, flight, priors, one)
-        unsettled += again is not None and not again.settles
-        if unsettled > MOST_UNSETTLED:
-            break
-        if again is not None:
+        if again is not None and not again.settles:
+            unsettled += 1
+            if unsettled > MOST_UNSETTLED:
+                break
+        elif again is not None:
             rest = again.normal.cost / (freedom - len(one.columns))
             solved.append((one, again, max(rest, flight.picks.least_variance)))
     least = min((rest for *_, rest in solved), default=1.0)
     variance = 1.0 if known and least < REJECTED**2 else least
     found = []
     for one, again, rest in solved:
-        if rest > max(REJECTED**2, MOST_LEFT * cost / freedom):
+        left = 0.0 if unsettled > MOST_UNSETTLED else MOST_LEFT * cost / freedom
+        if rest > max(REJECTED**2, left):  # where hardly a trial converges, all is explained
             continue
         if one.landmark >= 0:
             place = int(np.searchsorted(again.model.free, one.landmark))

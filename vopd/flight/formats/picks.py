@@ -144,6 +144,8 @@ def read_csv_picks(file: InputFile) -> PickRows:
     if not len(landmark):
         raise file.error("no pick is in the file")
     one_image = "" if block.has("frame") or block.has("image") else ", all of one image"
+    if one_image and len(landmark.known) < len(landmark):
+        block.column("frame")  # of several images, then: it is an error that there is none
     if named:  # or a number is wrong
         table = read_csv(file, COLUMNS)
         frames_of_column(table)
