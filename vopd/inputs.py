@@ -180,6 +180,15 @@ def plain_number(text: str) -> float:
     return float(text)
 
 
+def is_number(text: str) -> bool:
+    """Tell whether `plain_number` reads a text."""
+    try:
+        plain_number(text)
+    except ValueError:
+        return False
+    return True
+
+
 def whole_number(text: str) -> int:
     """Read a whole number.
 

@@ -8,6 +8,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved, refused
+from tests.kit.command import vopd as command
 from tests.kit.flight_project import TOML, truth_deg, write_project
 from tests.kit.video import write_video
 from tests.tolerances import assert_close
@@ -48,6 +49,19 @@ def test_videos_that_are_not_of_the_picks(tmp_path: Path, shown_ms: list[int], k
     project = write_project(tmp_path, TOML.replace(RATE, keys + "\n"))
     with refused(VopdError):
         vopd.solve_flight(project)
+
+
+def test_an_adjusted_project_goes_on_with_the_video(tmp_path: Path) -> None:
+    """Its folder is another one: the video is named from there, and the word stays."""
+    write_video(tmp_path / "a.mp4", EVEN_MS)
+    toml = TOML.replace(RATE, 'times = "video"\nvideo = "a.mp4"\n')
+    project = Path(write_project(tmp_path, toml))
+    new = tmp_path / "new"
+    assert command("adjust", project, "--free", "focal", "-o", new).status == 0
+    text = (new / "flight.toml").read_text()
+    assert 'times = "video"' in text and 'video = "../a.mp4"' in text
+    found = vopd.solve_flight(new / "flight.toml").time_s
+    assert_close("presentation time", found, vopd.solve_flight(project).time_s)
 
 
 def test_saved_clicks_need_no_grid(tmp_path: Path) -> None:

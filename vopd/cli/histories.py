@@ -100,12 +100,10 @@ def collect_jobs(
                 )
                 made = one.history_parts(options.history)
                 made = made if by_parts else one_part(made.whole)
-            if not misfits:
-                pass
-            elif made.counted:
+            if misfits and made.counted:
                 for finding in findings_of(made.about, made.summary):
                     messages(finding)
-            else:
+            elif misfits:
                 found.untold.append(made)
             found.jobs.append(made)
             progress.add(made.frames)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path, PurePath
+from pathlib import Path
 
 import click
 
 from vopd.cli.console import Progress
 from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
-from vopd.cli.report import SUFFIXES
+from vopd.cli.report import check_page_name
 from vopd.files import whole_file
 from vopd.findings import count_text
 
@@ -58,10 +57,7 @@ def command(
     from vopd.report.pick import pick_page
     from vopd.video import open_frames, spread
 
-    if output != "-" and PurePath(output).suffix.lower() not in SUFFIXES:
-        raise click.UsageError(f"{output}: name the file .html.")
-    if output == "-" and sys.stdout.isatty():
-        raise click.UsageError("a page is not sent to a terminal: name a file with -o.")
+    check_page_name(output)
     refuse_to_overwrite((*frames, *filter(None, (landmarks, clicks))), output)
     named = _numbers(at)
     if frames[0].endswith(".toml"):

@@ -44,10 +44,7 @@ def command(
     written, but some frame did not converge, a flight misfits, or with --strict
     some frame has a flag.
     """
-    if output != "-" and PurePath(output).suffix.lower() not in SUFFIXES:
-        raise click.UsageError(f"{output}: name the file .html.")
-    if output == "-" and sys.stdout.isatty():
-        raise click.UsageError("a page is not sent to a terminal: name a file with -o.")
+    check_page_name(output)
     refuse_to_overwrite(sources, output)
     check_ready()
     messages: list[str] = []
@@ -56,3 +53,15 @@ def command(
     with whole_file(output) as file:
         file.write(page)
     ctx.exit(status)
+
+
+def check_page_name(output: str) -> None:
+    """Check the name of the file of a page.
+
+    Raises:
+        click.UsageError: where it is not .html, or a page would go to a terminal
+    """
+    if output != "-" and PurePath(output).suffix.lower() not in SUFFIXES:
+        raise click.UsageError(f"{output}: name the file .html.")
+    if output == "-" and sys.stdout.isatty():
+        raise click.UsageError("a page is not sent to a terminal: name a file with -o.")

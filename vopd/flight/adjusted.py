@@ -127,7 +127,7 @@ def files_spoken_of(project: Project) -> dict[str, InputFile]:
     return {
         f"[{section}] {key}": project.open(section, key)
         for section, key in SPEAKS_OF
-        if isinstance(project.section(section).values.get(key), str)
+        if project.names_file(section, key)
     }
 
 

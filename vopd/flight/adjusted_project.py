@@ -24,7 +24,7 @@ from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
 from vopd.flight.free import LANDMARK, MOUNT, UNIT, shown_name, stated_value, unit_factor
 from vopd.flight.joint import JointSolution, covariance_by_picks, propagated
 from vopd.flight.new import NAME, NewProject
-from vopd.flight.project import ROWS, Project, project_text, toml_text
+from vopd.flight.project import Project, project_text, toml_text
 from vopd.flight.read import landmark_crs
 from vopd.flight.track import height_datum
 from vopd.geometry.lenses import Lens, LensKind
@@ -100,7 +100,7 @@ def _with_paths(project: Project, folder: Path) -> Changes:
     found: Changes = {}
     for name, section in project.sections.items():
         for key, value in section.values.items():
-            if ROWS[name, key].kind == "file" and isinstance(value, str):
+            if project.names_file(name, key):
                 value = _from_folder(project.folder / value, folder)
             found[name, key] = toml_value(value)
     found.pop(("solve", "free"), None)

@@ -28,6 +28,7 @@ from vopd.inputs import (
     MOST_BYTES,
     MOST_COLUMNS,
     MOST_NUMBER,
+    is_number,
     no_file,
     plain_digits,
     plain_number,
@@ -330,20 +331,12 @@ def _unnamed(file: InputFile) -> str:
     header = header_names(file)
     if len(header) < 2:
         return ""
-    if any(map(_is_number, header)):
+    if any(map(is_number, header)):
         return '; a CSV without a header needs columns = ["...", "..."], the names of all of them'
     if not {*header} - {*SYNONYMS, *TIME}:
         return ""  # a table of another kind
     names = ", ".join(header[:MANY_NAMED])
     return f"; its columns are {names}: rename them, or map them, {_mapped('...', '...')}"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        plain_number(text)
-    except ValueError:
-        return False
-    return True
 
 
 # Tables with a header line: their columns
@@ -412,7 +405,7 @@ class CsvTable:
     def _instead_of(self, name: str) -> str:
         """Say which column may be one that is missing: those that have no other use here."""
         used = {*self.known, *SYNONYMS, *TIME, ""}
-        free = [one for one in self.header if one not in used and not _is_number(one)]
+        free = [one for one in self.header if one not in used and not is_number(one)]
         near = get_close_matches(name[:LONG_WORD], free[:MANY_WORDS], 1, 0.6)
         if not free or not self.known:
             return did_you_mean(name, self.header)

@@ -40,7 +40,7 @@ from vopd.flight.project import (
     toml_numbers,
     toml_text,
 )
-from vopd.inputs import plain_number
+from vopd.inputs import is_number
 
 R = TypeVar("R")
 
@@ -466,7 +466,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     table = text[:1] in "{[" and text[:1] != ""
     if row.kind in ("number", "numbers", "sigma") or key[1] == "height":  # TOML knows no .05
         text = re.sub(r"(?<![\w.])\.(?=\d)", "0.", text)
-    if row.kind in ("text", "file") and key[1] == "height" and _is_number(text):
+    if row.kind in ("text", "file") and key[1] == "height" and is_number(text):
         text = f"{{ undulation_m = {text} }}"
     elif row.kind in ("text", "file") or text == EXACT:
         text = text if table else toml_text(text.strip("\"'"))
@@ -493,11 +493,3 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     elif row.kind != "other":
         readers.get(row.kind, section.text)(key[1])
     return text
-
-
-def _is_number(text: str) -> bool:
-    try:
-        plain_number(text)
-    except ValueError:
-        return False
-    return True

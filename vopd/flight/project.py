@@ -46,6 +46,10 @@ _UNDULATION = "height of the geoid above the ellipsoid, metres"
 _GRIDS = tuple(GRID_TO_CENTRE)
 
 
+VIDEO = "video"
+"""The word of `[picks] times` that stands for the presentation times of the key `video`."""
+
+
 class Key(NamedTuple):
     """A key of flight.toml: how it is read, and what new projects and the documentation say of it.
 
@@ -139,7 +143,7 @@ KEYS: tuple[Key, ...] = (
         "`frame` or `image`, and `t_s` or `t_utc`; or the folder of the images, whose EXIF tags "
         "have the times; or `video`: those at which the frames of `video` are shown, after "
         "`first_frame_t_s`"),
-    Key("picks", "video", "text", '"flight.mp4"', "the video that was picked in",
+    Key("picks", "video", "file", '"flight.mp4"', "the video that was picked in",
         "the video that was picked in, for `times = \"video\"` and for `vopd pick`; a "
         "`frame_rate_hz` that is not its own is an error"),
     Key("picks", "utc_offset_h", "number", "2.0",
@@ -476,6 +480,12 @@ class Project:
     def has(self, name: str) -> bool:
         """Tell whether the project has that section."""
         return name in self.sections
+
+    def names_file(self, section: str, key: str) -> bool:
+        """Tell whether the value of a key is the name of a file; `times = "video"` is a word."""
+        value = self.section(section).values.get(key)
+        is_word = (section, key, value) == ("picks", "times", VIDEO)
+        return ROWS[section, key].kind == "file" and isinstance(value, str) and not is_word
 
     def changed(self, section: str, key: str, value: Any) -> Project:
         """Change the value of one key."""

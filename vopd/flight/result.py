@@ -639,18 +639,23 @@ def freed_beside_blunders(flight: Flight, found: Blunders, apart: Bools) -> list
 
 def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
     """Name picks whose landmark has no image; a landmark that has none in all its frames once."""
-    aside, texts = solved.attitudes.set_aside, []
+    aside, landmark, texts = solved.attitudes.set_aside, flight.picks.landmark, []
+    if not aside.any():
+        return []
+    known, first, own, count = np.unique(
+        landmark, return_index=True, return_inverse=True, return_counts=True
+    )
+    alike = np.bincount(own[aside == aside[first][own]], minlength=len(known)) == count
     for k in np.flatnonzero(aside).tolist():
-        why = UNSEEN_MEANING[Unseen(int(aside[k]))]
-        own = np.flatnonzero(flight.picks.landmark == flight.picks.landmark[k])
-        if len(own) == 1 or not (aside[own] == aside[k]).all():
+        why, one = UNSEEN_MEANING[Unseen(int(aside[k]))], own[k]
+        if count[one] == 1 or not alike[one]:
             texts.append(
                 f"{pick_label(flight, k)} {why} as the others have it; its pick is not used"
             )
-        elif k == own[0]:
-            name = flight.landmarks.name[flight.picks.landmark[k]]
+        elif k == first[one]:
+            name = flight.landmarks.name[landmark[k]]
             texts.append(
-                f"{name} {why} in all {len(own)} frames that show it, as the others have it, and "
+                f"{name} {why} in all {count[one]} frames that show it, as the others have it, and "
                 "is not used" + f": {OF_LANDMARK}" * bool(aside[k] == Unseen.BEHIND_CAMERA)
             )
     return [Finding(text, flight.source, severity="warning") for text in texts]

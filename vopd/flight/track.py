@@ -16,7 +16,7 @@ from vopd.flight.flight import CameraPath, TrackFixes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows
 from vopd.flight.image_tags import images_in, read_tags
-from vopd.flight.project import Project, Section
+from vopd.flight.project import VIDEO, Project, Section
 from vopd.flight.stated import MissingSigma, Notes, RowSigmas, key_sigma, row_sigmas
 from vopd.flight.velocity import (
     Roughness,
@@ -107,7 +107,7 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
         return FrameTimes(time_s, image, epoch)
     if not section.has("times"):
         return FrameTimes(np.full(len(number), np.nan), image, epoch)
-    if section.text("times") == "video":
+    if section.text("times") == VIDEO:
         if image or not section.has("video"):
             message = "the picks name images, which have no place in a video" if image else ""
             raise section.error("times", message or "the key video is missing, which names it")

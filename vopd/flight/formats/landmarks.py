@@ -24,7 +24,7 @@ from vopd.flight.files import (
     has_columns,
     read_csv,
 )
-from vopd.inputs import parse_json, parse_xml, plain_number
+from vopd.inputs import is_number, parse_json, parse_xml, plain_number
 
 # Landmarks as read
 
@@ -71,7 +71,7 @@ def is_gcp_list(file: InputFile) -> bool:
     if len(lines) < 2:
         return False
     fields = lines[1][1].split()
-    return len(fields) >= 6 and all(_is_number_gcp_list(field) for field in fields[:5])
+    return len(fields) >= 6 and all(is_number(field) for field in fields[:5])
 
 
 def read_gcp_list(file: InputFile) -> GcpList:
@@ -112,14 +112,6 @@ def _lines(file: InputFile) -> list[tuple[int, str]]:
         for number, line in enumerate(file.text.splitlines(), 1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
-
-
-def _is_number_gcp_list(text: str) -> bool:
-    try:
-        plain_number(text)
-    except ValueError:
-        return False
-    return True
 
 
 # Landmarks as a CSV: the header's names with their units say what the columns are
