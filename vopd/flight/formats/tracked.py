@@ -1,0 +1,347 @@
+"""The file of `vopd track`: where landmarks are in frames, found from clicks by their patches.
+
+A row is of one frame, landmark and click. Its error is that of the match, and that of the click as
+the warp of the patch carries it: rows of one click share it, in all their frames.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from array import array
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vopd.arrays import Floats, Ints
+from vopd.flight.files import (
+    UNKNOWN,
+    CsvTable,
+    InputFile,
+    csv_blocks,
+    did_you_mean,
+    has_columns,
+    shown,
+    whole_numbers,
+)
+from vopd.flight.formats.picks import Names
+from vopd.flight.project import ROWS, Project
+
+COLUMNS = (
+    "frame", "landmark", "u_px", "v_px", "sigma_px", "from_frame", "duu", "duv", "dvu", "dvv",
+    "correlation", "status",
+)  # fmt: skip
+MATRIX = COLUMNS[6:10]
+STATUSES = ("clicked", "tracked", "occluded", "edge", "lost", "ambiguous")
+CLICKED, TRACKED = 0, 1
+HEAD = "# vopd track; pixels: u right, v down, (0, 0) the centre of the first pixel"
+"""The first line; those of the digests follow: `# clicks: 0a1b...`."""
+AGAIN = "run vopd track again"
+MOST_STRETCH = 1e3  # of a patch: more is no image of it
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedRows:
+    """The rows of a tracked file, R of them.
+
+    Args:
+        frame: numbers of frames, (R,)
+        landmark: names, (R,)
+        pixel: u right, v down from the centre of the first pixel, (R, 2); NaN where there is none
+        sigma_px: standard deviation of u and of v by the match alone; of a row `clicked` that of
+            the click, (R,); NaN where there is no pixel
+        from_frame: the frame in which the landmark was clicked, (R,); -1: none
+        by_click: shift here per shift of the click, (R, 2, 2)
+        correlation: of the patch with the image, (R,); NaN where there is none
+        status: index of `STATUSES`, (R,)
+        digest: of the files that were tracked: `clicks`, `video`, `project`
+    """
+
+    frame: Ints
+    landmark: Names
+    pixel: Floats
+    sigma_px: Floats
+    from_frame: Ints
+    by_click: Floats
+    correlation: Floats
+    status: Ints
+    digest: Mapping[str, str] = field(default_factory=dict)
+
+
+# Digests of what was tracked
+
+ENDS = 1 << 24  # bytes of a file that are digested from either end, besides its size
+SEEN_BY = {
+    "camera": (),
+    "landmarks": (),
+    "track": (),
+    "position": (),
+    "atmosphere": (),
+    "picks": ("times", "frame_rate_hz", "first_frame_t_s"),
+}
+"""Sections, and keys of them if not all count, on which the prediction of landmarks depends."""
+
+
+def track_digests(project: Project) -> dict[str, str]:
+    """Digest what `vopd track` follows: `clicks`, `video` and `project`.
+
+    Of a video its size and both ends count; of the project what predicts where landmarks are, with
+    the files that it names. Standard deviations do not count.
+
+    Args:
+        project: the project; what it does not name, or is not there, has no digest
+    """
+    section = project.section("picks")
+    found = {}
+    if section.has("file"):
+        found["clicks"] = _of_files([project.folder / section.text("file")])
+    video = section.values.get("video")
+    names = video if isinstance(video, list) else [video] if video else []
+    found["video"] = _of_files([project.folder / str(name) for name in names])
+    found["project"] = _of_project(project)
+    return {name: one for name, one in found.items() if one}
+
+
+def _of_files(paths: list[Path]) -> str:
+    """Digest files by their sizes and ends, a folder by its files; empty if one is not there."""
+    digest = sha256()
+    for path in paths:
+        inside = sorted(path.iterdir()) if path.is_dir() else [path]
+        for one in inside:
+            if not one.is_file():
+                if one == path:
+                    return ""
+                continue
+            size = one.stat().st_size
+            digest.update(f"{one.name if path.is_dir() else ''}\0{size}\0".encode())
+            with one.open("rb") as content:
+                digest.update(content.read(ENDS))
+                if size > ENDS:
+                    content.seek(max(size - ENDS, ENDS))
+                    digest.update(content.read())
+    return digest.hexdigest() if paths else ""
+
+
+def _of_project(project: Project) -> str:
+    """Digest the keys of a project that predict where landmarks are, and their files."""
+    digest = sha256()
+    for name, only in SEEN_BY.items():
+        values = project.section(name).values
+        for key in sorted(only or values):
+            if key in values and ROWS[name, key].kind != "sigma":
+                value: Any = values[key]
+                if project.names_file(name, key):
+                    value = _of_files([project.folder / value])
+                digest.update(json.dumps([name, key, value], default=str).encode())
+    return digest.hexdigest()
+
+
+# Write it
+
+
+def tracked_lines(rows: TrackedRows) -> Iterator[str]:
+    """Write the lines of a tracked file.
+
+    Args:
+        rows: its rows, in the order of the file, with the digests
+    """
+    yield HEAD + "\n"
+    for name, digest in rows.digest.items():
+        yield f"# {name}: {digest}\n"
+    yield ",".join(COLUMNS) + "\n"
+    numbers = np.hstack([rows.pixel, rows.sigma_px[:, None]]).tolist()
+    each = zip(
+        rows.frame.tolist(), rows.landmark, numbers, rows.from_frame.tolist(),
+        rows.by_click.reshape(-1, 4).tolist(), rows.correlation.tolist(), rows.status.tolist(),
+        strict=True,
+    )  # fmt: skip
+    for frame, landmark, (u, v, sigma), source, matrix, correlation, status in each:
+        seen = u == u
+        place = [_number(u, 4), _number(v, 4), _number(sigma, 4)]
+        by = [_number(one, 6) for one in matrix] if seen else [""] * 4
+        name = f'"{landmark.replace(chr(34), 2 * chr(34))}"' if QUOTED(landmark) else landmark
+        cells = [str(frame), name, *place, str(source) if source >= 0 else "", *by]
+        yield ",".join([*cells, _number(correlation, 4), STATUSES[status]]) + "\n"
+
+
+QUOTED = re.compile(r'[",#\s]').search
+
+
+def _number(value: float, decimals: int) -> str:
+    return "" if value != value else f"{value:.{decimals}f}"
+
+
+# Read it
+
+
+def recognises_tracked(file: InputFile) -> bool:
+    """Tell whether the header is that of a tracked file, or near to it."""
+    return file.head.startswith("# vopd track") or has_columns(
+        file, COLUMNS, ("from_frame", "duu"), ("from_frame", "status")
+    )
+
+
+def read_tracked(file: InputFile) -> TrackedRows:
+    """Read a tracked file.
+
+    Args:
+        file: the file
+
+    Raises:
+        VopdError: where a column is missing, a status is not known, a row with a pixel has no
+            click, or a number is not as it should be
+    """
+    frame, source, status, matrix = array("q"), array("q"), array("b"), array("d")
+    pixel, sigma, correlation, names = array("d"), array("d"), array("d"), Names()
+    for block in csv_blocks(file, COLUMNS):
+        for column in COLUMNS:
+            if not block.has(column):
+                block.column(column)  # it is an error that says so
+        states = _statuses(block)
+        names.extend(_names(block))
+        both = np.stack([block.numbers(name, UNKNOWN) for name in ("u_px", "v_px")], axis=1)
+        own = block.sigmas("sigma_px")
+        by = np.stack([block.numbers(name, UNKNOWN) for name in MATRIX], axis=1)
+        frames, sources = _frames(block, "frame"), _frames(block, "from_frame")
+        _check(block, states, both, own, by, frames, sources)
+        clicked = states == CLICKED
+        sources = np.where(clicked, frames, sources)
+        by = np.where(clicked[:, None] & np.isnan(by), [1.0, 0.0, 0.0, 1.0], by)
+        for to, values in (
+            (frame, frames), (source, sources), (status, states.astype(np.int8)), (matrix, by),
+            (pixel, both), (sigma, own), (correlation, block.numbers("correlation", UNKNOWN)),
+        ):  # fmt: skip
+            to.frombytes(np.ascontiguousarray(values).tobytes())
+    if not len(names):
+        raise file.error(f"no row is in the file: {AGAIN}")
+    rows = TrackedRows(
+        np.asarray(frame), names, np.asarray(pixel).reshape(-1, 2), np.asarray(sigma),
+        np.asarray(source), np.asarray(matrix).reshape(-1, 2, 2), np.asarray(correlation),
+        np.asarray(status).astype(np.int64), _digests(file),
+    )  # fmt: skip
+    _check_clicks(file, rows)
+    return rows
+
+
+def _statuses(block: CsvTable) -> Ints:
+    """Read the statuses of rows by their indices."""
+    index = {name: k for k, name in enumerate(STATUSES)}
+    texts = block.column("status")
+    found = np.array([index.get(text, -1) for text in texts], dtype=np.int64)
+    if (found < 0).any():
+        row = int(np.argmin(found))
+        message = f"{shown(texts[row])} is no status{did_you_mean(texts[row], STATUSES)}"
+        raise block.error(message, row, "status")
+    return found
+
+
+def _names(block: CsvTable) -> list[str]:
+    texts = block.column("landmark")
+    if "" in texts:
+        raise block.error("the cell is empty", texts.index(""), "landmark")
+    return texts
+
+
+def _frames(block: CsvTable, column: str) -> Ints:
+    """Read numbers of frames; -1 for an empty cell of `from_frame`."""
+    found = whole_numbers(block, column)
+    if found is not None:
+        return found
+    texts = block.column(column)
+    empty = column == "from_frame"
+    wrong = [k for k, t in enumerate(texts) if not (t.isascii() and t.isdigit() and len(t) < 16)]
+    wrong = [k for k in wrong if texts[k] or not empty]
+    if wrong:
+        message = f"{shown(texts[wrong[0]])} is not the number of a frame, a whole number from 0"
+        raise block.error(message, wrong[0], column)
+    return np.array([int(text) if text else -1 for text in texts], dtype=np.int64)
+
+
+def _check(
+    block: CsvTable, status: Ints, pixel: Floats, sigma: Floats, by: Floats, frame: Ints,
+    source: Ints,
+) -> None:  # fmt: skip
+    """Check that rows have what their status says."""
+    seen = np.isfinite(pixel).all(axis=1)
+    clicked, taken = status == CLICKED, (status == CLICKED) | (status == TRACKED)
+    singular = np.abs(by).max(axis=1, initial=0.0) > MOST_STRETCH
+    wrong: tuple[tuple[Any, str, str], ...] = (
+        (np.isfinite(pixel).any(axis=1) & ~seen, "u_px and v_px stand together", "u_px"),
+        (taken & ~seen, "a row that is clicked or tracked has u_px and v_px", "u_px"),
+        (seen & np.isnan(sigma), "the cell is empty", "sigma_px"),
+        (clicked & (source >= 0) & (source != frame), "a click is from its own frame",
+         "from_frame"),
+        (seen & ~clicked & (source < 0), "the cell is empty", "from_frame"),
+        (seen & ~clicked & np.isnan(by).any(axis=1), "the matrix duu, duv, dvu, dvv is not whole",
+         "duu"),
+        (singular, f"a shift is {MOST_STRETCH:g} times that of the click at most", "duu"),
+    )  # fmt: skip
+    for rows, message, column in wrong:
+        if rows.any():
+            raise block.error(f"{message}; {AGAIN}", int(np.argmax(rows)), column)
+
+
+def _digests(file: InputFile) -> dict[str, str]:
+    """Read the digests in the comments above the header."""
+    found = {}
+    for line in file.head.splitlines():
+        if not line.startswith("#"):
+            break
+        match = re.fullmatch(r"# (clicks|video|project): ([0-9a-f]{64})", line.strip())
+        if match:
+            found[match[1]] = match[2]
+    return found
+
+
+def _check_clicks(file: InputFile, rows: TrackedRows) -> None:
+    """Check that each row with a pixel is of a click, and stands once."""
+    seen = np.isfinite(rows.pixel[:, 0])
+    which, clicked = rows.landmark.which, rows.status == CLICKED
+    names = rows.landmark.known
+    click = {*zip(which[clicked].tolist(), rows.frame[clicked].tolist(), strict=True)}
+    needed = np.unique(np.stack([which[seen], rows.from_frame[seen]], axis=1), axis=0).tolist()
+    for mark, source in needed:
+        if (mark, source) not in click:
+            raise file.error(f"no click of {names[mark]} is in frame {source}: {AGAIN}")
+    some = np.flatnonzero(rows.from_frame >= 0)
+    order = some[np.lexsort((rows.from_frame[some], which[some], rows.frame[some]))]
+    keys = np.stack([rows.frame[order], which[order], rows.from_frame[order]], axis=1)
+    twice = (np.diff(keys, axis=0) == 0).all(axis=1)
+    if twice.any():
+        frame, mark, source = keys[int(np.argmax(twice))].tolist()
+        message = f"{names[mark]} in frame {frame} from frame {source} stands twice: {AGAIN}"
+        raise file.error(message)
+
+
+def refuse_stale(file: InputFile, rows: TrackedRows, project: Project) -> list[str]:
+    """Compare the digests of a tracked file with what its project names now.
+
+    Args:
+        file: the tracked file
+        rows: what is in it
+        project: the project
+
+    Returns:
+        Sentences on what has changed without harm to the picks.
+
+    Raises:
+        VopdError: where the clicks or the video are others
+    """
+    now = track_digests(project)
+    section = project.section("picks")
+    for name, key in (("clicks", "file"), ("video", "video")):
+        if name in now and rows.digest.get(name) != now[name]:
+            raise section.error(
+                "tracked", f"{file.name} was made of {key} = {shown(section.values[key])} as it "
+                f"was before: {AGAIN}"
+            )  # fmt: skip
+    if rows.digest.get("project") != now["project"]:
+        return [
+            f"{file.name}: lens, landmarks or positions have changed since: the picks serve, and "
+            f"their patches were predicted by others; {AGAIN}"
+        ]
+    return []
