@@ -25,7 +25,8 @@ from vopd.attitude.table import table
 from vopd.export import FORMATS, FileRequest
 from vopd.export.tables import dataframe
 from vopd.export.viewers import KML_POSITION
-from vopd.figures import FIGURES, draw, svg
+from vopd.figures import FIGURES, draw
+from vopd.figures.style import svg
 from vopd.findings import VopdError
 from vopd.report import report
 

@@ -27,9 +27,7 @@ from tests.kit.figures import (
 from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
-from vopd.figures import (
-    COLOURS,
-    FLAGGED,
+from vopd.figures.attitude import (
     attack,
     attitude,
     broken,
@@ -38,10 +36,9 @@ from vopd.figures import (
     from_cut,
     in_time,
     picked,
-    plain,
-    style,
     unwrapped_about,
 )
+from vopd.figures.style import COLOURS, FLAGGED, plain, style
 
 MARKS = ["-", "--", ":"]
 

@@ -20,7 +20,6 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-import vopd.figures as figures
 from tests.approved.texts import refused
 from tests.kit import repeated_frame
 from tests.kit.command import DECKS, Ran, vopd
@@ -32,31 +31,19 @@ from vopd.attitude.long_history import with_about
 from vopd.attitude.table import table
 from vopd.attitude.uncertainty import ANGLES
 from vopd.errata import fixes
-from vopd.figures import (
-    FIGURES,
-    MOST_DRAWN,
-    arrow_scale,
+from vopd.figures import FIGURES, MOST_DRAWN, draw, drawn_jobs, least_size_in, refuse_small
+from vopd.figures.attitude import (
     broken,
-    caption,
-    chosen,
-    draw,
     draw_legend,
-    drawn_jobs,
     from_cut,
     in_time,
     interval_of,
-    label,
-    least_size_in,
-    matplotlib_figure,
-    points,
-    ready,
-    refuse_small,
-    residuals,
-    save,
-    svg,
     unwrapped_about,
     values_of,
 )
+from vopd.figures.image import arrow_scale, chosen
+from vopd.figures.residuals import points, residuals
+from vopd.figures.style import caption, label, matplotlib_figure, ready, save, svg
 from vopd.findings import VopdError
 from vopd.pipeline import read_deck, run
 
@@ -719,7 +706,7 @@ def test_an_svg_is_the_same_each_time() -> None:
         figure = Figure(figsize=(1.0, 1.0))
         figure.text(0.5, 0.5, "word", clip_path=None).set_clip_on(True)
         figure.subplots().plot([0, 1], [0, 1])
-        made.append(figures.svg(figure))
+        made.append(svg(figure))
     assert made[0] == made[1] and made[0].startswith("<?xml")
     assert ">word</text>" in made[0] and "<dc:date>" not in made[0]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,10 @@ from tests.kit.estimates import POINTS
 from tests.kit.figures import DARK_RED, OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
-from vopd import figures as residuals_by_landmark
 from vopd.attitude.history import History
 from vopd.estimate import Units, Words
-from vopd.figures import arrow_scale, image, residual_arrows, residuals
+from vopd.figures.image import arrow_scale, image, residual_arrows
+from vopd.figures.residuals import residuals
 
 X = np.array([[3.0, 1.0, -2.0, 0.0], [1.0, 1.0, 2.0, 0.5], [4.0, 1.0, 2.0, 0.25]])
 Y = np.array([[0.0, 5.0, 1.0, 0.5], [6.0, 0.0, 2.0, 0.5], [0.0, 0.0, 4.0, 0.5]])
@@ -132,7 +133,7 @@ def of_points(monkeypatch: pytest.MonkeyPatch, number: Any, when: Any = None) ->
         np.asarray(number, int), np.zeros(count) if when is None else when, np.ones((count, 2)),
         np.zeros(count, bool),
     )  # fmt: skip
-    monkeypatch.setattr(residuals_by_landmark, "points", lambda _: made)
+    monkeypatch.setattr(sys.modules["vopd.figures.residuals"], "points", lambda _: made)
     return list(drawn()[0].axes)
 
 

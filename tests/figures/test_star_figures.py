@@ -14,7 +14,7 @@ from matplotlib.colors import to_hex
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
-from vopd.figures import StarPicture, draw_errors_by_pair, draw_star_residuals
+from vopd.figures.stars import StarPicture, draw_errors_by_pair, draw_star_residuals
 from vopd.stellar.files.table import read_solutions
 
 ORION = DECKS / "stars" / "orion.csv"

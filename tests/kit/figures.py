@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from tests.kit.histories import by_hand
 from vopd.attitude.history import History
-from vopd.figures import attack
+from vopd.figures.attitude import attack
 
 OKABE_ITO = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 DARK_RED = "#b30000"

@@ -13,19 +13,9 @@ import click
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
-from vopd.figures import (
-    FIGURES,
-    MOST_DRAWN,
-    SUFFIXES,
-    Inches,
-    StarPicture,
-    draw,
-    draw_star_residuals,
-    left_out_text,
-    ready,
-    refuse_small,
-    save,
-)
+from vopd.figures import FIGURES, MOST_DRAWN, draw, left_out_text, refuse_small
+from vopd.figures.stars import StarPicture, draw_star_residuals
+from vopd.figures.style import SUFFIXES, Inches, ready, save
 from vopd.files import whole_file
 from vopd.findings import VopdError, count_text
 

@@ -21,7 +21,9 @@ from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table import column_name, columns_of
 from vopd.attitude.uncertainty import ANGLES
 from vopd.export.tables import table_text
-from vopd.figures import FIGURES, draw, drawn_jobs, has_attack, left_out_text, ready, svg
+from vopd.figures import FIGURES, draw, drawn_jobs, left_out_text
+from vopd.figures.attitude import has_attack
+from vopd.figures.style import ready, svg
 from vopd.files import optional_package
 from vopd.findings import VopdError, count_text
 

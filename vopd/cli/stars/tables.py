@@ -50,7 +50,8 @@ def _tables() -> bytes:
 
 
 def _figures(suffix: str) -> bytes:
-    from vopd.figures import draw_errors_by_pair, save
+    from vopd.figures.stars import draw_errors_by_pair
+    from vopd.figures.style import save
     from vopd.stellar.tables_1987 import FIGURE_ANGLES, FIGURE_TITLE, figure_errors
 
     pairs, methods, errors = figure_errors()
