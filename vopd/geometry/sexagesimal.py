@@ -46,14 +46,13 @@ def parse_angle_deg(text: str, *, hours: bool = False) -> float:
         ValueError: the text is none of these, or its minutes or seconds are 60 or more.
     """
     stripped = text.strip().replace("−", "-")  # noqa: RUF001
+    if NUMBER.fullmatch(stripped):
+        return float(stripped)
     match = SEXAGESIMAL.fullmatch(stripped)
     if match is None or (match["unit"] == "h" and not hours):
-        try:
-            return parse_number(stripped)
-        except ValueError:
-            raise ValueError(
-                f"not an angle: {stripped!r} (decimal degrees, or degrees minutes seconds)"
-            ) from None
+        raise ValueError(
+            f"not an angle: {stripped!r} (decimal degrees, or degrees minutes seconds)"
+        )
     minutes, seconds = int(match["minutes"]), float(match["seconds"] or 0.0)
     if minutes >= 60 or seconds >= 60.0:
         raise ValueError(f"minutes and seconds must be below 60: {stripped!r}")

@@ -316,6 +316,15 @@ class StarField(Rows):
         own = [one.by_row() for one in fields]
         return replace(fields[0], **{name: np.stack([one[name] for one in own]) for name in own[0]})
 
+    @classmethod
+    def stacks(cls, fields: Sequence[StarField]) -> Iterator[tuple[list[int], StarField]]:
+        """Stack single problems, those of as many stars together; with their indices."""
+        alike: dict[tuple[int, bool], list[int]] = {}
+        for k, one in enumerate(fields):
+            alike.setdefault((one.used.shape[-1], one.errors is None), []).append(k)
+        for indices in alike.values():
+            yield indices, cls.stack([fields[k] for k in indices])
+
     def flat(self) -> StarField:
         """Flatten the stack to one axis."""
         stack = self.used.ndim - 1

@@ -120,7 +120,7 @@ def outliers(field: StarField) -> Bools:
     return np.asarray(enough & (np.nan_to_num(median) > bar))
 
 
-def interstar_reading_sigma_mm(field: StarField) -> Floats:
+def interstar_reading_sigma_mm(field: StarField, discrepancies_mm: Floats | None = None) -> Floats:
     """Estimate the reading sigma from interstar angles alone.
 
     Every discrepancy is divided by the standard deviation that it has for
@@ -129,6 +129,7 @@ def interstar_reading_sigma_mm(field: StarField) -> Floats:
 
     Args:
         field: one problem, or a stack of them
+        discrepancies_mm: `sampled_discrepancies_mm`, if they are known
 
     Returns:
         The standard deviation, (...), mm; NaN for fewer than three stars.
@@ -137,19 +138,22 @@ def interstar_reading_sigma_mm(field: StarField) -> Floats:
     """
     if field.used.shape[-1] < 3:
         return np.full(field.used.shape[:-1], np.nan)
-    return np.asarray(_median(_sampled_discrepancies(field), (-2, -1)) / NORMAL_MEDIAN)
+    off = sampled_discrepancies_mm(field) if discrepancies_mm is None else discrepancies_mm
+    return np.asarray(_median(off, (-2, -1)) / NORMAL_MEDIAN)
 
 
-def median_disagreement_mm(field: StarField) -> Floats:
+def median_disagreement_mm(field: StarField, discrepancies_mm: Floats | None = None) -> Floats:
     """Estimate each star's image error from its median disagreement with up to 40 others.
 
     Args:
         field: one problem of two or more stars, or a stack of them
+        discrepancies_mm: `sampled_discrepancies_mm`, if they are known
 
     Returns:
         (..., n), mm, in the measure of `interstar_reading_sigma_mm`.
     """
-    return _median(_sampled_discrepancies(field), -2)
+    off = sampled_discrepancies_mm(field) if discrepancies_mm is None else discrepancies_mm
+    return _median(off, -2)
 
 
 def _median(values: Floats, axis: int | tuple[int, ...]) -> Floats:
@@ -157,10 +161,26 @@ def _median(values: Floats, axis: int | tuple[int, ...]) -> Floats:
     return np.asarray((np.nanmedian if np.isnan(values).any() else np.median)(values, axis=axis))
 
 
-def _sampled_discrepancies(field: StarField) -> Floats:
-    """Compare each star with partners spread over the list, (..., partners, n), mm."""
+STARS_TOGETHER = 3000
+"""Stars, of all problems, whose partners are compared at once: more take memory, not less time."""
+
+
+def sampled_discrepancies_mm(field: StarField) -> Floats:
+    """Compare each star with partners spread over the list, (..., partners, n), mm.
+
+    Args:
+        field: one problem, or a stack of them
+    """
     count = field.used.shape[-1]
     steps = np.unique(np.linspace(1, count - 1, MOST_PARTNERS).round().astype(int))
+    some = max(1, STARS_TOGETHER // max(field.used.size, 1))
+    parts = [_discrepancies(field, steps[k : k + some]) for k in range(0, len(steps), some)]
+    return np.concatenate(parts, axis=-2)
+
+
+def _discrepancies(field: StarField, steps: Ints) -> Floats:
+    """Compare each star with those that follow it by some steps, (..., steps, n), mm."""
+    count = field.used.shape[-1]
     star = np.tile(np.arange(count), len(steps))
     pairs = np.stack([star, (star + np.repeat(steps, count)) % count], axis=-1)
     pair = field.select(pairs)

@@ -13,6 +13,7 @@ from vopd.stellar.field import Failure, StarField, image_points_mm
 from vopd.stellar.interstar_angles import (
     interstar_reading_sigma_mm,
     median_disagreement_mm,
+    sampled_discrepancies_mm,
     star_pairs,
 )
 from vopd.stellar.methods.collinearity import collinearity, image_partials
@@ -63,6 +64,11 @@ class AttitudeFit(NamedTuple):
     freedom: int
     matrix: Floats
 
+    @property
+    def square_mm2(self) -> float:
+        """Sum of squares of the residuals, mm squared."""
+        return self.variance_mm2 * self.freedom
+
 
 def fit_attitude(field: StarField) -> AttitudeFit:
     """Solve one problem by the collinearity equations, with statistics of its residuals."""
@@ -112,7 +118,10 @@ def find_outliers(field: StarField, *, start: OutlierStart = "interstar") -> lis
 
 
 def outliers_of_each(
-    field: StarField, start: OutlierStart, whole: Sequence[AttitudeFit] | None = None
+    field: StarField,
+    start: OutlierStart,
+    whole: Sequence[AttitudeFit] | None = None,
+    discrepancies_mm: Floats | None = None,
 ) -> list[list[Outlier]]:
     """Find the outliers of each problem of a stack, as `find_outliers` does.
 
@@ -120,13 +129,14 @@ def outliers_of_each(
         field: the stack, (p,)
         start: from which half
         whole: the solutions with all stars, if they are known
+        discrepancies_mm: `sampled_discrepancies_mm`, if they are known
     """
     problems, count = field.used.shape
     found: list[list[Outlier]] = [[] for _ in range(problems)]
     if count < 4:
         return found
     if start == "interstar":
-        doubt = median_disagreement_mm(field)
+        doubt = median_disagreement_mm(field, discrepancies_mm)
     else:
         doubt = np.stack([_distance_by_pairs(one) for one in field.problems()])
     half = np.argsort(doubt, axis=-1, kind="stable")[:, : max(3, count // 2 + 1)]
@@ -230,16 +240,13 @@ def fit_together(
         fields: problems of two stars or more, without a stack axis
         start: from which half of the stars the search for outliers begins
     """
-    alike: dict[tuple[int, bool], list[int]] = {}
-    for k, one in enumerate(fields):
-        alike.setdefault((one.used.shape[-1], one.errors is None), []).append(k)
     found: dict[int, FittedStars] = {}
-    for indices in alike.values():
-        field = StarField.stack([fields[k] for k in indices])
+    for indices, field in StarField.stacks(fields):
         solution = collinearity(field)
         fits = fit_attitudes(field, solution)
-        sigmas = interstar_reading_sigma_mm(field).tolist()
-        outliers = outliers_of_each(field, start, fits)
+        off = sampled_discrepancies_mm(field)
+        sigmas = interstar_reading_sigma_mm(field, off).tolist()
+        outliers = outliers_of_each(field, start, fits, off)
         each = [solution.problem(k) for k in range(len(indices))]
         found |= zip(indices, map(FittedStars, fits, each, sigmas, outliers), strict=True)
     return [found[k] for k in range(len(fields))]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Literal
@@ -50,6 +51,12 @@ class StarSolution:
         """Select one problem of a stack (p,), as a stack of one."""
         values = ((one.name, getattr(self, one.name)) for one in fields(self))
         return replace(self, **{name: v[k : k + 1] for name, v in values if v is not None})
+
+    @classmethod
+    def join(cls, solutions: Sequence[StarSolution]) -> StarSolution:
+        """Join stacks (p,) of one method into one."""
+        names = [one.name for one in fields(cls) if getattr(solutions[0], one.name) is not None]
+        return cls(**{n: np.concatenate([getattr(one, n) for one in solutions]) for n in names})
 
     @property
     def omega_phi_kappa_deg(self) -> Floats:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.findings import VopdError
 from vopd.geometry.linear import transform
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
@@ -84,6 +84,8 @@ def judge(
     axes: ImageAxes,
     start: OutlierStart = "interstar",
     fitted: FittedStars | None = None,
+    *,
+    suspicious: bool = True,
 ) -> Plausibility:
     """Test the residuals of all stars of a file, and try the common mistakes.
 
@@ -94,6 +96,8 @@ def judge(
         axes: how the file's image coordinates were read
         start: how the search for stars that do not fit begins
         fitted: the stars with their solution, if it is known
+        suspicious: whether a mistake may explain plausible residuals, as `suspicious_photographs`
+            tells
 
     Returns:
         What was found.
@@ -103,11 +107,12 @@ def judge(
     fit, outliers = fitted.fit, fitted.outliers
     sigma = float(np.sqrt(fit.variance_mm2))
     expected = implausible_residuals(fit, stars, reading_sigma, file.unit, fitted.interstar_mm)
-    if not expected and sigma <= ROUNDING * float(stars.focal_length_mm[0]):
+    rounding = sigma <= ROUNDING * float(stars.focal_length_mm[0])
+    if not expected and (rounding or not suspicious):
         return Plausibility(sigma)
     mistake = None
     if int(stars.count) > 2 and not (expected and _beyond_plates(file)):
-        camera = bool(expected) or camera_may_explain(stars, fit)
+        camera = bool(expected) or bool(_camera_may_explain(stars, fit.matrix, fit.square_mm2))
         mistake = one_mistake(file, stars, fit, axes, outliers, CAMERA_MISTAKES * camera)
         if expected and mistake is None:
             mistake = two_mistakes(file, stars, fit, axes)
@@ -471,14 +476,54 @@ NOTICED = 3.0
 To be named it must do so `LEAST_GAIN` times."""
 
 
-def camera_may_explain(stars: StarField, fit: AttitudeFit) -> bool:
+def _camera_may_explain(stars: StarField, matrix: Floats, square_mm2: Floats | float) -> Bools:
     """Test whether a camera makes plausible residuals much smaller, without solving for it.
 
     All of its unknowns together are estimated from their derivatives at the stated camera.
+
+    Args:
+        stars: problems, stack (...)
+        matrix: their attitudes, (..., 3, 3)
+        square_mm2: sums of squares of their residuals, (...)
     """
-    square = fit.variance_mm2 * fit.freedom
-    left = least_square(stars, fit.matrix)
-    return not left * NOTICED > square
+    return np.asarray(~(least_square(stars, matrix) * NOTICED > square_mm2))
+
+
+def suspicious_photographs(
+    files: Sequence[StarFile],
+    fields: Sequence[StarField],
+    axes: ImageAxes,
+    fitted: Sequence[FittedStars],
+) -> list[bool]:
+    """Test photographs together: may a mistake make plausible residuals much smaller?
+
+    Nothing is iterated: a mistake of the camera is estimated from its derivatives, others from
+    the singular-value solution. Where neither helps, `one_mistake` finds none.
+
+    Args:
+        files: their files
+        fields: their problems
+        axes: how the files' image coordinates were read
+        fitted: their solutions
+    """
+    found = np.array([bool(one.outliers) for one in fitted])
+    variance = np.array([one.fit.variance_mm2 for one in fitted])
+    square = np.array([one.fit.square_mm2 for one in fitted])
+    for indices, stack in StarField.stacks(fields):
+        matrix = np.stack([fitted[k].fit.matrix for k in indices])
+        found[indices] |= _camera_may_explain(stack, matrix, square[indices])
+    corrected = [
+        (k, changed.stars)
+        for k, (file, stars, one) in enumerate(zip(files, fields, fitted, strict=True))
+        if not found[k]
+        for mistake in (*IMAGE_MISTAKES, *DIRECTION_MISTAKES)
+        for changed, _ in mistake.change(file, stars, axes, one.fit)
+    ]
+    for indices, stack in StarField.stacks([stars for _, stars in corrected]):
+        numbers = np.array([corrected[k][0] for k in indices])
+        better = _roughly_mm2(stack) < variance[numbers]
+        found[numbers[better]] = True
+    return [bool(one) for one in found]
 
 
 def two_mistakes(
@@ -542,8 +587,9 @@ def _largest_mm2(stars: StarField) -> float:
     return (LARGEST_RESIDUAL * float(stars.focal_length_mm[0])) ** 2
 
 
-def _roughly_mm2(stars: StarField) -> float:
-    """Estimate the variance of the residuals by the singular-value solution, without iteration."""
+def _roughly_mm2(stars: StarField) -> Floats:
+    """Estimate variances of residuals by the singular-value solution, without iteration, (...)."""
     matrix, _ = wahba_rotation(stars)
     computed = image_points_mm(transform(matrix, stars.directions), stars.focal_length_mm)
-    return float(((stars.image_mm - computed) ** 2).sum() / (2 * len(computed) - 3))
+    square = ((stars.image_mm - computed) ** 2).sum(axis=(-2, -1))
+    return np.asarray(square / (2 * computed.shape[-2] - 3))

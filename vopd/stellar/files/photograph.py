@@ -28,7 +28,7 @@ from vopd.stellar.files.images import (
     in_file_coordinates,
     reading_errors,
 )
-from vopd.stellar.files.mistakes import Plausibility, judge
+from vopd.stellar.files.mistakes import Plausibility, judge, suspicious_photographs
 from vopd.stellar.files.plate_solvers import read_corr_fits, read_plate_solutions
 from vopd.stellar.files.read import (
     MOST_STARS,
@@ -55,6 +55,7 @@ from vopd.stellar.methods.run import (
     StarOptions,
     refused,
     single_solution,
+    solve_alike,
     solve_by_methods,
 )
 from vopd.stellar.outlier_search import FittedStars, OutlierStart, fit_together
@@ -213,13 +214,42 @@ def _solve_together(
         except (InputError, MissingOption) as error:
             read.append(error)
     usual = [one for one in read if isinstance(one, StarProblem) and one.judged_as_read]
-    fitted = iter(fit_together([one.stars for one in usual], usual[0].start) if usual else [])
-    for one, label in zip(read, labels, strict=True):
-        if not isinstance(one, StarProblem):
+    fields = [one.stars for one in usual]
+    fitted = fit_together(fields, usual[0].start) if usual else []
+    suspicious = suspicious_photographs([one.file for one in usual], fields, request.axes, fitted)
+    known = iter(zip(fitted, suspicious, strict=True))
+    judged: list[JudgedPhotograph | InputError | MissingOption] = []
+    for each in read:
+        if isinstance(each, StarProblem):
+            try:
+                judged.append(
+                    judged_photograph(each, *(next(known) if each.judged_as_read else ()))
+                )
+            except InputError as error:
+                judged.append(error)
+        else:
+            judged.append(each)
+    alike: dict[object, list[JudgedPhotograph]] = {}
+    for one in judged:
+        if isinstance(one, JudgedPhotograph) and one.by_all_stars:
+            alike.setdefault(one.kind, []).append(one)
+    solved: dict[int, list[SolvedStars]] = {}
+    for some in alike.values():
+        problem = some[0].problem
+        solutions = solve_alike(
+            [one.problem.stars for one in some],
+            problem.methods,
+            np.stack([one.used for one in some]),
+            problem.options,
+            [one.fitted for one in some],
+        )
+        solved |= zip(map(id, some), solutions, strict=True)
+    for one, label in zip(judged, labels, strict=True):
+        if not isinstance(one, JudgedPhotograph):
             yield one
             continue
         try:
-            yield solve_problem(one, label, next(fitted) if one.judged_as_read else None)
+            yield solved_photograph(one, label, solved.get(id(one)))
         except InputError as error:
             yield error
 
@@ -328,6 +358,14 @@ class StarProblem(NamedTuple):
         return self.request.pair is None and not self.request.free
 
     @property
+    def methods(self) -> tuple[str, ...]:
+        """The methods to solve it by."""
+        if self.request.method != "all":
+            return (self.request.method,)
+        few = len(self.file.lines) < 3
+        return tuple(method for method in METHODS if not (few and method.startswith("church")))
+
+    @property
     def start(self) -> OutlierStart:
         """From which half of the stars the search for outliers begins."""
         return "pairs" if self.request.edit_by_pairs else "interstar"
@@ -399,35 +437,86 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
         InputError: no method can solve it.
         MissingOption: the file needs an option that is not given.
     """
-    return solve_problem(star_problem(file, request), label)
+    (found,) = _solve_together([file], [label], request)
+    if isinstance(found, SolvedPhotograph):
+        return found
+    raise found
 
 
-def solve_problem(
-    problem: StarProblem, label: str, fitted: FittedStars | None = None
-) -> SolvedPhotograph:
-    """Solve one photograph as `solve_photograph` does.
+class JudgedPhotograph(NamedTuple):
+    """One photograph, its residuals tested.
+
+    Attributes:
+        problem: its problem
+        fitted: its collinearity solution, if it is known
+        judged: what the test found
+        used: the stars that are not rejected, counted from 0
+    """
+
+    problem: StarProblem
+    fitted: FittedStars | None
+    judged: Plausibility
+    used: Ints
+
+    @property
+    def by_all_stars(self) -> bool:
+        """Whether all stars are solved at once with the camera as stated."""
+        request = self.problem.request
+        by_pairs = request.all_pairs or request.pair is not None
+        return not (by_pairs or request.free or self.problem.sky is None)
+
+    @property
+    def kind(self) -> object:
+        """What photographs that are solved together have in common."""
+        problem = self.problem
+        return problem.methods, problem.options, len(self.used), problem.stars.errors is None
+
+
+def judged_photograph(
+    problem: StarProblem, fitted: FittedStars | None = None, suspicious: bool = True
+) -> JudgedPhotograph:
+    """Test the residuals of a photograph, and leave out stars if that is asked for.
 
     Args:
         problem: its problem
-        label: what tells it from others
         fitted: its collinearity solution, if it is known
+        suspicious: whether a mistake may explain plausible residuals
+
+    Raises:
+        InputError: the camera cannot be solved.
+    """
+    judged = _judged(problem, fitted, suspicious)
+    outliers = [outlier.star for outlier in judged.outliers] if problem.request.rejects else []
+    used = np.setdiff1d(np.arange(len(problem.file.lines)), outliers)
+    return JudgedPhotograph(problem, fitted, judged, used)
+
+
+def solved_photograph(
+    photograph: JudgedPhotograph, label: str, alike: Sequence[SolvedStars] | None
+) -> SolvedPhotograph:
+    """Describe the solutions of a photograph, and find them if they are not of all stars.
+
+    Args:
+        photograph: the photograph
+        label: what tells it from others
+        alike: its solutions, if it was solved with others
 
     Raises:
         InputError: no method can solve it.
     """
+    problem, fitted, judged, used = photograph
     file, request, options, stars, sky = problem[:5]
     sigma = options.reading_sigma_mm
-    judged = _judged(problem, fitted)
-    outliers = [outlier.star for outlier in judged.outliers] if request.rejects else []
-    used = np.setdiff1d(np.arange(len(file.lines)), outliers)
     doubts: list[KindOfFinding] = []
     solved = list(problem.resected)
-    if request.free and sky is not None:
+    if alike is not None:
+        solved = list(alike)
+    elif request.free and sky is not None:
         stars, solution, doubts = solve_calibration(file, stars, used, request, sigma)
         solved = [solution]
     elif sky is not None:
-        methods, pairs = _methods(file, request), _pairs(file, request)
-        solved = solve_by_methods(stars, methods, pairs, options, used, fitted)
+        pairs = _pairs(file, request)
+        solved = solve_by_methods(stars, problem.methods, pairs, options, used, fitted)
 
     findings = [*doubts, *problem.findings]
     findings += chain.from_iterable(explain(one, file, stars) for one in solved)
@@ -495,7 +584,7 @@ def photograph_directions(file: StarFile, request: StarRequest, report: Report) 
     return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
 
 
-def _judged(problem: StarProblem, fitted: FittedStars | None) -> Plausibility:
+def _judged(problem: StarProblem, fitted: FittedStars | None, suspicious: bool) -> Plausibility:
     """Test the residuals of all stars, with the camera that fits them if one is solved."""
     file, request, options, stars = problem[:4]
     sigma = options.reading_sigma_mm
@@ -503,7 +592,8 @@ def _judged(problem: StarProblem, fitted: FittedStars | None) -> Plausibility:
         return Plausibility(0.0)
 
     def judgement(stars: StarField) -> Plausibility:
-        return judge(file, stars, sigma, request.axes, problem.start, fitted)
+        axes, start = request.axes, problem.start
+        return judge(file, stars, sigma, axes, start, fitted, suspicious=suspicious)
 
     if not request.free:
         return judgement(stars)
@@ -517,13 +607,6 @@ def _judged(problem: StarProblem, fitted: FittedStars | None) -> Plausibility:
         message = f"{finding.message}; {mistake.advice}"
         raise InputError(replace(finding, message=message)) from None
     return judgement(camera)
-
-
-def _methods(file: StarFile, request: StarRequest) -> tuple[str, ...]:
-    if request.method != "all":
-        return (request.method,)
-    few = len(file.lines) < 3
-    return tuple(method for method in METHODS if not (few and method.startswith("church")))
 
 
 def _pairs(file: StarFile, request: StarRequest) -> Ints | None:

@@ -189,24 +189,36 @@ def calibrate_together(
 
 
 @np.errstate(all="ignore")
-def least_square(field: StarField, matrix: Floats) -> float:
+def least_square(field: StarField, matrix: Floats) -> Floats:
     """Estimate how small attitude and lens together can make the sum of squares of the residuals.
 
     It is linear: from the derivatives at the stated lens, for residuals that are small.
 
     Args:
-        field: one problem
-        matrix: its attitude with the stated lens, (3, 3)
+        field: the problems, stack (...)
+        matrix: their attitudes with the stated lens, (..., 3, 3)
+
+    Returns:
+        (...); 0 where attitude and lens have as many unknowns as there are coordinates.
     """
-    values = np.array(LensOfStars(float(field.focal_length_mm[0])))
-    computed, design = _computed(field, matrix, values)
-    rows = field.whitened(design).reshape(-1, 3 + len(UNKNOWNS))
-    side = field.whitened(field.image_mm - computed).ravel()
-    length = np.sqrt((rows**2).sum(axis=0))
-    if len(rows) <= rows.shape[1] or not (np.isfinite(rows).all() and (length > 0.0).all()):
-        return 0.0
-    columns, _ = np.linalg.qr(rows / length)
-    return float(side @ side - ((side @ columns) ** 2).sum())
+    stack, count = field.used.shape[:-1], field.used.shape[-1]
+    focal = field.focal_length_mm[..., None, None]
+    tangents = image_points_mm(transform(matrix, field.directions), np.ones(1))
+    square = (tangents**2).sum(axis=-1)[..., None, None]
+    by_centre = np.broadcast_to(np.eye(2), (*tangents.shape, 2))
+    by_turns = focal * image_partials(tangents, np.ones(1))
+    by_lens = tangents[..., None], by_centre, focal * square * tangents[..., None]
+    design = np.concatenate([by_turns, *by_lens], axis=-1)
+    rows = field.whitened(design).reshape(*stack, 2 * count, -1)
+    side = field.whitened(field.image_mm - focal[..., 0] * tangents).reshape(*stack, 2 * count)
+    length = np.sqrt((rows**2).sum(axis=-2))
+    unknown = ~(np.isfinite(rows).all(axis=(-2, -1)) & (length > 0.0).all(axis=-1))
+    if rows.shape[-2] <= rows.shape[-1]:
+        return np.zeros(stack)
+    columns, _ = np.linalg.qr(np.where(unknown[..., None, None], 0.0, rows / length[..., None, :]))
+    explained = np.einsum("...r,...rk->...k", side, columns)
+    left = (side**2).sum(axis=-1) - (explained**2).sum(axis=-1)
+    return np.where(unknown, 0.0, left)
 
 
 @np.errstate(all="ignore")
