@@ -64,27 +64,20 @@ def picked(values: Floats, index: Ints) -> Floats:
     return np.where(index < 0, np.nan, values[index])
 
 
-# Mark the frames of a figure against time: flagged, misfits, and those with errata above sigma.
+# Mark the frames of a figure against time: flagged, and misfits.
 
 
 class FrameMark(NamedTuple):
-    """How frames are marked: with a symbol at the angle, or at the bottom of the panel."""
+    """How frames are marked: with a symbol at the angle."""
 
     flag: str  # of `vopd.attitude.flags.MEANING`; empty for any other flag
     text: str  # in the legend
     look: dict[str, Any]
-    at_bottom: bool = False
 
 
 MARKS = (
     FrameMark("", "flagged", {"marker": "o", "mfc": "none", "mec": FLAGGED, "mew": 0.6, "ms": 5}),
     FrameMark("misfit", "misfit", {"marker": "X", "mfc": FLAGGED, "mec": "white", "ms": 8}),
-    FrameMark(
-        "model_error",
-        "model error",
-        {"marker": "|", "mec": COLOURS[5], "mew": 1.2, "ms": 9},
-        at_bottom=True,
-    ),
 )
 
 
@@ -116,13 +109,7 @@ def draw_marks(axis: Any, history: History, order: Ints, angle: Floats, known: B
         here = known & marked(history, mark)[order]
         if not here.any():
             continue
-        if mark.at_bottom:
-            axis.plot(
-                time_s[here], [0.03] * int(here.sum()), ls="", zorder=1.5,
-                transform=axis.get_xaxis_transform(), **mark.look,
-            )  # fmt: skip
-        else:
-            axis.plot(time_s[here], angle[here], ls="", **mark.look)
+        axis.plot(time_s[here], angle[here], ls="", **mark.look)
 
 
 def draw_legend(figure: Any, histories: Sequence[History]) -> None:
