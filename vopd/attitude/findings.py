@@ -126,12 +126,12 @@ def errata_text(summary: HistorySummary) -> str:
     if not summary.errata:
         return ""
     worst = int(np.argmax(np.round(summary.errata_sigmas, 6)))  # of two alike the first
+    angle = ANGLES[TESTED[worst]].replace("_", " ")
     some = f"{summary.errata} of {count_text(summary.frames, 'frame')}"
     return (
-        "the errata of the original program, which no sigma includes, change "
-        f"{ANGLES[TESTED[worst]].replace('_', ' ')} by up to {summary.errata_deg[worst]:.3g} "
-        f"degree ({summary.errata_sigmas[worst]:.2g} standard deviations), and some angle by more "
-        f"than one standard deviation in {some}: --fix all corrects them"
+        f"errata of the original program, in no sigma, change {angle} by up to "
+        f"{summary.errata_deg[worst]:.3g} degree ({summary.errata_sigmas[worst]:.2g} sigmas), some "
+        f"angle by more than a sigma in {some}: --fix all corrects them"
     )
 
 
