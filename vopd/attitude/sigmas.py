@@ -116,6 +116,7 @@ COMPONENTS = (
     "principal_point",  # of the principal point
     "distortion",  # of the lens's coefficients
     "refraction",  # of the coefficient of refraction
+    "click",  # of a person's clicks, which their tracks carry through the frames
     "landmark",  # of the positions of the landmarks
     "position",  # of the camera's position
     "interpolation",  # of the camera's position between two that are given
@@ -137,16 +138,20 @@ INPUTS = (
 
 COMMON = (
     "principal_point", "distortion", "landmark", "focal", "time", "readout", "mount", "refraction",
-    "adjusted",
+    "adjusted", "click",
 )  # fmt: skip
 """Components whose error is the same in all frames; a mean over frames does not reduce it."""
+
+
+EACH_LANDMARK = ("click",)
+"""Components of which the residuals of each landmark have errors of their own in a frame."""
 
 
 class ErrorComponent(NamedTuple):
     """What an error of one standard deviation in each of C causes does in F frames.
 
-    With `each_landmark` the causes are those of every landmark by itself: the C = 3
-    columns of `residual` are its own east, north, up.
+    With `each_landmark` the causes are those of every landmark by itself: the C columns of
+    `residual` are its own east, north, up, or u, v of its click.
     """
 
     name: str
@@ -188,7 +193,9 @@ def given_components(
         found.append(_by_residuals("focal", r.focal_length[..., None] * sigmas.focal_length))
     if sigmas.time_s > 0.0:
         found.append(_time(estimate, sigmas.time_s))
-    found += [_by_residuals(name, change) for name, change in estimate.further.items()]
+    for name, change in estimate.further.items():
+        one = _by_residuals(name, change, each_landmark=name in EACH_LANDMARK)
+        found.append(one._replace(common=one.common and not one.each_landmark))
     if sigmas.mount_deg > 0.0:
         found.append(_mount(estimate, sigmas.mount_deg))
     velocity = estimate.velocity_sigma

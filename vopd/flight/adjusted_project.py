@@ -208,8 +208,8 @@ def _write_landmarks(
     coordinate[free] = coordinates_at(
         wanted[free], coordinate[free], positions, STEPS[rows.geodetic]
     )
-    sigma_m, first = marks.sigma_m.copy(), len(model.names)
-    after = np.sqrt(np.diag(covariance_by_picks(joint)[0])[first:])
+    sigma_m = marks.sigma_m.copy()
+    after = np.sqrt(np.diag(covariance_by_picks(joint)[0])[model.of_landmarks])
     sigma_m[model.free] = np.minimum(after.reshape(-1, 3), sigma_m[model.free])
     columns = ("lat_deg", "lon_deg", "h_m") if rows.geodetic else ("x_m", "y_m", "z_m")
     order, digits = ([1, 0, 2], (11, 11, 6)) if rows.geodetic else ([0, 1, 2], (6, 6, 6))

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.flight.clicks import ClickEquations
 from vopd.flight.flight import Flight, Refraction, TrackFixes
 from vopd.flight.lines_of_sight import apparent, vertical_by_position
 from vopd.flight.readout import row_parts
@@ -49,16 +50,18 @@ class Priors:
     Args:
         fixes: of the track; None: the positions are exact
         landmark_m: of every landmark's east, north, up, (N, 3); 0: exact; None: all are
+        click_px: of u and of v of every click whose error picks carry, (C,); None: there is none
         parameter: by the names of `COMPONENT`; infinite: nothing is known before
     """
 
     fixes: TrackFixes | None = None
     landmark_m: Floats | None = None
     parameter: dict[str, float] = field(default_factory=dict)
+    click_px: Floats | None = None
 
     def scaled(self, component: str, factor: float) -> Priors:
         """Multiply the standard deviations of a component."""
-        fixes, landmark = self.fixes, self.landmark_m
+        fixes, landmark, click = self.fixes, self.landmark_m, self.click_px
         if component in ("position", "interpolation") and fixes is not None:
             gaps = np.zeros(len(fixes.sigma_m), bool) if fixes.between is None else fixes.between
             chosen = gaps if component == "interpolation" else ~gaps
@@ -66,10 +69,12 @@ class Priors:
             fixes = replace(fixes, sigma_m=own_m)
         if component == "landmark" and landmark is not None:
             landmark = landmark * factor
+        if component == "click" and click is not None:
+            click = click * factor
         own = {
             n: s * (factor if COMPONENT[n] == component else 1.0) for n, s in self.parameter.items()
         }
-        return Priors(fixes, landmark, own)
+        return Priors(fixes, landmark, own, click)
 
 
 class State(NamedTuple):
@@ -79,23 +84,34 @@ class State(NamedTuple):
     fix_m: Floats  # (J, 3) errors of the fixes: to be added, east, north, up
     parameter: Floats  # (M,)
     landmark_m: Floats  # (N, 3) likewise
+    click_px: Floats  # (C, 2) errors of the clicks: to be taken off, u and v
 
-    def moved(self, turn: Floats, fix: Floats, common: Floats, free: Ints) -> State:
+    def moved(
+        self, turn: Floats, fix: Floats, common: Floats, free: Ints, clicked: Ints
+    ) -> State:  # fmt: skip
         """Add a step to all unknowns.
 
         Args:
             turn: of each frame, (F, 3)
             fix: (J, 3)
-            common: parameters, then coordinates of the free landmarks, (K,)
+            common: parameters, then coordinates of the free landmarks, then clicks, (K,)
             free: indices of those landmarks
+            clicked: indices of those clicks
         """
-        landmark_m, count = self.landmark_m.copy(), len(self.parameter)
-        landmark_m[free] += common[count:].reshape(-1, 3)
+        landmark_m, click_px, count = (
+            self.landmark_m.copy(),
+            self.click_px.copy(),
+            len(self.parameter),
+        )
+        last = count + 3 * len(free)
+        landmark_m[free] += common[count:last].reshape(-1, 3)
+        click_px[clicked] += common[last:].reshape(-1, 2)
         return State(
             rotation_matrices(turn) @ self.rotation,
             self.fix_m + fix,
             self.parameter + common[:count],
             landmark_m,
+            click_px,
         )
 
 
@@ -204,8 +220,10 @@ class Model:
         names: of the parameters
         sigma: their prior standard deviations, (M,)
         free: indices of the landmarks that have a prior and are seen
+        clicks: the readings that carry errors of clicks; None: there is none
+        clicked: indices of those clicks
         common_sigma: prior standard deviations of the K unknowns in common: the parameters,
-            then east, north, up of each free landmark
+            then east, north, up of each free landmark, then u, v of each of those clicks
         component: the component of the uncertainty of each of those, (K,)
         since_s: times of the frames since their middle, by which the clock's rate counts, (F,)
     """
@@ -234,8 +252,14 @@ class Model:
         seen = np.bincount(self.landmark, minlength=len(stated)) > 0
         self.free = np.flatnonzero(seen & (stated > 0.0).any(axis=1))
         own = np.maximum(stated[self.free], LEAST_SIGMA_M).ravel()
-        self.common_sigma = np.concatenate([self.sigma, own])
+        self.clicks, self.clicked, by_click = None, np.zeros(0, np.int64), np.zeros(0)
+        if picks.clicks is not None and priors.click_px is not None:
+            self.clicks = ClickEquations(picks.clicks, self.pick)
+            self.clicked = self.clicks.seen
+            by_click = np.repeat(priors.click_px[self.clicked], 2)
+        self.common_sigma = np.concatenate([self.sigma, own, by_click])
         self.component = [COMPONENT[name] for name in self.names] + ["landmark"] * len(own)
+        self.component += ["click"] * len(by_click)
         # where landmarks are in what is common; those that are exact are behind it
         self._column = np.full(len(stated), len(self.common_sigma))
         self._column[self.free] = len(self.names) + 3 * np.arange(len(self.free))
@@ -271,9 +295,27 @@ class Model:
             rotation: of each frame, (F, 3, 3)
         """
         landmark_m = np.zeros((len(self.flight.landmarks.name), 3))
+        clicks = self.flight.picks.clicks
+        click_px = np.zeros((0 if clicks is None else len(clicks.frame), 2))
         return State(
-            rotation, np.zeros_like(self.fix_sigma_m), np.zeros(len(self.names)), landmark_m
-        )
+            rotation, np.zeros_like(self.fix_sigma_m), np.zeros(len(self.names)), landmark_m,
+            click_px,
+        )  # fmt: skip
+
+    @property
+    def of_landmarks(self) -> slice:
+        """Where coordinates of the free landmarks are among what is common."""
+        return slice(len(self.names), len(self.names) + 3 * len(self.free))
+
+    @property
+    def of_clicks(self) -> slice:
+        """Where the errors of clicks are among what is common."""
+        return slice(self.of_landmarks.stop, len(self.common_sigma))
+
+    def common_of(self, state: State) -> Floats:
+        """Concatenate what is common to the frames, (K,)."""
+        marks, clicks = state.landmark_m[self.free], state.click_px[self.clicked]
+        return np.concatenate([state.parameter, marks.ravel(), clicks.ravel()])
 
     def value(self, state: State, name: str) -> float:
         """Look up a parameter; 0 for one that is not free."""
@@ -324,8 +366,7 @@ class Model:
 
     def prior_cost(self, state: State) -> float:
         """Add up the squares of all errors over their prior standard deviations."""
-        common = np.concatenate([state.parameter, state.landmark_m[self.free].ravel()])
-        own = (common / self.common_sigma) ** 2
+        own = (self.common_of(state) / self.common_sigma) ** 2
         return float(own.sum() + ((state.fix_m / self.fix_sigma_m) ** 2).sum())
 
     def prior_cost_of_frames(self, state: State) -> Floats:
@@ -348,6 +389,7 @@ class Model:
         landmark_by = self.landmark_by_m(state)
         height_m = geodetic(flight.landmarks.position_m + landmark_by).height_m
         lens = with_parameters(flight.lens, self.names, state.parameter)
+        shift_px = None if self.clicks is None else self.clicks.shift_px(state.click_px)
         for frames, picks in self.parts:
             landmark = self.landmark[picks]
             # moves are added to the stated lines: beside the Earth's radius 1e-9 m would be lost
@@ -355,14 +397,15 @@ class Model:
             away_m += landmark_by[landmark] - camera_by[frames, None]
             camera = geodetic(flight.path.position_m[frames] + camera_by[frames])
             yield self._linearised(
-                state, lens, frames, picks, away_m, camera, height_m[landmark]
+                state, lens, frames, picks, away_m, camera, height_m[landmark], shift_px
             )  # fmt: skip
 
     def further(self, rows: LinearisedPicks) -> tuple[Floats, Ints]:
         """Concatenate the rows by all unknowns but the turns (B, 2n, q), with their index.
 
-        They are the camera's place by the fixes, if it is not exact, the parameters, and the
-        landmarks of the frame, if any is free; the index is of those in common.
+        They are the camera's place by the fixes, if it is not exact, the parameters, the
+        landmarks of the frame, if any is free, and the clicks that its picks carry; the index is
+        of those in common.
 
         Args:
             rows: of some frames
@@ -370,7 +413,12 @@ class Model:
         count, n = rows.picks.shape
         first, known = 0 if self.priors.fixes is None else 3, len(self.names)
         marks = 3 * n if len(self.free) else 0
-        out = np.zeros((count, n, 2, first + known + marks))
+        slots, clicks = 0, self.clicks
+        if clicks is not None:
+            column = clicks.column[rows.picks]
+            slots = int((column < len(self.clicked)).any(axis=(0, 1)).sum())
+        before = first + known + marks
+        out = np.zeros((count, n, 2, before + 2 * n * slots))
         out[..., :first] = rows.by_place[..., :first]
         out[..., first : first + known] = rows.by_parameter
         index = np.tile(np.arange(known), (count, 1))
@@ -380,11 +428,21 @@ class Model:
                 out[:, k, :, at : at + 3] = rows.by_landmark[:, k]
             column = self._column[self.landmark[rows.picks]]
             index = np.hstack([index, (column[..., None] + np.arange(3)).reshape(count, 3 * n)])
+        if clicks is not None:
+            by_click = clicks.by_click[rows.picks] * self.scale[rows.picks, None, None, None]
+            for k in range(n):
+                for slot in range(slots):
+                    at = before + 2 * (k * slots + slot)
+                    out[:, k, :, at : at + 2] = by_click[:, k, slot]
+            carried = self.of_clicks.start + 2 * clicks.column[rows.picks][:, :, :slots]
+            index = np.hstack(
+                [index, (carried[..., None] + np.arange(2)).reshape(count, 2 * n * slots)]
+            )
         return out.reshape(count, 2 * n, -1), index
 
     def _linearised(
         self, state: State, lens: Lens, frames: Ints, picks: Ints, away_m: Floats,
-        camera: Geodetic, height_m: Floats,
+        camera: Geodetic, height_m: Floats, shift_px: Floats | None,
     ) -> LinearisedPicks:  # fmt: skip
         """Linearise the equations of frames whose lines of sight are known."""
         flight, axes = self.flight, axes_at(camera)
@@ -419,7 +477,10 @@ class Model:
         by_refraction = by_direction @ line.by_refraction[..., None]
         self._by_others(by_parameter, state, frames, picks, by_place, by_refraction, seen.by_turns)
         scale = self.scale[picks][..., None]
-        residual = (flight.picks.pixel[self.pick[picks]] - seen.pixel) * scale
+        measured = flight.picks.pixel[self.pick[picks]]
+        if shift_px is not None:
+            measured = measured - shift_px[picks]
+        residual = (measured - seen.pixel) * scale
         each = (one * scale[..., None] for one in (by_turn, by_place, by_parameter, by_landmark))
         return LinearisedPicks(frames, picks, residual, *each)
 

@@ -29,14 +29,17 @@ def priors_of(flight: Flight) -> Priors:
         flight: the flight
     """
     free = {name: prior_sigma(flight, name) for name in free_parameters(flight)}
+    clicks = flight.picks.clicks
+    click_px = None if clicks is None else clicks.sigma_px
     if not flight.options.solve_position:
-        return Priors(parameter=free)
+        return Priors(parameter=free, click_px=click_px)
     path, landmark_m = flight.path, flight.landmarks.sigma_m
     place = np.maximum(path.bias_sigma_m, LEAST_SIGMA_M) if path.bias_sigma_m.any() else ()
     return Priors(
         path.fixes,
         landmark_m if landmark_m.any() else None,
         {**free, **dict(zip(SHIFT, place, strict=False))},
+        click_px,
     )
 
 

@@ -24,6 +24,7 @@ from vopd.estimate import (
     Words,
 )
 from vopd.findings import count_text
+from vopd.flight.click_tests import clicks_text
 from vopd.flight.errors import (
     ADJUSTED,
     HeldEffects,
@@ -246,6 +247,8 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
     }
     if flight.path.gimbal_deg is not None:
         conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
+    if joint is not None and joint.model.clicks is not None:
+        conventions["clicks"] = clicks_text(joint)
     if joint is not None and joint.model.flight.options.free:
         conventions["solved for"] = free_text(joint, covariance_of_common(joint))
     fixes = flight.path.fixes
@@ -700,6 +703,9 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
     responses = pick_responses(solved, slots, used, seen, attack, body_turns)
     fixes, fix_sigma, further = flight.path.fixes, None, {}
+    if picks.clicks is not None:
+        root = _symmetric_root(picks.clicks.variance_px2(len(picks.frame)))
+        further["click"] = slots.coordinates(_part(used, root))
     if fixes is not None and fixes.exact:
         further["interpolation"] = responses.position * fixes.frame_sigma_m[:, None]
     elif fixes is not None:
@@ -755,6 +761,12 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         gimbal_deg=flight.path.gimbal_deg,
         rate_unknown=None if turning is None else np.isnan(turning[:, 0]),
     )
+
+
+def _symmetric_root(variance: Floats) -> Floats:
+    """Take roots of covariances (P, 2, 2)."""
+    size, axes = np.linalg.eigh(variance)
+    return np.asarray(axes * np.sqrt(np.maximum(size, 0.0))[:, None])
 
 
 def _of_frames(rotation: Floats, direction: Floats) -> Floats:

@@ -23,6 +23,64 @@ from vopd.geometry.lenses import Lens
 
 
 @dataclass(frozen=True, eq=False)
+class Clicks:
+    """A person's clicks, C of them, and R readings of picks that carry their errors.
+
+    A reading is a pick's pixel as one click's track has it; a click is one in its own frame. A
+    pick is the mean of its readings, each with the weight of its own variance.
+    """
+
+    frame: Ints  # (C,) index into the frames of the flight
+    landmark: Ints  # (C,) index into its landmarks
+    sigma_px: Floats  # (C,) standard deviation of u and of v
+    pick: Ints  # (R,) index into the picks, ascending
+    click: Ints  # (R,)
+    off_px: Floats  # (R, 2) from the pick to the reading
+    by_click: Floats  # (R, 2, 2) shift of the reading by a shift of the click
+    own_px: Floats  # (R,) standard deviation of u and of v besides the click's error
+    lost: Ints  # numbers of frames in which fewer than two landmarks are found
+
+    @cached_property
+    def part(self) -> Floats:
+        """The part of each reading in its pick, (R,)."""
+        weight = self.own_px**-2.0
+        total = np.bincount(self.pick, weight, int(self.pick.max(initial=-1)) + 1)
+        return np.asarray(weight / total[self.pick])
+
+    def of_picks(self, picks: Ints) -> Clicks:
+        """Take the readings of some of the picks, by their indices, each once."""
+        order = np.argsort(self.pick, kind="stable")
+        first, last = (np.searchsorted(self.pick[order], picks, side) for side in ("left", "right"))
+        count = last - first
+        start = np.repeat(first - (np.cumsum(count) - count), count)
+        rows = order[start + np.arange(len(start))]
+        return self.readings(rows, np.repeat(np.arange(len(picks)), count))
+
+    def readings(self, rows: Ints, pick: Ints) -> Clicks:
+        """Take some of the readings, and count their picks anew.
+
+        Args:
+            rows: their indices
+            pick: the new index of each one's pick
+        """
+        return replace(
+            self,
+            pick=pick,
+            click=self.click[rows],
+            off_px=self.off_px[rows],
+            by_click=self.by_click[rows],
+            own_px=self.own_px[rows],
+        )
+
+    def variance_px2(self, picks: int) -> Floats:
+        """Add up the covariances of picks by the errors of their clicks, (P, 2, 2)."""
+        by = self.by_click * (self.part * self.sigma_px[self.click])[:, None, None]
+        out = np.zeros((picks, 2, 2))
+        np.add.at(out, self.pick, by @ by.swapaxes(1, 2))
+        return out
+
+
+@dataclass(frozen=True, eq=False)
 class Picks:
     """Where landmarks were picked in images, P picks; several of one point are averaged already."""
 
@@ -36,11 +94,25 @@ class Picks:
     stated: bool = False  # whether the standard deviations are those of the project or a file
     part: Floats | None = None  # (P,) `row_parts`, where pixels are shifted to their frames' times
     v_up: bool = False  # whether v was counted upward where they were read
+    clicks: Clicks | None = None  # whose errors the picks carry, besides `sigma_px`
 
     def with_sigma(self, one_sigma_px: float) -> Picks:
         """Scale all standard deviations to another usual one of a pick."""
-        scaled = self.sigma_px * (one_sigma_px / self.one_sigma_px)
-        return replace(self, sigma_px=scaled, one_sigma_px=one_sigma_px)
+        factor, clicks = one_sigma_px / self.one_sigma_px, self.clicks
+        if clicks is not None:
+            clicks = replace(clicks, own_px=clicks.own_px * factor)
+        sigma_px = self.sigma_px * factor
+        return replace(self, sigma_px=sigma_px, one_sigma_px=one_sigma_px, clicks=clicks)
+
+    @property
+    def with_clicks_as_own(self) -> Picks:
+        """The picks as they are by themselves: with the variance that their clicks add."""
+        if self.clicks is None:
+            return self
+        variance = np.trace(self.clicks.variance_px2(len(self.frame)), axis1=1, axis2=2) / 2.0
+        sigma_px = np.sqrt(self.sigma_px**2 + variance)
+        usual = float(np.median(sigma_px)) if len(sigma_px) else 1.0
+        return replace(self, sigma_px=sigma_px, one_sigma_px=usual, clicks=None)
 
     @property
     def least_variance(self) -> float:

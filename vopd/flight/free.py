@@ -10,6 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError
+from vopd.flight.clicks import ClickEquations
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, with_parameters
 from vopd.flight.files import did_you_mean
 from vopd.flight.flight import Flight, NotHeld
@@ -194,7 +195,7 @@ def _refused_landmark(flight: Flight, name: str) -> str:
 
 
 def as_solved(flight: Flight, joint: JointSolution) -> Flight:
-    """Put the values of freed parameters, and what is left of their uncertainty, into a flight.
+    """Put values of freed parameters and clicks, and what is left of their errors, into a flight.
 
     Landmarks, fixes of the track and the place of a camera that stands stay where they are
     stated; nothing is free any more.
@@ -203,9 +204,11 @@ def as_solved(flight: Flight, joint: JointSolution) -> Flight:
         flight: the flight, whose picks are not scaled
         joint: its solution
     """
+    model, state = joint.model, joint.state
+    if model.clicks is not None:
+        flight = _as_clicked(flight, joint)
     if not flight.options.free:
         return flight
-    model, state = joint.model, joint.state
     variance = np.diag(joint.factored.common)[: len(model.names)]
     after = dict(zip(model.names, np.sqrt(variance).tolist(), strict=True))
     freed = [name for name in free_parameters(flight) if name in after]
@@ -238,6 +241,20 @@ def as_solved(flight: Flight, joint: JointSolution) -> Flight:
         picks = replace(solved.picks, pixel=solved.picks.pixel - shift)
         solved = replace(solved, picks=picks, shutter=total)
     return solved
+
+
+def _as_clicked(flight: Flight, joint: JointSolution) -> Flight:
+    """Take the errors of clicks off the picks, and leave what is not known of them."""
+    model, picks = joint.model, flight.picks
+    clicks = picks.clicks
+    assert clicks is not None
+    every = ClickEquations(clicks, np.arange(len(picks.frame)))
+    variance = np.diag(joint.factored.common)[model.of_clicks].reshape(-1, 2).mean(axis=1)
+    sigma_px = clicks.sigma_px.copy()
+    sigma_px[model.clicked] = np.sqrt(variance)
+    pixel = picks.pixel - every.shift_px(joint.state.click_px)
+    clicks = replace(clicks, sigma_px=sigma_px)
+    return replace(flight, picks=replace(picks, pixel=pixel, clicks=clicks))
 
 
 def _distances_m(flight: Flight, position_m: Floats) -> Floats:

@@ -192,7 +192,7 @@ def _trades(model: Model, with_angles: Floats, between: Floats, own: int) -> tup
         for k, name in enumerate(model.names)
         if k != own and between[k] > TRADES
     ]
-    marks = between[len(model.names) :].reshape(-1, 3).max(axis=1)
+    marks = between[model.of_landmarks].reshape(-1, 3).max(axis=1)
     labels = model.flight.landmarks.name
     names += [f"landmark:{labels[model.free[k]]}" for k in np.flatnonzero(marks > TRADES)]
     return tuple(names)

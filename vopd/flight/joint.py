@@ -111,10 +111,13 @@ class JointSolution:
 
     @property
     def beside_free(self) -> State:
-        """The errors that were solved for, without those of freed parameters: they are taken as
-        solved in all tests of residuals."""
+        """The errors that were solved for, without those of freed parameters and of clicks: they
+        are taken as solved in all tests of residuals."""
         free = np.isin(self.model.names, free_parameters(self.model.flight))
-        return self.state._replace(parameter=np.where(free, 0.0, self.state.parameter))
+        return self.state._replace(
+            parameter=np.where(free, 0.0, self.state.parameter),
+            click_px=np.zeros_like(self.state.click_px),
+        )
 
     @property
     def moved_m(self) -> Floats:
@@ -130,7 +133,7 @@ class JointSolution:
         freed stay as solved.
         """
         model, state = self.model, self.beside_free
-        common = np.concatenate([state.parameter, state.landmark_m[model.free].ravel()])
+        common = model.common_of(state)
         place = np.zeros((model.frames, 3, 1))
         if model.priors.fixes is not None:
             place = model.priors.fixes.at_frames(state.fix_m[..., None])
@@ -228,10 +231,12 @@ def no_solution(flight: Flight) -> VopdError:
 
 
 def widened(flight: Flight, priors: Priors) -> Flight:
-    """Widen the picks' standard deviations by those of places, for a robust loss's first solve.
+    """Widen the picks' standard deviations for a first solve of rotations alone.
 
-    Otherwise an error of the place makes blunders of good picks.
+    By those of their clicks, and for a robust loss by those of places: otherwise an error of the
+    place makes blunders of good picks.
     """
+    flight = replace(flight, picks=flight.picks.with_clicks_as_own)
     if flight.options.loss == "least-squares":
         return flight
     place = [priors.parameter.get(name, 0.0) for name in SHIFT]
@@ -275,7 +280,7 @@ def _descend(normal: Normal) -> tuple[Normal, Floats, int, bool]:
         else:
             size = _size(normal, step)
             turn, fix, moved = (one[..., 0] for one in step)
-            tried = normal.state.moved(turn, fix, moved, model.free)
+            tried = normal.state.moved(turn, fix, moved, model.free, model.clicked)
             less = np.where(own > LEAST_DAMPING, own / 10.0, 0.0)
             there = Normal(model, tried, newton, damping=less)
             worse = there.frame_cost > normal.frame_cost
@@ -504,7 +509,11 @@ def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats,
         if not model.priors.fixes.exact:
             found["position"] = np.einsum("jik,jil->kl", scaled, scaled)
     seen = normal.seen(turn, place, common) * normal.weight[:, None, None]
-    found = {"reading": np.einsum("pik,pil->kl", seen, seen)} | found
+    by_readings = np.einsum("pik,pil->kl", seen, seen)
+    if model.clicks is not None:  # by what readings of the same picks differ
+        own = common[model.of_clicks]
+        by_readings = by_readings + own.T @ model.clicks.normal @ own
+    found = {"reading": by_readings} | found
     return sum(found.values(), np.zeros((k, k))), found
 
 

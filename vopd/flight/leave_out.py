@@ -290,6 +290,9 @@ def _every(joint: JointSolution, beside: Bools | None) -> Model:
         known[(priors.landmark_m > 0.0).any(axis=1)] = False
     known[model.free] = True
     used = beside & known[flight.picks.landmark]
+    clicks = flight.picks.clicks
+    if clicks is not None:
+        used[clicks.pick[~np.isin(clicks.click, model.clicked)]] = False
     used[model.pick] = True
     solved = np.bincount(flight.picks.frame[model.pick], minlength=model.frames) > 1
     return Model(flight, priors, used, solved, flight.picks.sigma_px, model.readout, model.loss)

@@ -28,7 +28,14 @@ from vopd.flight.flight import CameraPath, Flight, Shutter
 from vopd.flight.free import value_text
 from vopd.flight.joint import JointSolution, covariance_of_sums, propagated, solve_jointly, weighed
 from vopd.flight.readout import row_parts, turning_rates
-from vopd.flight.sizes import cost_of_frames, explained, residual_freedom, size_of_residuals
+from vopd.flight.sizes import (
+    cost_of_frames,
+    explained,
+    readings,
+    residual_freedom,
+    size_of_residuals,
+    squares_of_readings,
+)
 from vopd.flight.solve import FlightBlocks, FlightPart
 from vopd.geometry.earth import NED_FROM_ENU
 
@@ -83,7 +90,10 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
         return ""
     picks, sigma_px = joint.model.flight.picks, reading.sigma
     expected_px, of = USUAL_PX, f"{USUAL_PX:g} px, which is usual"
-    if stated_px is not None:
+    if picks.clicks is not None:
+        assert stated_px is not None
+        expected_px, of = stated_px, f"what tracks of such a sigma_px should have, {stated_px:.2g}"
+    elif stated_px is not None:
         expected_px, of = stated_px, f"the stated sigma_px = {stated_px:g}"
     else:  # a point that is picked several times is not identified better for it
         sigma_px *= float(np.median(picks.sigma_px)) / picks.one_sigma_px
@@ -245,7 +255,7 @@ def _first_order(
 def _freedom(joint: JointSolution) -> float:
     """Count the degrees of freedom of the residuals, with errors that are stated taken as known."""
     free = (~np.isfinite(joint.model.common_sigma)).sum()
-    return float(2.0 * len(joint.model.pick) - 3.0 * joint.model.solved - free)
+    return float(2.0 * readings(joint) - 3.0 * joint.model.solved - free)
 
 
 def _chance(joint: JointSolution, known: bool, count: int, gain: float, rest: float) -> float:
@@ -634,8 +644,8 @@ def _squares(solution: JointSolution, component: str) -> tuple[float, float]:
     """Add up squares of the errors of a component, and count their degrees of freedom."""
     model, state = solution.model, solution.state
     if component == "reading":
-        return float((solution.normal.residual**2).sum()), residual_freedom(solution)[0]
-    common = np.concatenate([state.parameter, state.landmark_m[model.free].ravel()])
+        return squares_of_readings(solution), residual_freedom(solution)[0]
+    common = model.common_of(state)
     own = [one == component for one in model.component]
     squares = float(((common / model.common_sigma)[own] ** 2).sum())
     free = int((~np.isfinite(model.common_sigma))[own].sum())
@@ -675,6 +685,21 @@ def sampled(flight: Flight) -> FlightPart:
     return blocks.part(np.sort(chosen))
 
 
+MATCHED = 2.0  # times what a tracked file states: its sigma of a match is an estimate
+
+
+def stated_sigma_px(flight: Flight) -> float | None:
+    """Look up the standard deviation that picks should have; None where nothing states it.
+
+    Args:
+        flight: as it was read
+    """
+    picks = flight.picks
+    if picks.clicks is not None:
+        return MATCHED * picks.one_sigma_px
+    return picks.one_sigma_px if picks.stated else None
+
+
 class Doubts(NamedTuple):
     """Warnings of a whole flight."""
 
@@ -703,7 +728,7 @@ def flight_findings(
     joint, reading = estimates.joint, estimates.reading
     if joint is None or reading is None:
         return Doubts([], False, False)
-    stated = flight.picks.one_sigma_px if flight.picks.stated else None
+    stated = stated_sigma_px(flight)
     misfit = misfit_text(joint, reading, stated) if flight.options.may_misfit else ""
     texts = [misfit, too_wide_text(joint, reading)]
     try:
@@ -734,7 +759,7 @@ def _explanations(
     """
     joint, reading = estimates.joint, estimates.reading
     assert joint is not None and reading is not None
-    stated = flight.picks.one_sigma_px if flight.picks.stated else None
+    stated = stated_sigma_px(flight)
     causes, own = list[str](), False  # whether it is a landmark's or a pick's own error
     exact = not joint.passes
     if len(joint.model.pick) > MOST_PICKS:

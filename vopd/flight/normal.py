@@ -26,8 +26,8 @@ LEAST_CURVED = 1e-3  # of the reweighted equations: with less the loss's curvatu
 class Eliminated(NamedTuple):
     """B frames of which the turns are eliminated.
 
-    Their q further unknowns are the camera's place, if it is not exact, the parameters, and
-    the landmarks of the frame.
+    Their q further unknowns are the camera's place, if it is not exact, the parameters, the
+    landmarks of the frame, and the clicks that its picks carry.
     """
 
     frames: Ints  # (B,)
@@ -98,7 +98,15 @@ class Normal:
             if self._kept is not None:
                 self._kept.append(rows)
         self.border, self.common = self._border[:, : self.size], self._common[:-3, :-3]
-        common = np.concatenate([state.parameter, state.landmark_m[model.free].ravel()])
+        common = model.common_of(state)
+        if model.clicks is not None:
+            own, clicks = model.of_clicks, model.clicks
+            self.common[own, own] += clicks.normal * (1.0 + carry)
+            self._right[own] += clicks.right - clicks.normal @ common[own]
+            squares = clicks.squares(state.click_px)
+            self.cost += float(squares.sum())
+            frame = model.flight.picks.frame[model.pick]
+            self.frame_cost += np.bincount(frame, squares, model.frames)
         self.right = RightSide(
             self._turn[..., None],
             self._place[..., None],

@@ -146,6 +146,13 @@ KEYS: tuple[Key, ...] = (
     Key("picks", "video", "file", '"flight.mp4"', "the video that was picked in",
         "the video that was picked in, for `times = \"video\"` and for `vopd pick`; a "
         "`frame_rate_hz` that is not its own is an error"),
+    Key("picks", "tracked", "file", "", "what vopd track has made of the clicks",
+        "the file that `vopd track` writes: where the landmarks of `file`, which are a person's "
+        "clicks, are in the other frames. Clicks and tracks are solved together"),
+    Key("picks", "tracked_from", "text", "", "clicks, or unknown: of another program",
+        "`clicks`: each row of `tracked` says from which click it is, as `vopd track` does. "
+        "`unknown`: `tracked` is picks by another program, in any format that picks have",
+        default="clicks", choices=("clicks", "unknown")),
     Key("picks", "utc_offset_h", "number", "2.0",
         "hours: clock of the images in `times` less UTC", "the hours by which the clock of these "
         "images is ahead of UTC, where the tags do not say their zone"),

@@ -28,6 +28,7 @@ from vopd.flight.blunders import (
     gross_picks,
     suspected_frames,
 )
+from vopd.flight.click_tests import without_wrong_clicks
 from vopd.flight.errors import SOLVED_WITH, priors_of, with_sigmas
 from vopd.flight.estimate import (
     FlightEstimates,
@@ -51,7 +52,12 @@ from vopd.flight.read import flight_of, read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.readout import SETTLED as ROWS_SETTLED
 from vopd.flight.readout import picks_at_frame_times
-from vopd.flight.sizes import sigma_freedom, size_of_residuals
+from vopd.flight.sizes import (
+    residual_freedom,
+    sigma_freedom,
+    size_of_residuals,
+    squares_of_readings,
+)
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.flight.track import LEAPS
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
@@ -100,7 +106,7 @@ class FlightResult(Shown):
     def read(self) -> Flight:
         """The flight with all parameters as they are stated."""
         joint = self.estimates.joint
-        if joint is None or not joint.model.flight.options.free:
+        if joint is None or not (joint.model.flight.options.free or joint.model.clicks):
             return self.flight
         stated = joint.model.flight
         picks = stated.picks.with_sigma(self.flight.picks.one_sigma_px)
@@ -290,14 +296,17 @@ def solve_flight_read(
         VopdError: where no frame has two landmarks
     """
     require_two_landmarks(flight)
-    first = solve(flight)
+    stated = flight
+    flight, of_clicks = without_wrong_clicks(flight)
+    by_themselves = replace(flight, picks=flight.picks.with_clicks_as_own)
+    first = solve(by_themselves)
     suspected = suspected_frames(first)
     gross = gross_picks(first, suspected)
     swaps = _gross_exchanges(first, suspected, gross)
     swapped = swaps.marked(len(gross))
     read, out = flight, gross | swapped
     robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
-    same = None if robust else solve(flight, out, before=first)
+    same = None if robust else solve(by_themselves, out, before=first)
     flight, estimates = settled_as_held(read, out, tell, same)
     if read.shutter is not None and read.path.turning_rad_s is None:
         for round_ in range(ROUNDS_OF_ROWS):
@@ -338,7 +347,8 @@ def solve_flight_read(
         estimates = with_named_picks(flight, without)
     more = least_held(without.joint)
     if more is not None:
-        return solve_flight_read(without_parameter(read, more), tell, project)
+        stated = replace(stated, options=read.options)
+        return solve_flight_read(without_parameter(stated, more), tell, project)
     if MOUNT in read.options.free and read.vehicle is not None:
         from vopd.flight.mounting import mounted  # of few flights
 
@@ -362,7 +372,7 @@ def solve_flight_read(
     every = found._replace(pick=found.pick | swapped)
     findings += freed_beside_blunders(flight, every, apart)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
-    return FlightResult(estimates, (*flight.findings, *findings), doubts.misfits)
+    return FlightResult(estimates, (*flight.findings, *of_clicks, *findings), doubts.misfits)
 
 
 ROUNDS_OF_LABELS = 3  # of solving without exchanged labels, and testing all frames again
@@ -594,11 +604,23 @@ def residual_reading(joint: JointSolution) -> JobReadingSigma:
         joint: of a solved flight
     """
     estimates = estimates_of(joint)
+    if joint.model.clicks is not None:
+        return _with_clicks(joint, estimates)
     found = sampled_reading_sigma(estimates.layout, estimates.of, Sigmas())
     if found.source == "repeated":
         return found
     freedom = max(sigma_freedom(joint), LEAST_FREEDOM)
     return replace(found, freedom=min(found.freedom, freedom))
+
+
+def _with_clicks(joint: JointSolution, estimates: FlightEstimates) -> JobReadingSigma:
+    """Estimate the sigma of a match from all readings, the errors of clicks being solved for."""
+    picks, (freedom, _) = joint.model.flight.picks, residual_freedom(joint)
+    ratio = squares_of_readings(joint) / max(freedom, LEAST_FREEDOM)
+    sigma = max(picks.one_sigma_px * float(np.sqrt(ratio)), picks.least_sigma_px)
+    found = sampled_reading_sigma(estimates.layout, estimates.of, Sigmas(reading=sigma))
+    known = max(sigma_freedom(joint), LEAST_FREEDOM)
+    return replace(found, sigma=sigma, freedom=known, source="residuals")
 
 
 def require_two_landmarks(flight: Flight) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from vopd.arrays import Array, Bools, Floats
+from vopd.flight.clicks import ClickEquations
 from vopd.flight.joint import DERIVATIVE, JointSolution, unfollowed
 from vopd.flight.normal import Factored
 
@@ -51,13 +52,34 @@ def fix_covariances(factored: Factored) -> Array:
     return np.asarray((own + through)[: len(factored.model.fix_sigma_m)])
 
 
+def readings(solution: JointSolution) -> int:
+    """Count the readings: picks, and what those of one pick from several clicks differ by.
+
+    Args:
+        solution: of the flight
+    """
+    model = solution.model
+    return len(model.pick) + (0 if model.clicks is None else int(model.clicks.spare.sum()))
+
+
+def squares_of_readings(solution: JointSolution) -> float:
+    """Add up the squares of the residuals of all readings, in their standard deviations.
+
+    Args:
+        solution: of the flight
+    """
+    residual, clicks = solution.normal.residual, solution.model.clicks
+    total = float((residual**2).sum())
+    return total if clicks is None else total + float(clicks.squares(solution.state.click_px).sum())
+
+
 def residual_freedom(solution: JointSolution) -> tuple[float, float]:
     """Count the degrees of freedom that the picks keep, and those if all priors were exact.
 
     Args:
         solution: of the flight
     """
-    exact = 2.0 * len(solution.model.pick) - 3.0 * solution.model.solved
+    exact = 2.0 * readings(solution) - 3.0 * solution.model.solved
     return exact - sum(explained(solution).values()), exact
 
 
@@ -79,7 +101,7 @@ def sigma_freedom(solution: JointSolution) -> float:
         total = total + (fix_variances(varied) / model.fix_sigma_m**2).sum()
     errors = np.isfinite(model.common_sigma).sum() + model.fix_sigma_m.size
     free = (~np.isfinite(model.common_sigma)).sum()
-    exact = 2.0 * len(model.pick) - 3.0 * model.solved - free
+    exact = 2.0 * readings(solution) - 3.0 * model.solved - free
     return float(exact - errors - total.imag / DERIVATIVE)
 
 
@@ -94,14 +116,26 @@ def cost_of_frames(solution: JointSolution) -> Floats:
     """
     model, state = solution.model, solution.state
     landmark = np.zeros(len(model.flight.landmarks.name))
-    error_m, count = state.landmark_m[model.free].ravel(), len(model.names)
-    squares = (error_m / model.common_sigma[count:]) ** 2
+    error_m = state.landmark_m[model.free].ravel()
+    squares = (error_m / model.common_sigma[model.of_landmarks]) ** 2
     landmark[model.free] = squares.reshape(-1, 3).sum(axis=1)
     landmark /= np.maximum(np.bincount(model.landmark, minlength=len(landmark)), 1)
     parameters = float(((state.parameter / model.sigma) ** 2).sum())
     share = landmark[model.landmark] + parameters / max(len(model.pick), 1)
+    if model.clicks is not None:
+        share = share + _squares_of_clicks(solution, model.clicks)
     frame = model.flight.picks.frame[model.pick]
     return np.asarray(solution.normal.frame_cost + np.bincount(frame, share, model.frames))
+
+
+def _squares_of_clicks(solution: JointSolution, clicks: ClickEquations) -> Floats:
+    """Share the squares of the clicks' errors evenly by the picks that carry them, (P,)."""
+    model, carried = solution.model, clicks.column < len(clicks.seen)
+    error_px = solution.state.click_px[model.clicked]
+    sigma_px = model.common_sigma[model.of_clicks].reshape(-1, 2)
+    times = np.bincount(clicks.column[carried], minlength=len(error_px))
+    each = ((error_px / sigma_px) ** 2).sum(axis=1) / np.maximum(times, 1)
+    return np.asarray(np.append(each, 0.0)[clicks.column].sum(axis=1))
 
 
 def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, float]:
@@ -125,6 +159,9 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     free, held = float((~np.isfinite(model.common_sigma)).sum()), model.flight.options.held
     free += 0.0 if held is None else held.unknowns
     freedom = float((2.0 * picks - 3.0)[count].sum()) - free
+    if model.clicks is not None:
+        own = count[model.flight.picks.frame[model.pick]]
+        freedom += 2.0 * float(model.clicks.spare[own].sum())
     if not freedom > 0.0:
         return 1.0, 1.0
     cost = float(cost_of_frames(solution)[count].sum()) - _by_stated(solution, count)

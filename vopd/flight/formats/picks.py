@@ -5,7 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -30,6 +30,9 @@ from vopd.flight.files import (
 from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
 from vopd.flight.formats.lens import GRID_TO_CENTRE
 from vopd.inputs import parse_json, parse_xml, plain_number, whole_number
+
+if TYPE_CHECKING:
+    from vopd.flight.formats.tracked import TrackedRows
 
 # Picks as read
 
@@ -84,6 +87,7 @@ class PickRows:
     up_from: float | None = None  # the v of the last row, where v counts upward
     stated: bool = False  # whether the project or the file states `sigma_px`
     interpolated: Bools | None = None  # (P,) by the program that wrote the file; None: unknown
+    tracks: TrackedRows | None = None  # the same picks with the clicks that they are from
 
     def where(self, kept: Bools) -> PickRows:
         """Take some of the picks of numbered frames, (P,)."""

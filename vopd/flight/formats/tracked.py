@@ -10,14 +10,14 @@ import json
 import re
 from array import array
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.files import (
     UNKNOWN,
     CsvTable,
@@ -59,6 +59,7 @@ class TrackedRows:
         correlation: of the patch with the image, (R,); NaN where there is none
         status: index of `STATUSES`, (R,)
         digest: of the files that were tracked: `clicks`, `video`, `project`
+        lost: as read: numbers of frames in which fewer than two landmarks are found
     """
 
     frame: Ints
@@ -70,6 +71,16 @@ class TrackedRows:
     correlation: Floats
     status: Ints
     digest: Mapping[str, str] = field(default_factory=dict)
+    lost: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+
+    def where(self, kept: Bools) -> TrackedRows:
+        """Take some of the rows, (R,)."""
+        names = Names(name for name, one in zip(self.landmark, kept.tolist(), strict=True) if one)
+        return TrackedRows(
+            self.frame[kept], names, self.pixel[kept], self.sigma_px[kept],
+            self.from_frame[kept], self.by_click[kept], self.correlation[kept],
+            self.status[kept], self.digest, self.lost,
+        )  # fmt: skip
 
 
 # Digests of what was tracked
@@ -224,7 +235,7 @@ def read_tracked(file: InputFile) -> TrackedRows:
         np.asarray(status).astype(np.int64), _digests(file),
     )  # fmt: skip
     _check_clicks(file, rows)
-    return rows
+    return replace(rows, lost=_lost(rows))
 
 
 def _statuses(block: CsvTable) -> Ints:
@@ -283,6 +294,15 @@ def _check(
     for rows, message, column in wrong:
         if rows.any():
             raise block.error(f"{message}; {AGAIN}", int(np.argmax(rows)), column)
+
+
+def _lost(rows: TrackedRows) -> Ints:
+    """List the numbers of frames in which fewer than two landmarks are found."""
+    seen = np.isfinite(rows.pixel[:, 0]) & np.isin(rows.status, (CLICKED, TRACKED))
+    pairs = np.unique(np.stack([rows.frame, rows.landmark.which])[:, seen], axis=1)
+    every = np.unique(rows.frame)
+    count = np.bincount(np.searchsorted(every, pairs[0]), minlength=len(every))
+    return np.asarray(every[count < 2])
 
 
 def _digests(file: InputFile) -> dict[str, str]:

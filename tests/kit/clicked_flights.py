@@ -1,0 +1,145 @@
+"""Flights of clicks and tracks with drawn errors, and their least squares by one dense matrix.
+
+An error is drawn once for each click, and one of the match for each reading; geodesy, camera and
+the least squares are of numpy and scipy alone, a reading a row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from tests.kit.joint_flights import LensTruth, Scene, axes, drone, flight_of, turned_out
+from vopd.arrays import Floats, Ints
+from vopd.flight.equations import Priors
+from vopd.flight.flight import Flight
+from vopd.flight.formats.picks import Names, PickRows
+from vopd.flight.formats.tracked import CLICKED, TRACKED, TrackedRows
+from vopd.flight.read import CLICK_ALONE, join_tracks
+
+
+class ClickedFlight(NamedTuple):
+    """A flight of clicks and tracks, its truth, and its rows."""
+
+    flight: Flight
+    scene: Scene
+    rows: TrackedRows
+    click_px: Floats  # (C, 2) the errors drawn, by landmark and frame of the click
+
+
+def clicked_flight(
+    rng: np.random.Generator, frames: int = 60, landmarks: int = 6, *,
+    every: int = 30, reach: int = 45, click_px: float = 0.5, match_px: float = 0.08,
+    stated_px: float | None = None, landmark_m: float = 0.0,
+) -> ClickedFlight:  # fmt: skip
+    """A drone whose landmarks are clicked in every n-th frame, and tracked from each click.
+
+    Args:
+        rng: the source of what is random
+        frames: how many there are
+        landmarks: how many there are
+        every: frames between clicks of one landmark; those of different landmarks are staggered
+        reach: frames over which a click is tracked
+        click_px: standard deviation of a click
+        match_px: of a match
+        stated_px: of a match, as the rows have it; None: as it is
+        landmark_m: of the landmarks' positions
+    """
+    scene = drone(rng, frames, landmarks, spacing_m=0.5)
+    marks = np.full((landmarks, 3), landmark_m) if landmark_m else None
+    flight = flight_of(rng, scene, 0.0, Priors(landmark_m=marks))
+    pixel = np.full((frames, landmarks, 2), np.nan)
+    pixel[scene.frame, scene.landmark] = flight.picks.pixel
+    rows, errors = [], []
+    for mark in range(landmarks):
+        for source in range(min(mark * 3, frames - 1), frames, every):
+            error = rng.normal(0.0, click_px, 2)
+            errors.append(error)
+            for frame in range(max(source - reach, 0), min(source + reach + 1, frames)):
+                age = (frame - source) / reach
+                turn, grow = 0.4 * age, 1.0 + 0.2 * age
+                by = grow * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+                shift = error if frame == source else by @ error + rng.normal(0.0, match_px, 2)
+                by = np.eye(2) if frame == source else by
+                rows.append((frame, mark, source, pixel[frame, mark] + shift, by))
+    frame, mark, source = (np.array([row[k] for row in rows]) for k in range(3))
+    clicked = frame == source
+    sigma_px = np.where(clicked, click_px, match_px if stated_px is None else stated_px)
+    tracks = TrackedRows(
+        frame, Names(f"P{k}" for k in mark), np.array([row[3] for row in rows]), sigma_px, source,
+        np.array([row[4] for row in rows]), np.ones(len(rows)),
+        np.where(clicked, CLICKED, TRACKED),
+    )  # fmt: skip
+    return ClickedFlight(with_rows(flight, tracks), scene, tracks, np.array(errors))
+
+
+def with_rows(flight: Flight, rows: TrackedRows) -> Flight:
+    """Give a flight the picks of tracked rows."""
+    read = PickRows(
+        rows.frame, rows.landmark, rows.pixel, rows.sigma_px, "centre", None, "", tracks=rows
+    )
+    picks, _ = join_tracks(read, flight.frame, flight.landmarks.name, flight.source)
+    return replace(flight, picks=picks)
+
+
+class DenseSolution(NamedTuple):
+    """The least squares of all unknowns, by one matrix."""
+
+    rotation: Floats  # (F, 3, 3)
+    turn: Floats  # (3F, 3F) covariance of the turns
+    click_px: Floats  # (C, 2) errors of the clicks, by landmark and frame of the click
+
+
+def dense_solution(one: ClickedFlight, start: Floats, match_px: float) -> DenseSolution:
+    """Solve a flight of clicks and tracks with a row for each reading.
+
+    Args:
+        one: the flight
+        start: rotations to begin with, (F, 3, 3)
+        match_px: standard deviation of a match, in the place of the stated one
+    """
+    rows, flight = one.rows, one.flight
+    marks = np.array([flight.landmarks.name.index(name) for name in rows.landmark])
+    click, which = _clicks(rows, marks)
+    clicked = rows.status == CLICKED
+    sigma_px = rows.sigma_px[clicked][np.argsort(which[clicked])]
+    own_px = np.where(clicked, CLICK_ALONE * rows.sigma_px, match_px)
+    frames, size_m = len(start), flight.landmarks.sigma_m
+    own, mark_axes = axes(flight.path.position_m), axes(flight.landmarks.position_m)
+    free = np.flatnonzero(size_m.any(axis=1))
+    cuts = np.cumsum([3 * frames, 2 * click])
+
+    def residual(step: Floats) -> Floats:
+        turn, error, moved = np.split(step, cuts)
+        error, moved = error.reshape(-1, 2), moved.reshape(-1, 3)
+        rotation = Rotation.from_rotvec(turn.reshape(-1, 3)).as_matrix() @ start
+        position = flight.landmarks.position_m.copy()
+        position[free] += turned_out(mark_axes[free], moved)
+        away = position[marks] - flight.path.position_m[rows.frame]
+        ray = np.einsum("pij,pjk,pk->pi", rotation[rows.frame], own[rows.frame], away)
+        shift = np.einsum("pij,pj->pi", rows.by_click, error[which])
+        off = (rows.pixel - LensTruth().image(ray) - shift) / own_px[:, None]
+        prior = error / sigma_px[:, None]
+        return np.concatenate([off.ravel(), prior.ravel(), (moved / size_m[free]).ravel()])
+
+    scale = np.concatenate(
+        [np.full(3 * frames, 1e-4), np.full(2 * click, 0.1), np.full(3 * len(free), 0.1)]
+    )
+    found = least_squares(
+        residual, np.zeros(len(scale)), jac="3-point", x_scale=scale, xtol=1e-14, ftol=1e-15,
+        gtol=1e-14,
+    )  # fmt: skip
+    covariance = np.linalg.inv(found.jac.T @ found.jac)
+    turn = Rotation.from_rotvec(found.x[: cuts[0]].reshape(-1, 3)).as_matrix()
+    error = found.x[cuts[0] : cuts[1]].reshape(-1, 2)
+    return DenseSolution(turn @ start, covariance[: cuts[0], : cuts[0]], error)
+
+
+def _clicks(rows: TrackedRows, marks: Ints) -> tuple[int, Ints]:
+    """Number the clicks by landmark and frame."""
+    keys, which = np.unique(np.stack([marks, rows.from_frame]), axis=1, return_inverse=True)
+    return keys.shape[1], which

@@ -1,0 +1,242 @@
+"""Clicks that do not fit: on another mast, of another landmark, beside it.
+
+All places tracked from such a click disagree with the others, and agree with each other: it is one
+mistake, and named once. A place that one track has elsewhere than the others is left out by itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import chdtrc
+
+from vopd.arrays import Array, Bools, Floats
+from vopd.attitude.residuals import SIGNIFICANCE, chance_text
+from vopd.findings import Finding, VopdError, count_text
+from vopd.flight.clicks import ClickEquations
+from vopd.flight.equations import Model
+from vopd.flight.errors import priors_of
+from vopd.flight.flight import Flight, frame_label, pick_label
+from vopd.flight.joint import JointSolution, solve_jointly
+
+TOLD = 0.1  # of a click's variance that the others must say: with less it is not tested
+MOST_WRONG = 0.5  # of the clicks
+MOST_TRIED = 5  # clicks that seem wrong and are not, one after the other
+MOST_NAMED = 3
+
+
+class FlightOfClicks(NamedTuple):
+    """A flight without clicks and readings that do not fit, and what is said of them."""
+
+    flight: Flight
+    findings: list[Finding]
+
+
+def without_wrong_clicks(flight: Flight) -> FlightOfClicks:
+    """Leave out clicks that do not fit the others, and places that one track has elsewhere.
+
+    They are found with the sigmas that the tracked file states.
+
+    Args:
+        flight: as it was read
+    """
+    if flight.picks.clicks is None:
+        return FlightOfClicks(flight, [])
+    try:
+        return _without(flight)
+    except (VopdError, np.linalg.LinAlgError):  # the solve says why
+        return FlightOfClicks(flight, [])
+
+
+def _without(flight: Flight) -> FlightOfClicks:
+    """Leave out one click after the other; those of a landmark all of whose clicks go stay.
+
+    That landmark is what does not fit, and it is tested with the others.
+    """
+    read, every = flight, flight.picks.clicks
+    assert every is not None
+    tells: dict[int, str] = {}
+    joint = solve_jointly(flight, priors_of(flight))
+    seems = np.zeros(len(every.frame), bool)  # wrong, and is not
+    while seems.sum() < MOST_TRIED and len(tells) < MOST_WRONG * len(every.frame):
+        chance = _chances(joint)
+        limit = SIGNIFICANCE / max(np.isfinite(chance).sum(), 1)
+        chance[seems] = np.nan
+        if not (chance < limit).any():
+            break
+        worst, clicks = int(np.nanargmin(chance)), flight.picks.clicks
+        assert clicks is not None
+        less = without_readings(flight, clicks.click == worst)
+        again = solve_jointly(less, priors_of(less))
+        away_px = _away_px(again, flight, worst)
+        size_px = float(every.sigma_px[worst])
+        if chdtrc(2.0, float((away_px**2).sum()) / size_px**2) < limit:
+            flight, joint = less, again
+            tells[worst] = _wrong_text(read, worst, away_px, float(chance[worst]))
+        else:
+            seems[worst] = True
+    out = np.isin(np.arange(len(every.frame)), list(tells))
+    count, gone = (np.bincount(every.landmark[some], minlength=1) for some in (out | True, out))
+    gone = np.append(gone, np.zeros(len(count) - len(gone), np.int64))
+    stays = (out & ((gone > 1) & (gone == count))[every.landmark]).tolist()
+    more: list[str] = []
+    if any(stays):
+        left_out = [click for click in tells if not stays[click]]
+        flight = without_readings(read, np.isin(every.click, left_out))
+    else:
+        flight, more = _without_contrary(flight, joint)
+    texts = [text for click, text in tells.items() if not stays[click]] + more
+    return FlightOfClicks(flight, [Finding(one, read.source, severity="warning") for one in texts])
+
+
+def _chances(joint: JointSolution) -> Floats:
+    """Test the errors that the solve finds of clicks: their chances, (C,); NaN: it says little.
+
+    Of the prior P and what is left M the error has the covariance P - M.
+    """
+    model = joint.model
+    size_px = model.common_sigma[model.of_clicks][::2]
+    known: Array = joint.factored.common[model.of_clicks, model.of_clicks]
+    at = 2 * np.arange(len(size_px))[:, None, None] + np.arange(2)
+    left = known[at.swapaxes(1, 2), at]
+    told = size_px[:, None, None] ** 2 * np.eye(2) - left
+    error = joint.state.click_px[model.clicked]
+    tested = np.linalg.eigvalsh(told)[:, 0] > TOLD * size_px**2
+    told[~tested] = np.eye(2)
+    squares = np.einsum("qi,qi->q", error, np.linalg.solve(told, error[..., None])[..., 0])
+    out = np.full(len(joint.state.click_px), np.nan)
+    out[model.clicked] = np.where(tested, chdtrc(2.0, squares), np.nan)
+    return out
+
+
+def _away_px(joint: JointSolution, flight: Flight, click: int) -> Floats:
+    """Find how far a click is off by the places tracked from it, (2,): the median over them.
+
+    Args:
+        joint: solved without it
+        flight: the flight with it
+        click: its index
+    """
+    clicks = flight.picks.clicks
+    assert clicks is not None
+    rows = np.flatnonzero(clicks.click == click)
+    seen = _images_px(joint, flight)
+    place = flight.picks.pixel[clicks.pick[rows]] + clicks.off_px[rows]
+    away = np.linalg.solve(clicks.by_click[rows], (place - seen[clicks.pick[rows]])[..., None])
+    known = np.isfinite(away).all(axis=(1, 2))
+    if not known.any():
+        return np.zeros(2)
+    return np.asarray(np.median(away[known, :, 0], axis=0))
+
+
+def _images_px(joint: JointSolution, flight: Flight) -> Floats:
+    """Compute the images of all picks of a flight in a solution, (P, 2); NaN: there is none."""
+    count = len(flight.picks.frame)
+    found = np.full((count, 2), np.nan)
+    solved = np.isfinite(joint.solved.attitudes.rotation[:, 0, 0])
+    priors = replace(joint.model.priors, click_px=None)
+    every = Model(flight, priors, np.ones(count, bool), solved, flight.picks.sigma_px)
+    for rows in every.rows(joint.state):
+        residual = rows.residual / every.scale[rows.picks][..., None]
+        at = every.pick[rows.picks]
+        found[at] = flight.picks.pixel[at] - residual
+    return found
+
+
+def _without_contrary(flight: Flight, joint: JointSolution) -> tuple[Flight, list[str]]:
+    """Leave out the reading that is farthest from the solution where readings contradict."""
+    model, clicks = joint.model, flight.picks.clicks
+    if clicks is None or model.clicks is None:
+        return flight, []
+    spare = model.clicks.spare
+    squares = model.clicks.squares(joint.state.click_px)
+    # a match may be worse than its file states, all of them as much
+    usual = np.median(squares[spare > 0] / (2.0 * spare[spare > 0])) if spare.any() else 1.0
+    chance = chdtrc(2.0 * np.maximum(spare, 1), squares / max(usual, 1.0))
+    contrary = np.zeros(len(flight.picks.frame), bool)
+    limit = SIGNIFICANCE / max(int((spare > 0).sum()), 1)
+    contrary[model.pick] = (spare > 0) & (chance < limit)
+    if not contrary.any():
+        return flight, []
+    rows = np.flatnonzero(contrary[clicks.pick])
+    shift = np.einsum("rij,rj->ri", clicks.by_click, joint.state.click_px[clicks.click])
+    place = flight.picks.pixel[clicks.pick] + clicks.off_px - shift
+    away = np.hypot(*(place - _images_px(joint, flight)[clicks.pick]).T)[rows]
+    order = rows[np.lexsort((-np.nan_to_num(away, nan=np.inf), clicks.pick[rows]))]
+    first = np.append(True, np.diff(clicks.pick[order]) > 0)
+    out = np.zeros(len(clicks.pick), bool)
+    out[order[first]] = True
+    labels = [pick_label(flight, int(k)) for k in np.flatnonzero(contrary)]
+    left = len(labels) - MOST_NAMED
+    named = ", ".join(labels[:MOST_NAMED]) + f" and {left} more" * (left > 0)
+    told = (
+        f"{named}: the places tracked from several clicks contradict each other; the one that is "
+        "farthest from the solution is not used"
+    )
+    return without_readings(flight, out), [told]
+
+
+def _wrong_text(flight: Flight, click: int, away_px: Floats, chance: float) -> str:
+    """Say that a click does not fit."""
+    clicks = flight.picks.clicks
+    assert clicks is not None
+    name = flight.landmarks.name[clicks.landmark[click]]
+    places = count_text(int((clicks.click == click).sum()) - 1, "place")
+    u, v = away_px
+    return (
+        f"{frame_label(flight, int(clicks.frame[click]))}: the click of {name} does not fit the "
+        f"other clicks, it is {np.hypot(u, v):.1f} px off ({u:+.1f}, {v:+.1f}; "
+        f"{clicks.sigma_px[click]:g} stated; chance {chance_text(chance)}): it and {places} that "
+        "are tracked from it are not used; click it again, and run vopd track again"
+    )
+
+
+def without_readings(flight: Flight, out: Bools) -> Flight:
+    """Take readings out of a flight, and picks that have none without them.
+
+    Args:
+        flight: of clicks and tracks
+        out: readings that are left out, (R,)
+    """
+    picks, clicks = flight.picks, flight.picks.clicks
+    assert clicks is not None
+    rows = np.flatnonzero(~out)
+    kept = np.unique(clicks.pick[rows])
+    left = clicks.readings(rows, np.searchsorted(kept, clicks.pick[rows]))
+    shift = np.zeros((len(kept), 2))
+    np.add.at(shift, left.pick, left.off_px * left.part[:, None])
+    left = replace(left, off_px=left.off_px - shift[left.pick])
+    sigma_px = np.bincount(left.pick, left.own_px**-2.0, len(kept)) ** -0.5
+    fewer = replace(
+        picks,
+        frame=picks.frame[kept],
+        landmark=picks.landmark[kept],
+        pixel=picks.pixel[kept] + shift,
+        sigma_px=np.asarray(sigma_px),
+        part=None if picks.part is None else picks.part[kept],
+        clicks=left,
+    )
+    return replace(flight, picks=fewer)
+
+
+# What is said of the clicks of a flight
+
+
+def clicks_text(joint: JointSolution) -> str:
+    """Describe the clicks of a flight, and how far they are off as the solve finds.
+
+    Args:
+        joint: the solution of a flight with clicks
+    """
+    model, clicks = joint.model, joint.model.flight.picks.clicks
+    assert clicks is not None and isinstance(model.clicks, ClickEquations)
+    error = joint.state.click_px[model.clicked]
+    left = np.diag(joint.factored.common)[model.of_clicks]
+    count = count_text(len(error), "click")
+    stated_px = float(np.sqrt((clicks.sigma_px[model.clicked] ** 2).mean()))
+    return (
+        f"{count}, off by {np.sqrt((error**2).mean()):.2f} px rms of u and v "
+        f"({stated_px:.2g} stated), known to {np.sqrt(left.mean()):.2f} px"
+    )
