@@ -436,6 +436,10 @@ TOLERANCES = {
         "px", 0.05, "second order of a step of .1 degree, places of 2 m"
     ),
     "updated gain": Tolerance("1", 0.2, "second order of a step, of gains to 15"),
+    "squares of thirty flights": Tolerance(
+        "1", 0.45, "one flight has .8, as few clicks turn all of it; three deviations"
+    ),
+    "sigma of a match": Tolerance("px", 0.005, "3 times 300 degrees of freedom, 2.5 deviations"),
     "joint minimum": Tolerance("sigma", 1e-7, "the solve ends at steps of 1E-8 sigma"),
     "joint cost": Tolerance("1", 1e-8, "sums of squares of 100, residuals to 1E-10"),
     "joint residual": Tolerance("1", 1e-7, "residuals of 3 by marginal weights of condition 1E6"),

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from tests.kit.joint_flights import LensTruth, Scene, axes, drone, flight_of, turned_out
@@ -19,7 +18,7 @@ from vopd.flight.equations import Priors
 from vopd.flight.flight import Flight
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.tracked import CLICKED, TRACKED, TrackedRows
-from vopd.flight.read import CLICK_ALONE, join_tracks
+from vopd.flight.tracked_picks import CLICK_ALONE, join_tracks
 
 
 class ClickedFlight(NamedTuple):
@@ -127,15 +126,16 @@ def dense_solution(one: ClickedFlight, start: Floats, match_px: float) -> DenseS
         return np.concatenate([off.ravel(), prior.ravel(), (moved / size_m[free]).ravel()])
 
     scale = np.concatenate(
-        [np.full(3 * frames, 1e-4), np.full(2 * click, 0.1), np.full(3 * len(free), 0.1)]
+        [np.full(3 * frames, 1e-4), np.full(2 * click, 0.1), np.full(3 * len(free), 0.01)]
     )
-    found = least_squares(
-        residual, np.zeros(len(scale)), jac="3-point", x_scale=scale, xtol=1e-14, ftol=1e-15,
-        gtol=1e-14,
-    )  # fmt: skip
-    covariance = np.linalg.inv(found.jac.T @ found.jac)
-    turn = Rotation.from_rotvec(found.x[: cuts[0]].reshape(-1, 3)).as_matrix()
-    error = found.x[cuts[0] : cuts[1]].reshape(-1, 2)
+    step = np.zeros(len(scale))
+    for _ in range(6):
+        by = [residual(step + e) - residual(step - e) for e in np.diag(scale)]
+        slopes = np.stack(by, axis=1) / (2.0 * scale)
+        step = step - np.linalg.lstsq(slopes, residual(step), rcond=None)[0]
+    covariance = np.linalg.inv(slopes.T @ slopes)
+    turn = Rotation.from_rotvec(step[: cuts[0]].reshape(-1, 3)).as_matrix()
+    error = step[cuts[0] : cuts[1]].reshape(-1, 2)
     return DenseSolution(turn @ start, covariance[: cuts[0], : cuts[0]], error)
 
 

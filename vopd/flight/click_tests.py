@@ -42,8 +42,6 @@ def without_wrong_clicks(flight: Flight) -> FlightOfClicks:
     Args:
         flight: as it was read
     """
-    if flight.picks.clicks is None:
-        return FlightOfClicks(flight, [])
     try:
         return _without(flight)
     except (VopdError, np.linalg.LinAlgError):  # the solve says why

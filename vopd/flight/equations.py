@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.flight.clicks import ClickEquations
 from vopd.flight.flight import Flight, Refraction, TrackFixes
 from vopd.flight.lines_of_sight import apparent, vertical_by_position
 from vopd.flight.readout import row_parts
@@ -22,6 +21,9 @@ from vopd.geometry.earth import NED_FROM_ENU, Geodetic, axes_at, geodetic
 from vopd.geometry.lenses import Lens, LensKind, Projection, project
 from vopd.geometry.linear import crossing
 from vopd.geometry.rotations import rotation_matrices
+
+if TYPE_CHECKING:
+    from vopd.flight.clicks import ClickEquations
 
 # Unknowns and their priors
 
@@ -252,8 +254,11 @@ class Model:
         seen = np.bincount(self.landmark, minlength=len(stated)) > 0
         self.free = np.flatnonzero(seen & (stated > 0.0).any(axis=1))
         own = np.maximum(stated[self.free], LEAST_SIGMA_M).ravel()
-        self.clicks, self.clicked, by_click = None, np.zeros(0, np.int64), np.zeros(0)
+        self.clicks: ClickEquations | None = None
+        self.clicked, by_click = np.zeros(0, np.int64), np.zeros(0)
         if picks.clicks is not None and priors.click_px is not None:
+            from vopd.flight.clicks import ClickEquations  # of few flights
+
             self.clicks = ClickEquations(picks.clicks, self.pick)
             self.clicked = self.clicks.seen
             by_click = np.repeat(priors.click_px[self.clicked], 2)

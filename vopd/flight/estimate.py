@@ -24,7 +24,6 @@ from vopd.estimate import (
     Words,
 )
 from vopd.findings import count_text
-from vopd.flight.click_tests import clicks_text
 from vopd.flight.errors import (
     ADJUSTED,
     HeldEffects,
@@ -248,6 +247,8 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
     if flight.path.gimbal_deg is not None:
         conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
     if joint is not None and joint.model.clicks is not None:
+        from vopd.flight.click_tests import clicks_text  # of few flights
+
         conventions["clicks"] = clicks_text(joint)
     if joint is not None and joint.model.flight.options.free:
         conventions["solved for"] = free_text(joint, covariance_of_common(joint))

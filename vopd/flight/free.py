@@ -10,7 +10,6 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError
-from vopd.flight.clicks import ClickEquations
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, with_parameters
 from vopd.flight.files import did_you_mean
 from vopd.flight.flight import Flight, NotHeld
@@ -245,6 +244,8 @@ def as_solved(flight: Flight, joint: JointSolution) -> Flight:
 
 def _as_clicked(flight: Flight, joint: JointSolution) -> Flight:
     """Take the errors of clicks off the picks, and leave what is not known of them."""
+    from vopd.flight.clicks import ClickEquations  # of few flights
+
     model, picks = joint.model, flight.picks
     clicks = picks.clicks
     assert clicks is not None

@@ -23,7 +23,6 @@ from vopd.flight.coordinates import (
 from vopd.flight.files import did_you_mean, read_by_content, shown
 from vopd.flight.flight import (
     CameraPath,
-    Clicks,
     Flight,
     LandmarkSet,
     Picks,
@@ -42,15 +41,6 @@ from vopd.flight.formats.lens import (
     make_lens,
 )
 from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows
-from vopd.flight.formats.tracked import (
-    AGAIN,
-    CLICKED,
-    TRACKED,
-    TrackedRows,
-    read_tracked,
-    recognises_tracked,
-    refuse_stale,
-)
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.free import check_free
 from vopd.flight.project import ROWS, Project, Section, read_project
@@ -234,9 +224,6 @@ APART = 20.0  # standard deviations between picks of one point that cannot both 
 
 
 POINTS_AT_ONCE = 100_000
-MOST_SIZES = 10.0  # of the image, from its first pixel to a tracked one
-CLICK_ALONE = 0.01  # of a click's standard deviation that no track of it shares
-LEAST_MATCH_PX = 0.02  # standard deviation of a match below which it is not believed
 
 
 def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
@@ -250,7 +237,9 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
     if section.has("tracked_from") and not section.has("tracked"):
         raise section.error("tracked_from", "is of the key tracked, which is missing")
     if section.has("tracked") and section.text("tracked_from") == "clicks":
-        return _tracked_rows(project, size_px)
+        from vopd.flight.tracked_picks import read_tracked_picks  # of few flights
+
+        return read_tracked_picks(project, size_px)
     file = project.open("picks", "tracked" if section.has("tracked") else "file")
     rows = project.read("picks", file, PICK_FORMATS)
     if section.has("tracked"):
@@ -283,36 +272,6 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
     return replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
 
 
-def _tracked_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
-    """Read the picks that `vopd track` has found from a person's clicks."""
-    section, file = project.section("picks"), project.open("picks", "tracked")
-    if not recognises_tracked(file):
-        raise section.error(
-            "tracked",
-            f"{file.name} is not what vopd track writes; for picks by another program write "
-            'tracked_from = "unknown"',
-        )
-    key = "tracked", file.name
-    if key not in project.held:
-        project.held[key] = read_tracked(file)
-    rows: TrackedRows = project.held[key]
-    doubts = refuse_stale(file, rows, project)
-    rows = rows.where(np.isin(rows.status, (CLICKED, TRACKED)))
-    if not len(rows.landmark):
-        raise file.error(f"no landmark is found in any frame: {AGAIN}")
-    far = np.abs(rows.pixel).max(axis=1) > MOST_SIZES * max(size_px)
-    if far.any():
-        k = int(np.argmax(far))
-        message = f"{rows.landmark[k]} in frame {rows.frame[k]} is far outside the image"
-        raise file.error(f"{message} of {size_px[0]} x {size_px[1]}: {AGAIN}")
-    clicked = int((rows.status == CLICKED).sum())
-    said = f"{file.name}: {count_text(clicked, 'click')} and {len(rows.frame) - clicked} tracked "
-    said += "places from them; " + "; ".join(doubts) if doubts else "places from them"
-    return PickRows(
-        rows.frame, rows.landmark, rows.pixel, rows.sigma_px, "centre", None, said, tracks=rows
-    )
-
-
 def join_picks(
     read: PickRows,
     frame_label: Callable[[int], str],
@@ -332,7 +291,7 @@ def join_picks(
     """
     frame, names = np.asarray(read.frame), read.landmark
     own_of, findings = known_landmarks(names, landmarks, project)
-    rows, first = _by_point(frame, own_of[names.which])
+    rows, first = by_point(frame, own_of[names.which])
     count = np.diff(first)
     mean, sigma = _means(read, rows, first)
     own, frame = own_of[names.which[rows[first[:-1]]]], frame[rows[first[:-1]]]
@@ -401,7 +360,7 @@ def known_landmarks(
     return in_four_bytes(np.array([index.get(name, -1) for name in names.known])), findings
 
 
-def _by_point(frame: Ints, own: Ints) -> tuple[Ints, Ints]:
+def by_point(frame: Ints, own: Ints) -> tuple[Ints, Ints]:
     """Sort the picks of known landmarks by frame and landmark, those of one point together.
 
     Args:
@@ -447,46 +406,6 @@ def _contrary(away: Floats, sigma: Floats, inverse: Ints, points: int) -> Bools:
     """Find points with a pick that is too far from the mean of its picks, (points,)."""
     far = np.hypot(*away.T) > APART / 2.0 * sigma
     return np.asarray(np.bincount(inverse[far], minlength=points) > 0)
-
-
-def join_tracks(
-    read: PickRows, number: Ints, landmarks: tuple[str, ...], project: str
-) -> tuple[Picks, list[Finding]]:
-    """Join the places of each landmark in each frame by the clicks that they were tracked from.
-
-    Args:
-        read: the picks, `frame` the index of its frame for each
-        number: of the frames, (F,)
-        landmarks: the names of the landmarks
-        project: the project's name, for findings
-    """
-    tracks, frame = read.tracks, np.asarray(read.frame)
-    assert tracks is not None
-    own_of, findings = known_landmarks(read.landmark, landmarks, project)
-    rows, first = _by_point(frame, own_of[read.landmark.which])
-    clicked = tracks.status[rows] == CLICKED
-    own_px = np.where(clicked, CLICK_ALONE * tracks.sigma_px[rows], tracks.sigma_px[rows])
-    mark, source = own_of[read.landmark.which[rows]], tracks.from_frame[rows]
-    keys, click = np.unique(np.stack([mark, source]), axis=1, return_inverse=True)
-    click_px = np.ones(keys.shape[1])
-    click_px[click[clicked]] = tracks.sigma_px[rows][clicked]
-    pick = np.repeat(np.arange(len(first) - 1), np.diff(first))
-    weight = own_px**-2.0
-    total = np.bincount(pick, weight, len(first) - 1)
-    pixel = np.zeros((len(total), 2))
-    np.add.at(pixel, pick, tracks.pixel[rows] * weight[:, None])
-    pixel /= total[:, None]
-    usual = float(np.median(own_px[~clicked] if not clicked.all() else own_px))
-    clicks = Clicks(
-        np.searchsorted(number, keys[1]), keys[0], click_px, pick, click,
-        tracks.pixel[rows] - pixel[pick], tracks.by_click[rows], own_px, tracks.lost,
-    )  # fmt: skip
-    at = rows[first[:-1]]
-    picks = Picks(
-        frame[at], own_of[read.landmark.which[at]], pixel, np.asarray(total**-0.5),
-        one_sigma_px=usual, least_sigma_px=LEAST_MATCH_PX, clicks=clicks,
-    )  # fmt: skip
-    return picks, findings
 
 
 # The flight of a project file
@@ -565,6 +484,8 @@ def _flight_of(project: Project) -> Flight:
         if one:
             message = '"one" is for picks of a camera that does not turn, not for tracked ones'
             raise project.section("solve").error("frames", message)
+        from vopd.flight.tracked_picks import join_tracks  # likewise
+
         joined, findings = join_tracks(picks, number, landmarks.name, name)
     else:
         joined, findings = join_picks(picks, label, landmarks.name, name)

@@ -28,7 +28,6 @@ from vopd.flight.blunders import (
     gross_picks,
     suspected_frames,
 )
-from vopd.flight.click_tests import without_wrong_clicks
 from vopd.flight.errors import SOLVED_WITH, priors_of, with_sigmas
 from vopd.flight.estimate import (
     FlightEstimates,
@@ -296,8 +295,11 @@ def solve_flight_read(
         VopdError: where no frame has two landmarks
     """
     require_two_landmarks(flight)
-    stated = flight
-    flight, of_clicks = without_wrong_clicks(flight)
+    stated, of_clicks = flight, list[Finding]()
+    if flight.picks.clicks is not None:
+        from vopd.flight.click_tests import without_wrong_clicks  # of few flights
+
+        flight, of_clicks = without_wrong_clicks(flight)
     by_themselves = replace(flight, picks=flight.picks.with_clicks_as_own)
     first = solve(by_themselves)
     suspected = suspected_frames(first)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.special import chdtrc
 
 from vopd.arrays import Array, Bools, Floats
-from vopd.flight.clicks import ClickEquations
 from vopd.flight.joint import DERIVATIVE, JointSolution, unfollowed
 from vopd.flight.normal import Factored
+
+if TYPE_CHECKING:
+    from vopd.flight.clicks import ClickEquations
 
 
 def explained(solution: JointSolution) -> dict[str, float]:

@@ -1,0 +1,168 @@
+"""Clicks as unknowns: against one dense matrix, drawn errors, clicks that do not fit, files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.kit.clicked_flights import ClickedFlight, clicked_flight, dense_solution, with_rows
+from tests.kit.flight_project import TOML, pixels, write_project
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.errors import priors_of
+from vopd.flight.formats.picks import Names
+from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
+from vopd.flight.joint import covariance_of_sums, solve_jointly
+from vopd.flight.project import read_project
+from vopd.flight.result import FlightResult, solve_flight, solve_flight_read
+from vopd.flight.solve import SolvedFlight
+
+
+@pytest.mark.parametrize(("seed", "landmark_m"), [(0, 0.0), (1, 0.05)])
+def test_joint_solution_is_that_of_one_dense_matrix(seed: int, landmark_m: float) -> None:
+    """A row for each reading there; here readings of one place are one pick, and differences."""
+    one = clicked_flight(np.random.default_rng(seed), 8, 4, every=4, reach=5, landmark_m=landmark_m)
+    joint = solve_jointly(one.flight, priors_of(one.flight))
+    dense = dense_solution(one, joint.state.rotation, 0.08)
+    turn = Rotation.from_matrix(dense.rotation @ joint.state.rotation.swapaxes(1, 2)).as_rotvec()
+    sigma = np.sqrt(np.diag(dense.turn))
+    assert_close("dense minimum", turn.ravel() / sigma, 0.0 * sigma)
+    assert_close("dense minimum", joint.state.click_px, dense.click_px)
+    own = np.sqrt(np.einsum("fii->fi", joint.covariance.turn)).ravel()
+    assert_close("dense minimum", own / sigma, np.ones_like(sigma))
+    mean = np.tile(np.eye(3) / 8, (1, 8))
+    total, parts = covariance_of_sums(joint, np.tile(np.eye(3) / 8, (8, 1, 1)))
+    of_mean = mean @ dense.turn @ mean.T
+    assert_close("dense minimum", total / np.abs(of_mean).max(), of_mean / np.abs(of_mean).max())
+    assert "click, common" in parts
+
+
+def turns(one: ClickedFlight, solved: SolvedFlight) -> np.ndarray:
+    """How far the solved cameras are turned from the true ones, about their axes, (F, 3)."""
+    rotation = solved.attitudes.rotation
+    return Rotation.from_matrix(rotation @ one.scene.rotation.swapaxes(1, 2)).as_rotvec()
+
+
+def test_stated_sigmas_are_those_of_drawn_errors() -> None:
+    """Thirty flights; `python -m tools.click_coverage` counts hundreds, by whole solves."""
+    squares, inside = [], []
+    for seed in range(30):
+        one = clicked_flight(np.random.default_rng(seed), 20, 5, every=10, reach=15)
+        joint = solve_jointly(one.flight, priors_of(one.flight))
+        off = turns(one, joint.solved)
+        known = np.linalg.inv(joint.covariance.turn)
+        squares.append(np.einsum("fi,fij,fj->f", off, known, off).mean() / 3.0)
+        of_mean, _ = covariance_of_sums(joint, np.tile(np.eye(3) / 20, (20, 1, 1)))
+        mean = off.mean(axis=0)
+        inside.append(mean @ np.linalg.solve(of_mean, mean) < 7.815)  # .95 of chi-square, 3
+    assert_close("squares of thirty flights", np.mean(squares), 1.0)
+    assert sum(inside) >= 25
+
+
+def test_sigma_of_a_match_is_estimated_beside_clicks() -> None:
+    sigmas = []
+    for seed in range(3):
+        one = clicked_flight(np.random.default_rng(seed), 30, 5, every=15, reach=20, stated_px=0.2)
+        result = solve_flight_read(one.flight)
+        assert result.estimates.reading is not None and not result.findings
+        sigmas.append(result.estimates.reading.sigma)
+    assert_close("sigma of a match", np.mean(sigmas), 0.08)
+
+
+def moved(one: ClickedFlight, which: np.ndarray, by_px: list[float], carried: bool) -> FlightResult:
+    """Solve with some readings moved, by an error of their click or as they are."""
+    pixel = one.rows.pixel.copy()
+    pixel[which] += one.rows.by_click[which] @ by_px if carried else by_px
+    return solve_flight_read(with_rows(one.flight, replace(one.rows, pixel=pixel)))
+
+
+def test_a_click_on_another_mast_is_named_once_and_not_its_tracks() -> None:
+    one = clicked_flight(np.random.default_rng(12))
+    marks = np.array(one.rows.landmark)
+    good = np.abs(turns(one, solve_flight_read(one.flight).estimates.solved)).max()
+    for off_px in (3.0, 200.0):
+        own = (marks == "P3") & (one.rows.from_frame == 39)
+        found = moved(one, own, [off_px, 0.0], carried=True)
+        assert [f.message.partition(",")[0] for f in found.findings] == [
+            "frame 39: the click of P3 does not fit the other clicks"
+        ]
+        assert np.abs(turns(one, found.estimates.solved)).max() < 2.0 * good
+
+
+def test_places_that_do_not_fit_are_named_by_frame() -> None:
+    one = clicked_flight(np.random.default_rng(12))
+    here = (one.rows.frame == 30) & (np.array(one.rows.landmark) == "P2")
+    found = moved(one, here, [0.0, 1.5], carried=False)
+    (said,) = [f.message for f in found.findings]
+    assert said.startswith("frame 30: P2 does not fit the others")
+    one_of_them = here & (one.rows.from_frame == one.rows.from_frame[here][0])
+    (said,) = [f.message for f in moved(one, one_of_them, [0.0, 4.0], carried=False).findings]
+    assert said.startswith("frame 30: P2: the places tracked from several clicks contradict")
+
+
+def test_a_landmark_with_wrong_coordinates_is_no_wrong_click() -> None:
+    one = clicked_flight(np.random.default_rng(12), 30, every=15)
+    position_m = one.flight.landmarks.position_m.copy()
+    position_m[3] += 1.0
+    marks = replace(one.flight.landmarks, position_m=position_m)
+    said = " ".join(
+        f.message for f in solve_flight_read(replace(one.flight, landmarks=marks)).findings
+    )
+    assert "P3 does not fit the other landmarks" in said and "the click of" not in said
+
+
+# A project with a tracked file
+
+KEYS = 'pixel_grid = "centre"\ntracked = "tracked.csv"\n'
+CLICKED_TOML = TOML.replace('pixel_grid = "centre"\nframe_rate', KEYS + "frame_rate")
+
+
+def clicked_project(folder: Path) -> Path:
+    """A project of five frames: six landmarks clicked in frame 0 and tracked to the others."""
+    path = write_project(folder, CLICKED_TOML)
+    seen = pixels(0.05)
+    rows = (folder / "picks.csv").read_text().splitlines(keepends=True)
+    (folder / "picks.csv").write_text("".join(rows[:7]))
+    frame, mark = np.divmod(np.arange(30), 6)
+    names = ("church", "mast", "bridge", "corner", "tower", "well")
+    tracks = TrackedRows(
+        frame, Names(names[k] for k in mark), seen.reshape(-1, 2),
+        np.where(frame == 0, 0.5, 0.05), np.zeros(30, int), np.tile(np.eye(2), (30, 1, 1)),
+        np.ones(30), (frame > 0).astype(int), track_digests(read_project(str(path))),
+    )  # fmt: skip
+    (folder / "tracked.csv").write_text("".join(tracked_lines(tracks)))
+    return path
+
+
+def test_a_project_of_clicks_is_solved_from_its_tracked_file(tmp_path: Path) -> None:
+    result = solve_flight(clicked_project(tmp_path))
+    assert result.solved.all() and not result.findings
+    history = result.history()
+    assert (history.uncertainty.components["click"][:, :3] > 0.0).all()
+    assert "6 clicks and 24 tracked places" in " ".join(result.about)
+
+
+def test_other_clicks_need_another_track(tmp_path: Path) -> None:
+    path = clicked_project(tmp_path)
+    with (tmp_path / "picks.csv").open("a") as file:
+        file.write("3,mast,700,500\n")
+    with pytest.raises(VopdError, match=r"\[picks\] tracked: tracked.csv was made of .*again"):
+        solve_flight(path)
+
+
+def test_another_lens_is_said_and_the_picks_serve(tmp_path: Path) -> None:
+    path = clicked_project(tmp_path)
+    path.write_text(path.read_text().replace("fx_px = 1500.0", "fx_px = 1501.0"))
+    said = " ".join(solve_flight(path).about)
+    assert "lens, landmarks or positions have changed" in said and "run vopd track again" in said
+
+
+def test_a_file_of_another_program_needs_tracked_from(tmp_path: Path) -> None:
+    path = clicked_project(tmp_path)
+    path.write_text(path.read_text().replace("tracked.csv", "picks.csv"))
+    with pytest.raises(VopdError, match='tracked_from = "unknown"'):
+        solve_flight(path)
