@@ -17,6 +17,7 @@ from vopd.flight.errors import priors_of
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
 from vopd.flight.joint import covariance_of_sums, solve_jointly
+from vopd.flight.next_click import next_clicks
 from vopd.flight.project import read_project
 from vopd.flight.result import FlightResult, solve_flight, solve_flight_read
 from vopd.flight.solve import SolvedFlight
@@ -166,3 +167,24 @@ def test_a_file_of_another_program_needs_tracked_from(tmp_path: Path) -> None:
     path.write_text(path.read_text().replace("tracked.csv", "picks.csv"))
     with pytest.raises(VopdError, match='tracked_from = "unknown"'):
         solve_flight(path)
+
+
+def test_the_next_click_lowers_the_sigma_as_a_solve_with_it_does() -> None:
+    one = clicked_flight(np.random.default_rng(3), 20, 5, every=20, reach=20)
+    joint = solve_jointly(one.flight, priors_of(one.flight))
+    found = next_clicks(joint)
+    assert len(found) == 3
+    picks = one.flight.picks
+    for k, click in enumerate(found):
+        some = found[: k + 1]
+        more = replace(
+            picks,
+            frame=np.append(picks.frame, [one.frame for one in some]),
+            landmark=np.append(picks.landmark, [one.landmark for one in some]),
+            pixel=np.vstack([picks.pixel, [one.pixel for one in some]]),
+            sigma_px=np.append(picks.sigma_px, np.full(k + 1, 0.5)),
+        )
+        flight = replace(one.flight, picks=more)
+        again = solve_jointly(flight, priors_of(flight))
+        rms = np.sqrt(np.einsum("fii->f", again.covariance.turn).mean() / 3.0)
+        assert_close("dense minimum", click.after_deg / np.degrees(rms), 1.0)

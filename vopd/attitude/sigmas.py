@@ -143,15 +143,15 @@ COMMON = (
 """Components whose error is the same in all frames; a mean over frames does not reduce it."""
 
 
-EACH_LANDMARK = ("click",)
-"""Components of which the residuals of each landmark have errors of their own in a frame."""
+OF_FRAMES = ("click",)
+"""Components whose columns of residuals are other errors in each frame."""
 
 
 class ErrorComponent(NamedTuple):
     """What an error of one standard deviation in each of C causes does in F frames.
 
-    With `each_landmark` the causes are those of every landmark by itself: the C columns of
-    `residual` are its own east, north, up, or u, v of its click.
+    With `each_landmark` the causes are those of every landmark by itself: the C = 3
+    columns of `residual` are its own east, north, up.
     """
 
     name: str
@@ -194,8 +194,8 @@ def given_components(
     if sigmas.time_s > 0.0:
         found.append(_time(estimate, sigmas.time_s))
     for name, change in estimate.further.items():
-        one = _by_residuals(name, change, each_landmark=name in EACH_LANDMARK)
-        found.append(one._replace(common=one.common and not one.each_landmark))
+        one = _by_residuals(name, change)
+        found.append(one._replace(common=one.common and name not in OF_FRAMES))
     if sigmas.mount_deg > 0.0:
         found.append(_mount(estimate, sigmas.mount_deg))
     velocity = estimate.velocity_sigma

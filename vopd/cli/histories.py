@@ -27,6 +27,7 @@ class Collected(NamedTuple):
     misfits: bool  # some flight does
     mistaken: int  # flights whose residuals, or track, speak for an error of their inputs
     warnings: int = 0  # that have been told
+    clicks: tuple[str, ...] = ()  # where to click next in flights that are tracked from clicks
 
     def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
@@ -105,6 +106,7 @@ def collect_jobs(
                 found = found._replace(
                     misfits=found.misfits or one.misfits, mistaken=found.mistaken + one.mistaken
                 )
+                found = found._replace(clicks=(*found.clicks, *one.next_clicks))
                 made = one.history_parts(options.history)
                 made = made if by_parts else one_part(made.whole)
             if misfits and made.counted:

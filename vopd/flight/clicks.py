@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
-from vopd.flight.flight import Clicks
+from vopd.arrays import Bools, Floats, Ints
+from vopd.flight.flight import Clicks, FrameSlots
 
 
 class ClickEquations:
@@ -35,14 +35,9 @@ class ClickEquations:
         """
         self._readings = own = clicks.of_picks(pick)
         self.seen, self._local = np.unique(own.click, return_inverse=True)
-        count, q = np.bincount(own.pick, minlength=len(pick)), len(self.seen)
-        self.spare = np.maximum(count - 1, 0)
-        slot = np.arange(len(own.pick)) - np.repeat(np.cumsum(count) - count, count)
-        slots = int(count.max(initial=0))
-        self.column = np.full((len(pick), slots), q)
-        self.by_click = np.zeros((len(pick), slots, 2, 2))
-        self.column[own.pick, slot] = self._local
-        self.by_click[own.pick, slot] = own.by_click * own.part[:, None, None]
+        q = len(self.seen)
+        self.spare = np.maximum(np.bincount(own.pick, minlength=len(pick)) - 1, 0)
+        self.column, self.by_click = _of_picks(own, self._local, len(pick), q)
         self._weight = own.own_px**-2.0
         weighted = own.by_click * self._weight[:, None, None]
         right = np.zeros((q, 2))
@@ -99,3 +94,45 @@ class ClickEquations:
         away = own.off_px - shift + mean[own.pick]
         squares = self._weight * (away**2).sum(axis=1)
         return np.bincount(own.pick, squares, len(self.column)).astype(np.float64)
+
+
+def _of_picks(own: Clicks, click: Ints, picks: int, none: int) -> tuple[Ints, Floats]:
+    """Spread readings in the order of their picks: clicks (P, S) and derivatives (P, S, 2, 2)."""
+    count = np.bincount(own.pick, minlength=picks)
+    slot = np.arange(len(own.pick)) - np.repeat(np.cumsum(count) - count, count)
+    slots = int(count.max(initial=0))
+    column, by_click = np.full((picks, slots), none), np.zeros((picks, slots, 2, 2))
+    column[own.pick, slot] = click
+    by_click[own.pick, slot] = own.by_click * own.part[:, None, None]
+    return column, by_click
+
+
+AT_ONCE = 4_000_000  # numbers
+
+
+def errors_of_frames(clicks: Clicks, slots: FrameSlots, used: Bools) -> Floats:
+    """Find errors of the picks of each frame that have the covariance by their clicks, (F, 2L, 2L).
+
+    Args:
+        clicks: of the picks
+        slots: where each pick stands in arrays of frames
+        used: picks that take part, (P,)
+    """
+    picks, marks = len(slots.frame), slots.slots
+    own = clicks.of_picks(np.arange(picks))
+    column, by_click = _of_picks(own, own.click, picks, 0)
+    root = clicks.root
+    if root is None:
+        root = np.diag(np.repeat(clicks.sigma_px, 2))
+    by_click[~used] = 0.0
+    columns, by = slots.spread(column), slots.spread(by_click)
+    out = np.zeros((slots.frames, 2 * marks, 2 * marks))
+    step = max(AT_ONCE // max(columns[0].size * 2 * root.shape[1], 1), 1)
+    for first in range(0, slots.frames, step):
+        some = slice(first, first + step)
+        rows = root[2 * columns[some][..., None] + np.arange(2)]
+        moved = np.einsum("flsac,flscr->falr", by[some], rows)
+        moved = moved.reshape(len(moved), 2 * marks, -1)
+        size, axes = np.linalg.eigh(moved @ moved.swapaxes(1, 2))
+        out[some] = axes * np.sqrt(np.maximum(size, 0.0))[:, None]
+    return out

@@ -705,8 +705,9 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     responses = pick_responses(solved, slots, used, seen, attack, body_turns)
     fixes, fix_sigma, further = flight.path.fixes, None, {}
     if picks.clicks is not None:
-        root = _symmetric_root(picks.clicks.variance_px2(len(picks.frame)))
-        further["click"] = slots.coordinates(_part(used, root))
+        from vopd.flight.clicks import errors_of_frames  # of few flights
+
+        further["click"] = errors_of_frames(picks.clicks, slots, used)
     if fixes is not None and fixes.exact:
         further["interpolation"] = responses.position * fixes.frame_sigma_m[:, None]
     elif fixes is not None:
@@ -762,12 +763,6 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         gimbal_deg=flight.path.gimbal_deg,
         rate_unknown=None if turning is None else np.isnan(turning[:, 0]),
     )
-
-
-def _symmetric_root(variance: Floats) -> Floats:
-    """Take roots of covariances (P, 2, 2)."""
-    size, axes = np.linalg.eigh(variance)
-    return np.asarray(axes * np.sqrt(np.maximum(size, 0.0))[:, None])
 
 
 def _of_frames(rotation: Floats, direction: Floats) -> Floats:

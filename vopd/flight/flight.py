@@ -39,6 +39,8 @@ class Clicks:
     by_click: Floats  # (R, 2, 2) shift of the reading by a shift of the click
     own_px: Floats  # (R,) standard deviation of u and of v besides the click's error
     lost: Ints  # numbers of frames in which fewer than two landmarks are found
+    root: Floats | None = None
+    """Times its transpose the covariance of u, v of all clicks, (2C, C'); None: by `sigma_px`."""
 
     @cached_property
     def part(self) -> Floats:

@@ -250,11 +250,13 @@ def _as_clicked(flight: Flight, joint: JointSolution) -> Flight:
     clicks = picks.clicks
     assert clicks is not None
     every = ClickEquations(clicks, np.arange(len(picks.frame)))
-    variance = np.diag(joint.factored.common)[model.of_clicks].reshape(-1, 2).mean(axis=1)
-    sigma_px = clicks.sigma_px.copy()
-    sigma_px[model.clicked] = np.sqrt(variance)
+    left = np.asarray(joint.factored.common)[model.of_clicks, model.of_clicks]
+    at = (2 * model.clicked[:, None] + np.arange(2)).ravel()
+    root = np.diag(np.repeat(clicks.sigma_px, 2))
+    root[np.ix_(at, at)] = np.linalg.cholesky((left + left.T) / 2.0)
+    sigma_px = np.sqrt((root**2).sum(axis=1).reshape(-1, 2).mean(axis=1))
     pixel = picks.pixel - every.shift_px(joint.state.click_px)
-    clicks = replace(clicks, sigma_px=sigma_px)
+    clicks = replace(clicks, sigma_px=sigma_px, root=root)
     return replace(flight, picks=replace(picks, pixel=pixel, clicks=clicks))
 
 

@@ -226,6 +226,16 @@ class FlightResult(Shown):
 
         return dataframe([self.history(sigmas, max_rate_deg_s, vertical)])
 
+    @property
+    def next_clicks(self) -> list[str]:
+        """Where to click next in a flight that is tracked from clicks, three lines at most."""
+        joint = self.estimates.joint
+        if joint is None or joint.model.clicks is None:
+            return []
+        from vopd.flight.next_click import next_click_texts  # of few flights
+
+        return [f"{self.flight.source}: {text}" for text in next_click_texts(joint)]
+
     def __repr__(self) -> str:
         return f"FlightResult({self.flight.source}, {count_text(len(self.frame), 'frame')})"
 
