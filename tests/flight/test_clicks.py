@@ -12,8 +12,10 @@ from scipy.spatial.transform import Rotation
 from tests.kit.clicked_flights import ClickedFlight, clicked_flight, dense_solution, with_rows
 from tests.kit.flight_project import TOML, pixels, write_project
 from tests.tolerances import assert_close
+from vopd.attitude.included import left_out_text
 from vopd.findings import VopdError
 from vopd.flight.errors import priors_of
+from vopd.flight.followed import followed_findings
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
 from vopd.flight.joint import covariance_of_sums, solve_jointly
@@ -188,3 +190,34 @@ def test_the_next_click_lowers_the_sigma_as_a_solve_with_it_does() -> None:
         again = solve_jointly(flight, priors_of(flight))
         rms = np.sqrt(np.einsum("fii->f", again.covariance.turn).mean() / 3.0)
         assert_close("dense minimum", click.after_deg / np.degrees(rms), 1.0)
+
+
+# Tracks of other programs
+
+
+def test_tracks_of_another_program_are_said_to_share_their_clicks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each landmark has one error in all frames, as a track has that no click is known of."""
+    toml = CLICKED_TOML.replace("tracked.csv", "theirs.csv").replace(
+        'tracked = "', 'tracked_from = "unknown"\ntracked = "'
+    )
+    path = write_project(tmp_path, toml)
+    error = np.random.default_rng(1).normal(0.0, 0.5, (6, 2))
+    noise = np.random.default_rng(2).normal(0.0, 0.05, (5, 6, 2))
+    names = ("church", "mast", "bridge", "corner", "tower", "well")
+    rows = [
+        f"{frame},{name},{u:.4f},{v:.4f}"
+        for frame, seen in enumerate(pixels() + error + noise)
+        for name, (u, v) in zip(names, seen, strict=True)
+    ]
+    (tmp_path / "theirs.csv").write_text("\n".join(["frame,landmark,u_px,v_px", *rows, ""]))
+    result = solve_flight(path)
+    assert result.read.picks.followed is not None and result.read.picks.followed.all()
+    history = result.history()
+    left = left_out_text(history, history.about.words.sigma_keys)
+    assert "click ([picks] tracked_from" in left
+    assert result.estimates.joint is not None
+    monkeypatch.setattr("vopd.flight.followed.FEWEST", 20)
+    (said,) = followed_findings(result.flight, result.estimates.joint)
+    assert "5 frames tell no more than 1, and it is 2.2 times less certain" in said.message

@@ -132,7 +132,7 @@ COMPONENTS = (
 
 INPUTS = (
     "position", "landmark", "focal", "principal_point", "distortion", "refraction", "time",
-    "readout", "mount", "velocity", "wind",
+    "readout", "mount", "velocity", "wind", "click",
 )  # fmt: skip
 """Components that only the user or the source can state; the others are estimated."""
 

@@ -42,8 +42,8 @@ MOST_NAMES = 3_000
 ROUNDING = 1e-6  # of a correlation
 SAME_S = 1e-6  # between offsets of a clock
 SPEAKS_OF = (
-    ("picks", "file"), ("picks", "times"), ("track", "file"), ("camera", "lens"),
-    ("landmarks", "file"),
+    ("picks", "file"), ("picks", "tracked"), ("picks", "times"), ("track", "file"),
+    ("camera", "lens"), ("landmarks", "file"),
 )  # fmt: skip
 """Keys of the files of which the covariance speaks."""
 TAGS = 65_536  # bytes from the beginning of an image: its tags are there

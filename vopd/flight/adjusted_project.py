@@ -300,9 +300,10 @@ def common_with_stated(joint: JointSolution) -> tuple[Floats, Floats, list[str]]
         The covariance of the parameters of the solution, those that are only stated, and the
         landmarks of the solution; its part by the picks; and the names of the second ones.
     """
-    first, (solved, own_picks) = len(joint.model.names), covariance_by_picks(joint)
+    first, last = len(joint.model.names), joint.model.of_landmarks.stop  # clicks come after
+    solved, own_picks = (one[:last, :last] for one in covariance_by_picks(joint))
     sigma, change = joint.stated
-    moved = propagated(joint, change)[1]  # by one sigma of each
+    moved = propagated(joint, change)[1][:last]  # by one sigma of each
     own = np.diag(list(sigma.values())) if sigma else np.zeros((0, 0))
     by = np.concatenate([moved[:first], own, moved[first:]])
     total, by_picks = by @ by.T, np.zeros((len(by), len(by)))

@@ -223,6 +223,7 @@ SIGMA_KEYS = {
     "mount": "--mount-sigma",
     "velocity": "[track] velocity_sigma_m_s",
     "wind": "[wind] sigma_m_s",
+    "click": "[picks] tracked_from: tracks of another program share those of their clicks",
 }
 """Where the standard deviation of each component of a flight's uncertainty is stated."""
 
@@ -311,6 +312,8 @@ def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
     keys = {name: key for name, key in SIGMA_KEYS.items() if name not in flight.options.exact}
     if flight.shutter is None:
         keys.pop("readout", None)
+    if flight.picks.followed is None or not flight.picks.followed.any():
+        del keys["click"]
     if flight.refraction.k == 0.0 and "refraction" not in flight.options.parameter_sigma:
         raised_deg = _standard_refraction_deg(solved)
         keys.pop("refraction", None)

@@ -97,6 +97,7 @@ class Picks:
     part: Floats | None = None  # (P,) `row_parts`, where pixels are shifted to their frames' times
     v_up: bool = False  # whether v was counted upward where they were read
     clicks: Clicks | None = None  # whose errors the picks carry, besides `sigma_px`
+    followed: Bools | None = None  # (P,) by another program from frame to frame; None: not known
 
     def with_sigma(self, one_sigma_px: float) -> Picks:
         """Scale all standard deviations to another usual one of a pick."""

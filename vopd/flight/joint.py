@@ -210,6 +210,13 @@ def _check_size(model: Model) -> None:
     """Refuse more unknowns in common than are solved for."""
     count, landmarks = len(model.common_sigma), len(model.free)
     most = min(MOST_COMMON, MOST_NUMBERS // max(3 * model.frames, 1))
+    clicks = len(model.clicked)
+    if count > most and clicks > landmarks:
+        raise VopdError(
+            f"{model.flight.source}: places are tracked from {clicks} clicks, and "
+            f"{max(most - count + 2 * clicks, 0) // 2} can be solved for with {model.frames} "
+            "frames; track the flight in parts, a project for each, or every second frame"
+        )
     if count > most:
         raise VopdError(
             f"{model.flight.source}: {landmarks} landmarks with a standard deviation are seen, and "

@@ -151,7 +151,8 @@ KEYS: tuple[Key, ...] = (
         "clicks, are in the other frames. Clicks and tracks are solved together"),
     Key("picks", "tracked_from", "text", "", "clicks, or unknown: of another program",
         "`clicks`: each row of `tracked` says from which click it is, as `vopd track` does. "
-        "`unknown`: `tracked` is picks by another program, in any format that picks have",
+        "`unknown`: `tracked` is picks by another program, in any format that picks have, which "
+        "are taken in the place of `file`",
         default="clicks", choices=("clicks", "unknown")),
     Key("picks", "utc_offset_h", "number", "2.0",
         "hours: clock of the images in `times` less UTC", "the hours by which the clock of these "

@@ -321,6 +321,9 @@ def join_picks(
     if by_spread and repeatability > 0.0:
         sigma *= repeatability / usual["one_sigma_px"]
         usual["one_sigma_px"] = repeatability
+    followed = None
+    if read.interpolated is not None:
+        followed = np.logical_or.reduceat(read.interpolated[rows], first[:-1])
     kept: Bools | slice = slice(None)
     if contrary.any():
         kept = np.ones(len(count), bool)
@@ -332,6 +335,7 @@ def join_picks(
         sigma_px=sigma[kept],
         repeatability_px=repeatability,
         v_up=read.up_from is not None,
+        followed=None if followed is None else followed[kept],
         **usual,
     )
     return picks, findings

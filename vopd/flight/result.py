@@ -381,6 +381,10 @@ def solve_flight_read(
     findings = [*doubts.findings, *not_held_findings(flight), *solved_findings(without.joint)]
     findings += exchange_findings(swaps, flight, apart)
     findings += blunder_findings(found, flight, doubts.misfits, doubts.explained)
+    if flight.picks.followed is not None and without.joint is not None:
+        from vopd.flight.followed import followed_findings  # of few flights
+
+        findings += followed_findings(flight, without.joint)
     every = found._replace(pick=found.pick | swapped)
     findings += freed_beside_blunders(flight, every, apart)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]

@@ -430,6 +430,7 @@ class FlightBlocks:
             pixel=flight.picks.pixel[rows],
             sigma_px=flight.picks.sigma_px[rows],
             part=None if flight.picks.part is None else flight.picks.part[rows],
+            followed=None if flight.picks.followed is None else flight.picks.followed[rows],
             clicks=None if flight.picks.clicks is None else flight.picks.clicks.of_picks(rows),
         )
         part = replace(
