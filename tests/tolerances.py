@@ -23,6 +23,7 @@ TOLERANCES = {
     "click on a page": Tolerance("px", 0.05, "what the page promises; two decimals are .005"),
     "frame by its grey level": Tolerance("1", 0.4, "five grey levels a frame; coding moves two"),
     "presentation time": Tolerance("s", 1e-9, "whole milliseconds"),
+    "place or time as a file has it": Tolerance("deg, m, s", 1e-9, "written in decimals"),
     "angle from the film reader": Tolerance(
         "deg", 0.01, "readings of .001 in. are .0007 mm of 10.4, .004 degree; four landmarks"
     ),

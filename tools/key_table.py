@@ -20,6 +20,7 @@ VALUES = {
     "text": "text",
     "texts": "list of texts",
     "file": "file",
+    "files": "file, or list of files",
     "number": "number",
     "numbers": "list of numbers",
     "sigma": 'number from 0, `"exact"`',

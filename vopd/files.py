@@ -165,6 +165,7 @@ def is_plain(path: str, status: os.stat_result) -> bool:
 # -------------------------------------------------------------------------------------------------
 # What a file is that is not text, by its first bytes.
 
+A_VIDEO = "a video"
 SIGNATURES: tuple[tuple[bytes, str], ...] = (
     (b"\x89PNG\r\n", "a PNG image"),
     (b"\xff\xd8\xff", "a JPEG image"),
@@ -179,18 +180,33 @@ SIGNATURES: tuple[tuple[bytes, str], ...] = (
     (b"\xd0\xcf\x11\xe0", "an office document"),
     (b"\xff\xfe", "UTF-16 text"),
     (b"\xfe\xff", "UTF-16 text"),
-    (b"\x1aE\xdf\xa3", "a video"),
+    (b"\x1aE\xdf\xa3", A_VIDEO),
 )
 """First bytes of a file, and what it is."""
 PICTURES = (b"heic", b"heix", b"mif1", b"avif")  # of the containers that videos are in too
 
 
+ENDS = 1 << 24
+"""Bytes from either end of a large file that are digested."""
+
+
+def size_and_ends(path: Path) -> Iterator[bytes]:
+    """Read the size of a file and both its ends, `ENDS` bytes each, for a digest."""
+    size = path.stat().st_size
+    yield f"{size}\0".encode()
+    with path.open("rb") as content:
+        yield content.read(ENDS)
+        if size > ENDS:
+            content.seek(max(size - ENDS, ENDS))
+            yield content.read()
+
+
 def kind_by_first_bytes(start: bytes) -> str | None:
     """Recognise a file by its first bytes, such as "a PNG image"; None for an unknown signature."""
     if start[4:8] == b"ftyp":
-        return "a HEIC or AVIF image" if start[8:12] in PICTURES else "a video"
+        return "a HEIC or AVIF image" if start[8:12] in PICTURES else A_VIDEO
     if start[:4] == b"RIFF" and start[8:12] == b"AVI ":
-        return "a video"
+        return A_VIDEO
     return next((kind for signature, kind in SIGNATURES if start.startswith(signature)), None)
 
 

@@ -1,16 +1,22 @@
 """Frames of a video, or images in the place of one: numbers, times of presentation, and pixels.
 
-Frames count from 0 in the order in which they are shown. Pixels are those of the upright image: a
-tag that says how a camera was turned is followed, as other programs do that images are clicked in.
+Frames count from 0 in the order in which they are shown, on through all files of a video that a
+camera has written in several. Pixels are those of the upright image: a tag that says how a camera
+was turned is followed, as other programs do that images are clicked in. PyAV decodes, or, where it
+is not installed, `ffmpeg`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +31,28 @@ if TYPE_CHECKING:
 STILLS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp")
 GAP = 1.5  # of the usual time between frames: a longer one is a gap
 AT_MOST_DECODED = 1_000  # frames after a key frame, for one that is asked for
+WITH_LUMA = (
+    "yuv420p", "yuv422p", "yuv444p", "yuvj420p", "yuvj422p", "yuvj444p", "nv12", "nv21", "gray",
+)  # fmt: skip
+"""Formats of pixels whose luminance in eight bits is taken as it is stored."""
+SOONER_S = 10.0  # than a frame that is asked for ffmpeg begins to decode
+
+
+@dataclass(frozen=True, eq=False)
+class Chapter:
+    """A file of a video, F frames.
+
+    Args:
+        path: of the file
+        first: index of its first frame among those of the whole video
+        tick: presentation times in the file's own unit, (F,)
+        unit_s: that unit, seconds
+    """
+
+    path: Path
+    first: int
+    tick: Ints
+    unit_s: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,17 +63,15 @@ class VideoFrames:
         source: the video or the folder, for messages
         image_name: file names of images; empty for the frames of a video
         time_s: of presentation after the first frame, seconds (F,); NaN for images
-        path: of the video
         images: of images
-        tick: presentation times of a video in its own unit, (F,)
+        chapters: of a video, in one file or several
     """
 
     source: str
     image_name: tuple[str, ...]
     time_s: Floats
-    path: Path | None = None
     images: tuple[Path, ...] = ()
-    tick: Ints | None = None
+    chapters: tuple[Chapter, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -57,7 +83,7 @@ class VideoFrames:
     @property
     def about(self) -> str:
         """The number of frames, their rate, and what is odd about their times, in a sentence."""
-        if self.path is None:
+        if not self.chapters:
             return f"{self.source}: {count_text(len(self), 'image')}"
         told = f"{self.source}: {count_text(len(self), 'frame')}"
         step_s = np.diff(self.time_s)
@@ -82,7 +108,46 @@ class VideoFrames:
             VopdError: if one cannot be decoded
         """
         for k in chosen:
-            yield self._still(self.images[k]) if self.path is None else self._decoded(k)
+            if not self.chapters:
+                yield self._still(self.images[k])
+                continue
+            images = optional_package("PIL.Image", "images", "showing frames")
+            for _, picture in self.decoded(k, k):
+                yield images.fromarray(picture)
+
+    def decoded(self, first: int, last: int, grey: bool = False) -> Iterator[tuple[int, Any]]:
+        """Iterate over frames of a video in their order, upright, each decoded once.
+
+        Args:
+            first: index of the first one
+            last: index of the last one
+            grey: whether the luminance is wanted, as the video has it, in the place of red, green
+                and blue
+
+        Yields:
+            The index of a frame, and its pixels, (H, W) or (H, W, 3), 0 to 255.
+
+        Raises:
+            VopdError: if one cannot be decoded
+        """
+        for one in self.chapters:
+            low, high = max(first - one.first, 0), min(last - one.first, len(one.tick) - 1)
+            if low > high:
+                continue
+            decode = _by_pyav if has_pyav() else _by_ffmpeg
+            k = int(np.searchsorted(one.tick, one.tick[low]))  # two may be shown at one time
+            try:
+                for picture in decode(one, k, high, grey):
+                    if k >= low:
+                        yield one.first + k, picture
+                    k += 1
+            except VopdError as error:
+                raise self._lost(one.first + k) from error
+            if k <= high:
+                raise self._lost(one.first + k)
+
+    def _lost(self, k: int) -> VopdError:
+        return VopdError(f"{self.source}: frame {k} cannot be decoded: is the file complete?")
 
     def _still(self, path: Path) -> Image:
         pillow = optional_package("PIL.Image", "images", "reading images")
@@ -95,26 +160,6 @@ class VideoFrames:
             raise VopdError(
                 f"{path.name}: not an image that can be read: {reason(error)}"
             ) from error
-
-    def _decoded(self, k: int) -> Image:
-        assert self.tick is not None and self.path is not None
-        optional_package("PIL.Image", "images", "showing frames")
-        wanted, lost = (
-            int(self.tick[k]),
-            VopdError(f"{self.source}: frame {k} cannot be decoded: is the file complete?"),
-        )
-        try:
-            with opened(self.path) as (container, stream):
-                container.seek(wanted, stream=stream)
-                for number, frame in enumerate(container.decode(stream)):
-                    if frame.pts == wanted:
-                        image: Image = frame.to_image()
-                        return image.rotate(frame.rotation, expand=True)
-                    if frame.pts is None or frame.pts > wanted or number > AT_MOST_DECODED:
-                        break
-        except VopdError as error:
-            raise lost from error
-        raise lost
 
 
 def eight_bits(image: Image) -> Image:
@@ -154,16 +199,37 @@ def open_frames(names: Iterable[str]) -> VideoFrames:
             raise VopdError(f"{folders[0]}: no image is in it ({', '.join(STILLS)})")
     moving = [path for path in paths if path.suffix.lower() not in STILLS]
     if not moving:
-        source = str(folders[0]) if folders else paths[0].name
-        if not folders and len(paths) > 1:
-            source += f" and {len(paths) - 1} more"
         _refuse_twins(paths)
         none = np.full(len(paths), np.nan)
+        source = str(folders[0]) if folders else _together(paths)
         return VideoFrames(source, tuple(path.name for path in paths), none, images=tuple(paths))
-    if len(paths) > 1:
-        raise VopdError(f"{moving[0]}: a video is given alone")
-    tick, unit_s = presentation(moving[0])
-    return VideoFrames(moving[0].name, (), (tick - tick[0]) * unit_s, moving[0], tick=tick)
+    if len(moving) < len(paths):
+        still = next(path for path in paths if path not in moving)
+        raise VopdError(f"{still}: images and a video are not given together")
+    return _of_chapters(paths)
+
+
+def _together(paths: list[Path]) -> str:
+    more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
+    return paths[0].name + more
+
+
+def _of_chapters(paths: list[Path]) -> VideoFrames:
+    """Put the files of a video one after the other, each a frame's time after the one before."""
+    chapters: list[Chapter] = []
+    times: list[Floats] = []
+    first, zero_s = 0, 0.0
+    for path in paths:
+        if path in [one.path for one in chapters]:
+            raise VopdError(f"{path}: is given twice")
+        tick, unit_s = presentation(path)
+        time_s = (tick - tick[0]) * unit_s
+        chapters.append(Chapter(path, first, tick, unit_s))
+        times.append(zero_s + time_s)
+        first += len(tick)
+        usual_s = float(np.median(np.diff(time_s))) if len(tick) > 1 else 0.0
+        zero_s += float(time_s[-1]) + usual_s
+    return VideoFrames(_together(paths), (), np.concatenate(times), chapters=tuple(chapters))
 
 
 def _refuse_twins(paths: list[Path]) -> None:
@@ -186,16 +252,31 @@ def presentation(path: Path) -> tuple[Ints, float]:
     Raises:
         VopdError: if it cannot be read, or has no frames
     """
-    with opened(path) as (container, stream):
-        shown = [
-            packet.pts
-            for packet in container.demux(stream)
-            if packet.pts is not None and not packet.is_discard
-        ]
-        unit_s = float(stream.time_base)
+    if has_pyav():
+        with opened(path) as (container, stream):
+            shown = [
+                packet.pts
+                for packet in container.demux(stream)
+                if packet.pts is not None and not packet.is_discard
+            ]
+            unit_s = float(stream.time_base)
+    else:
+        shown, unit_s = _packets_by_ffmpeg(path)
     if not shown:
         raise VopdError(f"{path.name}: no frame of the video has a time of presentation")
     return np.sort(np.array(shown, dtype=np.int64)), unit_s
+
+
+# Decoders: PyAV, or the program ffmpeg
+
+
+def has_pyav() -> bool:
+    """Tell whether PyAV decodes: it is installed, or `ffmpeg` is not there either."""
+    try:
+        optional_package("av", "video")
+    except VopdError:
+        return shutil.which("ffmpeg") is None
+    return True
 
 
 @contextmanager
@@ -205,7 +286,10 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
     Raises:
         VopdError: if it cannot be read, or PyAV is not installed
     """
-    av = optional_package("av", "video", f"{path.name} is no image: reading videos")
+    try:
+        av = optional_package("av", "video", f"{path.name} is no image: reading videos")
+    except VopdError as error:
+        raise VopdError(f"{error}; the program ffmpeg serves as well") from error
     try:
         with av.open(str(path)) as container:
             if not container.streams.video:
@@ -215,6 +299,135 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
             yield container, stream
     except (av.error.FFmpegError, OSError) as error:
         raise VopdError(f"{path.name}: not a video that can be read: {reason(error)}") from error
+
+
+def _by_pyav(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[Any]:
+    """Decode frames of a file from one to another, by PyAV; it ends where one is not there."""
+    k = first
+    with opened(chapter.path) as (container, stream):
+        container.seek(int(chapter.tick[first]), stream=stream)
+        for number, frame in enumerate(container.decode(stream)):
+            wanted = chapter.tick[k]
+            if frame.pts is None or frame.pts > wanted or number > AT_MOST_DECODED + k - first:
+                return
+            if frame.pts < wanted:
+                continue
+            picture = _luma(frame) if grey else frame.to_ndarray(format="rgb24")
+            yield np.rot90(picture, frame.rotation // 90) if frame.rotation else picture
+            k += 1
+            if k > last:
+                return
+
+
+def _luma(frame: Any) -> Any:
+    """Copy the luminance of a decoded frame, (H, W)."""
+    own = frame if frame.format.name in WITH_LUMA else frame.reformat(format="yuv420p")
+    plane = np.frombuffer(own.planes[0], np.uint8).reshape(-1, own.planes[0].line_size)
+    return plane[: frame.height, : frame.width].copy()
+
+
+FRAMECRC = re.compile(r"\d+,\s*-?\d+,\s*(-?\d+),")
+
+
+def _packets_by_ffmpeg(path: Path) -> tuple[list[int], float]:
+    """Read the presentation times of all frames, and their unit, seconds, by ffmpeg."""
+    with _ffmpeg(path, "-c", "copy", "-f", "framecrc") as output:
+        lines = output.read().decode("ascii", "replace").splitlines()
+    base = next((line.split()[-1] for line in lines if line.startswith("#tb 0:")), "1/1")
+    above, _, below = base.partition("/")
+    shown = [int(found[1]) for line in lines if (found := FRAMECRC.match(line))]
+    return shown, int(above) / int(below)
+
+
+def _by_ffmpeg(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[Any]:
+    """Decode frames of a file from one to another, by ffmpeg; it ends where one is not there."""
+    low, high = (float(chapter.tick[k]) * chapter.unit_s for k in (first, last))
+    half, start = 0.5 * chapter.unit_s, float(chapter.tick[0]) * chapter.unit_s
+    # the frames have even times on the way out, so that no version repeats or drops one
+    chosen = f"select=between(t\\,{low - half:.9f}\\,{high + half:.9f}),settb=1/25,setpts=N"
+    if grey:
+        chosen += f",format={'|'.join(WITH_LUMA)},extractplanes=y"
+    how = ("-vf", chosen, "-r", "25", "-frames:v", str(last - first + 1), "-f", "image2pipe")
+    sooner = ("-ss", f"{low - start - SOONER_S:.6f}") if low - start > SOONER_S else ()
+    with _ffmpeg(chapter.path, *how, "-c:v", "pgm" if grey else "ppm", before=sooner) as output:
+        for _ in range(first, last + 1):
+            if (picture := _read_pnm(output)) is None:
+                return
+            yield picture
+
+
+def _read_pnm(stream: IO[bytes]) -> Any:
+    """Read a picture in PGM or PPM of eight bits, (H, W) or (H, W, 3); None at the end."""
+    words: list[bytes] = []
+    while len(words) < 4:
+        line = stream.readline()
+        if not line:
+            return None
+        words += line.split()
+    width, height = int(words[1]), int(words[2])
+    shape = (height, width) if words[0] == b"P5" else (height, width, 3)
+    size = int(np.prod(shape))
+    content = stream.read(size)
+    return None if len(content) < size else np.frombuffer(content, np.uint8).reshape(shape)
+
+
+@contextmanager
+def _ffmpeg(path: Path, *how: str, before: Sequence[str] = ()) -> Iterator[IO[bytes]]:
+    """Run ffmpeg on the first stream of frames of a video, and read what it writes.
+
+    Raises:
+        VopdError: if it ends with an error
+    """
+    program = shutil.which("ffmpeg")
+    assert program is not None
+    command = [program, "-nostdin", "-v", "error", "-copyts", *before, "-i", f"file:{path}"]
+    with (
+        tempfile.TemporaryFile() as errors,
+        subprocess.Popen(
+            [*command, "-map", "0:v:0", *how, "-"], stdout=subprocess.PIPE, stderr=errors
+        ) as process,
+    ):
+        assert process.stdout is not None
+        try:
+            yield process.stdout
+            process.stdout.close()
+            status = process.wait()
+        finally:  # left early
+            process.kill()
+        if status:
+            errors.seek(0)
+            said = errors.read(10_000).decode("utf-8", "replace").strip().splitlines()
+            why = said[-1] if said else "no reason given"
+            raise VopdError(f"{path.name}: not a video that can be read: ffmpeg: {why}")
+
+
+def payloads(path: Path, begin: bytes) -> list[tuple[float, float, bytes]]:
+    """Read the packets of a video's first stream of data that begin in some way, by PyAV.
+
+    Args:
+        path: the video
+        begin: the first bytes of each
+
+    Returns:
+        When each is shown after the first frame and how long, seconds, and its content.
+
+    Raises:
+        VopdError: if the video cannot be read
+    """
+    tick, unit_s = presentation(path)
+    zero_s = float(tick[0]) * unit_s
+    with opened(path) as (container, _):
+        streams = [one for one in container.streams if one.type == "data"]
+        found: dict[int, list[tuple[float, float, bytes]]] = {}
+        for packet in container.demux(streams) if streams else ():
+            if packet.pts is None or not packet.size:
+                continue
+            content = bytes(packet)
+            if content.startswith(begin):
+                unit = float(packet.time_base)
+                one = packet.pts * unit - zero_s, (packet.duration or 0) * unit, content
+                found.setdefault(packet.stream.index, []).append(one)
+    return next((found[index] for index in sorted(found)), [])
 
 
 def spread(frames: VideoFrames, count: int) -> list[int]:

@@ -334,9 +334,10 @@ MARKED = {  # flags by index of the frame: marker, points
     **{name: ({name: [1]}, {"o": [[1.0, 11.0]]}) for name in OTHERS},
     "two flags": ({"outlier": [1], "jump": [0, 1]}, {"o": [[1.0, 11.0], [3.0, 13.0]]}),
     "misfit": ({"misfit": [0, 2]}, {"X": [[2.0, 12.0], [3.0, 13.0]]}),
+    "model error": ({"model_error": [0, 3]}, {"|": [[0.0, 0.03], [3.0, 0.03]]}),
     "all": (
-        {"misfit": [0], "jump": [1]},
-        {"o": [[1.0, 11.0]], "X": [[3.0, 13.0]]},
+        {"misfit": [0], "model_error": [2], "jump": [1]},
+        {"o": [[1.0, 11.0]], "X": [[3.0, 13.0]], "|": [[2.0, 0.03]]},
     ),
 }
 
@@ -349,36 +350,40 @@ def drawn(one: History, known: Any = True) -> Any:
 
 @pytest.mark.parametrize("name", MARKED)
 def test_marks(name: str) -> None:
-    """At the angle of the frame."""
+    """At the angle of the frame; those of the errata at the bottom, at .03 of the height."""
     flags, expected = MARKED[name]
     axis = drawn(by_hand(4, time_s=TIMES, flags=flags))
     assert {line.get_marker(): points(line) for line in axis.lines} == expected
     for line in axis.lines:
         assert line.get_linestyle() == "None"
-        assert line.get_transform() == axis.transData
+        bottom = axis.get_xaxis_transform() if line.get_marker() == "|" else axis.transData
+        assert line.get_transform() == bottom
 
 
 def test_frames_without_an_angle_are_not_marked() -> None:
-    flags = {"misfit": [0, 1], "jump": [0]}
+    flags = {"misfit": [0, 1], "model_error": [0], "jump": [0]}
     known = np.array([True, True, True, False])  # in order of time: frame 0 is the last
     axis = drawn(by_hand(4, time_s=TIMES, flags=flags), known)
     assert [points(line) for line in axis.lines] == [[[1.0, 11.0]]]
 
 
 def test_the_look_of_the_marks() -> None:
-    """Red rings and crosses."""
-    one = by_hand(4, time_s=TIMES, flags={"misfit": [0], "jump": [1]})
+    """Red rings and crosses; the errata's in orange, behind the angles, and not so loud."""
+    one = by_hand(4, time_s=TIMES, flags={"misfit": [0], "model_error": [2], "jump": [1]})
     axis, figure = drawn(one), Figure()
     draw_legend(figure, [one])
-    ring, _ = axis.lines
+    ring, cross, bar = axis.lines
     in_legend = figure.legends[0].get_lines()
     for k, lines in enumerate(zip(axis.lines, in_legend, strict=True)):
         for line in lines:
-            assert line.get_marker() == "oX"[k] and line.get_linestyle() == "None"
-            assert line.get_markersize() == (5.0, 8.0)[k]
+            assert line.get_marker() == "oX|"[k] and line.get_linestyle() == "None"
+            assert line.get_markersize() == (5.0, 8.0, 9.0)[k]
             edge, face = line.get_markeredgecolor(), line.get_markerfacecolor()
-            assert (edge, face) == ((DARK_RED, "none"), ("white", DARK_RED))[k]
-    assert ring.get_markeredgewidth() == 0.6
+            assert (edge, face)[: 2 if k < 2 else 1] == (
+                (DARK_RED, "none"), ("white", DARK_RED), (OKABE_ITO[5],)
+            )[k]  # fmt: skip
+    assert (ring.get_markeredgewidth(), bar.get_markeredgewidth()) == (0.6, 1.2)
+    assert bar.get_zorder() < ring.get_zorder() == cross.get_zorder()
 
 
 def legend(*histories: History) -> Any:
@@ -393,8 +398,8 @@ def of(source: str, job: int, **changes: Any) -> History:
 
 def test_the_legend() -> None:
     """Jobs by their colour where there are several; the band; and the marks that any job has."""
-    last = of("b", 3, flags={"misfit": [1], "outlier": [0]})
-    marks = ["flagged", "misfit"]
+    last = of("b", 3, flags={"misfit": [1], "outlier": [0], "model_error": [0]})
+    marks = ["flagged", "misfit", "model error"]
     one = legend(last)
     assert texts(one) == ["95 % interval", *marks]
     (band,) = one.get_patches()

@@ -212,10 +212,26 @@ def test_flagged_frames_are_marked() -> None:
     (one,) = flight()
     axis = panels(figure_of("attack"))[0]
     raised = one.flags.raised
-    others = [frames for name, frames in raised.items() if name != "misfit"]
+    others = [frames for name, frames in raised.items() if name not in ("misfit", "model_error")]
     time_s = one.estimate.time_s
     assert marks_at(axis, "o") == time_s[np.any(others, axis=0)].tolist() != []
     assert marks_at(axis, "X") == time_s[raised["misfit"]].tolist() == [time_s[4]]
+    assert marks_at(axis, "|") == []
+
+
+def marked() -> History:
+    """The flight with an effect of the errata of 2 degrees in one frame, and of a millionth."""
+    (one,) = flight()
+    effect = np.full((30, 9), 1e-6)
+    effect[10] = 2.0
+    return history(replace(one.estimate, slip_effect_deg=effect))
+
+
+def test_frames_whose_errata_exceed_sigma_are_marked() -> None:
+    figure = draw("attitude", [marked()])
+    assert marks_at(panels(figure)[0], "|") == [marked().estimate.time_s[10]]
+    texts = [text.get_text() for text in figure.subfigs[0].legends[0].get_texts()]
+    assert texts == ["95 % interval", "flagged", "misfit", "model error"]
 
 
 class LegendOnly:
@@ -227,7 +243,7 @@ class LegendOnly:
         self.texts = texts
 
 
-FLAG_OF = {"flagged": "jump", "misfit": "misfit"}
+FLAG_OF = {"flagged": "jump", "misfit": "misfit", "model error": "model_error"}
 
 
 @pytest.mark.parametrize("text", FLAG_OF)
@@ -334,7 +350,7 @@ def test_a_figure_for_a_pipe() -> None:
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_smallest_size_holds_every_panel(name: str) -> None:
     """No warning of the layout, panels that can be read, legends that cover no label."""
-    for made in (histories("appendix_h/cases_1_2_3"), list(flight())):
+    for made in (histories("appendix_h/cases_1_2_3"), [marked()]):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             figure = draw(name, made, size_in=least_size_in(name))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 from PIL import Image
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.video import number_of, write_video
+from tests.kit.video import number_of, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.video import open_frames, spread
@@ -76,12 +78,52 @@ def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         Path(name, "same.png").write_bytes(b"")
     for names in (
         ["none.mp4"], ["words.mp4"], ["cut.mp4"], ["folder"], ["a.mp4", "a.mp4"],
+        ["a.mp4", "empty.png"],
         ["a", "empty.png"], ["a/same.png", "b/same.png"], ["/dev/zero"],
     ):  # fmt: skip
         with refused(VopdError):
             open_frames(names)
     with refused(VopdError):
         list(open_frames(["empty.png"]).pictures([0]))
+
+
+def test_chapters_are_counted_on(tmp_path: Path) -> None:
+    """The second file begins a frame's time after the last frame of the first."""
+    names = [str(write_video(tmp_path / name, EVEN_MS[:9])) for name in ("a.mp4", "b.mp4")]
+    frames = open_frames(names)
+    assert_close("presentation time", frames.time_s, np.arange(18) * 0.04)
+    assert [frames.label(k) for k in (0, 17)] == ["0", "17"]
+    found = [number_of(picture) for picture in frames.pictures([0, 8, 9, 17])]
+    assert_close("frame by its grey level", found, [0, 8, 0, 8])
+    assert [k for k, _ in frames.decoded(7, 11, grey=True)] == [7, 8, 9, 10, 11]
+    assert_approved(frames.about)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the stub is a script")
+def test_ffmpeg_serves_where_pyav_is_not_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    video = str(write_video(tmp_path / "a.mp4", UNEVEN_MS))
+    by_pyav = open_frames([video])
+    pictures = [np.asarray(one) for one in by_pyav.pictures([8])]
+    grey = dict(by_pyav.decoded(3, 6, grey=True))
+    write_stub(tmp_path / "bin" / "ffmpeg")
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"), prepend=os.pathsep)
+    monkeypatch.setitem(sys.modules, "av", None)
+    frames = open_frames([video])
+    assert frames.about == by_pyav.about and (frames.time_s == by_pyav.time_s).all()
+    for one, other in zip(frames.pictures([8]), pictures, strict=True):
+        assert (np.asarray(one) == other).all()
+    found = dict(frames.decoded(3, 6, grey=True))
+    assert list(found) == [3, 4, 5, 6]
+    assert all((found[k] == grey[k]).all() for k in found)
+    (tmp_path / "words.mp4").write_text("frame,landmark\n" * 9)
+    monkeypatch.chdir(tmp_path)
+    with refused(VopdError):
+        open_frames(["words.mp4"])
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with refused(VopdError):
+        open_frames([video])
 
 
 def test_a_frame_that_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

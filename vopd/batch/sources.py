@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from vopd.attitude.history import HistoryOptions
 from vopd.export import FORMATS
+from vopd.files import A_VIDEO, ENDS, kind_by_first_bytes, size_and_ends
 from vopd.findings import VopdError
 from vopd.inputs import no_file, parse_toml, read_limited
 from vopd.pipeline import SolveOptions, is_flight
@@ -238,8 +239,20 @@ def input_sha256(path: str) -> str:
     digest = hashlib.sha256(content)
     for name, file in named_files(content, Path(path).parent):
         digest.update(f"\0{name}\0".encode("utf-8", "surrogateescape"))
-        digest.update(file_sha256(file).encode())
+        digest.update(_named_sha256(file).encode())
     return digest.hexdigest()
+
+
+def _named_sha256(path: Path) -> str:
+    """Hash a file that a project names: of a video of more than 32 MB its size and both ends."""
+    try:
+        with path.open("rb") as file:
+            is_video = kind_by_first_bytes(file.read(16)) == A_VIDEO
+        if is_video and path.stat().st_size > 2 * ENDS:
+            return hashlib.sha256(b"".join(size_and_ends(path))).hexdigest()
+    except OSError:
+        return ""
+    return file_sha256(path)
 
 
 def file_sha256(path: Path) -> str:

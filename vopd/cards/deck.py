@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vopd.arrays import Bools
 from vopd.cards.text import COLUMNS, NUMBERS, CardText
-from vopd.files import kind_by_first_bytes
+from vopd.files import A_VIDEO, kind_by_first_bytes
 from vopd.findings import Finding, InputError, Report, Severity, VopdError, count_text
 
 # Consecutive cards as an array of bytes
@@ -353,13 +353,14 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
 # Files that are not decks of cards
 
 _OF_A_FLIGHT = "a file of a flight is named in its project: vopd new DIR --{} {}"
-_PICTURE = "pick landmarks in it by another program: vopd new DIR --picks FILE takes the picks"
+_PICTURE = "vopd pick {1} -o pick.html makes a page to pick landmarks on"
 ADVICE = {
     "a CSV file of stars": "vopd stars solve takes it",
     "a listing": "vopd diff compares listings",
     "a CSV file": f"{_OF_A_FLIGHT} (or --landmarks, --track, --wind)",
     "a JSON file": f"{_OF_A_FLIGHT} (or --picks, --landmarks)",
     "an XML file": f"{_OF_A_FLIGHT} (or --lens, --track)",
+    A_VIDEO: "vopd new DIR --video {1} --landmarks FILE makes a flight project of it",
     "a TOML file": "vopd attitude, plot, report and check take a flight project NAME.toml",
     "a gzip archive": "unpack it: gunzip",
     "UTF-16 text": "iconv -f UTF-16 -t ASCII converts it",
@@ -387,7 +388,7 @@ def refuse_other_file(start: bytes, name: str) -> None:
     """
     kind = _kind(start[:4096])
     if kind is not None:
-        usual = _PICTURE if kind.endswith((" image", " video")) else _EXAMPLE
+        usual = _PICTURE if kind.endswith(" image") else _EXAMPLE
         advice = ADVICE.get(kind, usual).format(_OPTION.get(kind), "FILE" if name == "-" else name)
         raise VopdError(f"{name}: this is {kind}, not a deck of 80-column cards; {advice}")
 

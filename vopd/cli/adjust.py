@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from vopd.cards.deck import refuse_other_file
 from vopd.cli.adjust_deck import adjusted_deck, searched_deck
 from vopd.cli.console import Messages, Progress
 from vopd.cli.new import refuse_existing, write_project
@@ -154,6 +155,9 @@ def command(
     if free and not names:
         raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
     deck = not is_flight(source)
+    if deck and Path(source).is_file():  # what is no deck, as a video, before options of decks
+        with Path(source).open("rb") as file:
+            refuse_other_file(file.read(4096), source)
     _check_options(deck, test, trials, landmark_sigma, fixes, job)
     if trials:
         ctx.exit(searched_deck(source, job, names, fixes, output, form, quiet))

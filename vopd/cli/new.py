@@ -22,7 +22,7 @@ _FILES = (
     ("--lens", "lens", "The lens: OpenCV, COLMAP, OpenSfM or ODM, Metashape, mrcal."),
     ("--picks", "picks", "The picks: CSV, CVAT, LabelMe, gcp_list.txt."),
     ("--landmarks", "landmarks", "The landmarks: CSV, GeoJSON, gcp_list.txt."),
-    ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt, .MRK."),
+    ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt, .MRK, .SRT, a GoPro's video."),
     (
         "--images",
         "images",
@@ -55,6 +55,13 @@ _ANSWERS = (
 
 @click.command("new")
 @click.argument("folder", type=FILE_NAME, metavar="DIR")
+@click.option(
+    "--video",
+    multiple=True,
+    type=FILE_NAME,
+    metavar="FILE",
+    help="The video that is picked in; again for each next file of a camera that wrote several.",
+)
 @click.option("--deck", type=FILE_NAME, metavar="DECK", help="A card deck, to be made a project.")
 @click.option("--job", type=click.IntRange(min=1), metavar="N", help="Which job of the deck.")
 @click.option(
@@ -76,6 +83,7 @@ def command(
     ctx: click.Context,
     /,
     folder: str,
+    video: tuple[str, ...],
     deck: str | None,
     job: int | None,
     position: str | None,
@@ -91,6 +99,9 @@ def command(
     from --height on say; on a terminal it is asked. What is open still is marked
     NEEDED in flight.toml and listed.
 
+    A video gives the frames' times and size, and perhaps the track: GoPro's GPMF
+    inside it, or DJI's .SRT beside it. Without picks vopd pick is next.
+
     With --deck it writes the project that is the same problem as one job of a card
     deck; vopd punch goes the other way.
 
@@ -103,6 +114,7 @@ def command(
         vopd attitude example/flight.toml
         vopd new survey --gcp gcp_list.txt --lens cameras.json --track geo.txt
         vopd new hill --picks p.csv --landmarks l.csv --position 47.6,16.4,540 --height same
+        vopd new flight --video flight.mp4 --landmarks l.csv --track t.gpx --lens lens.yml
         vopd new case1 --deck decks/appendix_h/case1.dat
 
     A flight.toml that is there already is not touched: that is an error.
@@ -114,9 +126,9 @@ def command(
 
     files = {key: name for _, key, _ in _FILES if (name := given[key]) is not None}
     answers = _answers(given, position, columns, keys)
-    if answers and not files:
+    if answers and not files and not video:
         raise click.UsageError(f"{answers[0].option} is for a project of files: give --picks, ...")
-    if deck is not None and files:
+    if deck is not None and (files or video):
         raise click.UsageError("--deck has everything: leave the other files out.")
     if job is not None and deck is None:
         raise click.UsageError("--job is for --deck.")
@@ -124,7 +136,12 @@ def command(
     if deck is not None:
         new = _of_deck(deck, job)
     else:
-        new = project_of_files(Path(folder), files, answers, _ask) if files else example_project()
+        own = bool(files or video)
+        new = (
+            project_of_files(Path(folder), files, answers, _ask, video)
+            if own
+            else example_project()
+        )
     write_project(Path(folder), new)
     ctx.exit(0)
 
@@ -277,7 +294,8 @@ def write_project(
     project = (folder / "flight.toml").as_posix()
     said = [*new.said, f"{project}: written"]
     said += [f"needed: [{section}] {key} ({why})" for (section, key), why in new.needed.items()]
-    said.append(f"next: vopd {'check' if new.needed else 'attitude'} {project}")
+    usual = "check {}" if new.needed else "attitude {}"
+    said.append(f"next: vopd {(new.then or usual).format(project)}")
     for sentence in [] if quiet else said:
         click.echo(sentence, err=to_errors)
 

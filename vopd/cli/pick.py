@@ -30,18 +30,19 @@ def command(
 ) -> None:  # fmt: skip
     """Make a page on which landmarks are picked: one HTML file, for any browser.
 
-    FRAMES is a video, a folder of images, images, or a flight project whose [picks]
-    video names a video. Of a video the page has 12 frames that are spread over it,
-    or those of --at; of images all, up to 60. They are inside the page: it loads
-    nothing, and nothing leaves the browser. It zooms to 16 times, moves a pick by a
-    tenth of a pixel with the arrow keys, keeps each change, and saves clicks.csv,
-    which a flight project reads without a further key: [picks] file = "clicks.csv".
+    FRAMES is a video, or its files in their order, a folder of images, images, or a
+    flight project whose [picks] video names a video. Of a video the page has 12
+    frames that are spread over it, or those of --at; of images all, up to 60. They
+    are inside the page: it loads nothing, and nothing leaves the browser. It zooms
+    to 16 times, moves a pick by a tenth of a pixel with the arrow keys, keeps each
+    change, and saves clicks.csv, which a flight project reads without a further
+    key: [picks] file = "clicks.csv".
 
     Frames count from 0 in the order in which they are shown. Images that a tag
     says are turned are shown upright, and pixels are those of the upright image.
 
-    It needs jinja2 and Pillow, and for a video PyAV:
-    pip install jinja2 pillow av.
+    It needs jinja2 and Pillow, and for a video PyAV (pip install jinja2 pillow av)
+    or the program ffmpeg.
 
     \b
     Examples:
@@ -90,7 +91,7 @@ def command(
     ctx.exit(0)
 
 
-def _of_project(sources: tuple[str, ...], landmarks: str | None) -> tuple[tuple[str], str]:
+def _of_project(sources: tuple[str, ...], landmarks: str | None) -> tuple[tuple[str, ...], str]:
     """Find the video of a project, and its landmarks if no others are given."""
     from vopd.flight.project import read_project
 
@@ -101,7 +102,7 @@ def _of_project(sources: tuple[str, ...], landmarks: str | None) -> tuple[tuple[
     if not section.has("video"):
         raise section.error("video", "is missing: the name of the video that is picked in")
     own = landmarks or str(project.folder / project.section("landmarks").text("file"))
-    return (str(project.folder / section.text("video")),), own
+    return tuple(str(project.folder / name) for name in section.files("video")), own
 
 
 def _numbers(at: str | None) -> list[int]:

@@ -64,20 +64,27 @@ def picked(values: Floats, index: Ints) -> Floats:
     return np.where(index < 0, np.nan, values[index])
 
 
-# Mark the frames of a figure against time: flagged, and misfits.
+# Mark the frames of a figure against time: flagged, misfits, and those with errata above sigma.
 
 
 class FrameMark(NamedTuple):
-    """How frames are marked: with a symbol at the angle."""
+    """How frames are marked: with a symbol at the angle, or at the bottom of the panel."""
 
     flag: str  # of `vopd.attitude.flags.MEANING`; empty for any other flag
     text: str  # in the legend
     look: dict[str, Any]
+    at_bottom: bool = False
 
 
 MARKS = (
     FrameMark("", "flagged", {"marker": "o", "mfc": "none", "mec": FLAGGED, "mew": 0.6, "ms": 5}),
     FrameMark("misfit", "misfit", {"marker": "X", "mfc": FLAGGED, "mec": "white", "ms": 8}),
+    FrameMark(
+        "model_error",
+        "model error",
+        {"marker": "|", "mec": COLOURS[5], "mew": 1.2, "ms": 9},
+        at_bottom=True,
+    ),
 )
 
 
@@ -109,7 +116,13 @@ def draw_marks(axis: Any, history: History, order: Ints, angle: Floats, known: B
         here = known & marked(history, mark)[order]
         if not here.any():
             continue
-        axis.plot(time_s[here], angle[here], ls="", **mark.look)
+        if mark.at_bottom:
+            axis.plot(
+                time_s[here], [0.03] * int(here.sum()), ls="", zorder=1.5,
+                transform=axis.get_xaxis_transform(), **mark.look,
+            )  # fmt: skip
+        else:
+            axis.plot(time_s[here], angle[here], ls="", **mark.look)
 
 
 def draw_legend(figure: Any, histories: Sequence[History]) -> None:

@@ -101,7 +101,9 @@ def _with_paths(project: Project, folder: Path) -> Changes:
     for name, section in project.sections.items():
         for key, value in section.values.items():
             if project.names_file(name, key):
-                value = _from_folder(project.folder / value, folder)
+                several = value if isinstance(value, list) else [value]
+                found_there = [_from_folder(project.folder / one, folder) for one in several]
+                value = found_there if isinstance(value, list) else found_there[0]
             found[name, key] = toml_value(value)
     found.pop(("solve", "free"), None)
     return found

@@ -21,7 +21,7 @@ from typing import Any, Generic, NamedTuple, TextIO, TypeVar
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.files import reason
+from vopd.files import A_VIDEO, kind_by_first_bytes, reason
 from vopd.findings import VopdError, count_text
 from vopd.inputs import (
     LONGEST_LINE,
@@ -73,7 +73,7 @@ class InputFile:
 
     @cached_property
     def text(self) -> str:
-        """All of its text; empty for a folder.
+        """All of its text; empty for a folder or a video.
 
         Raises:
             VopdError: where it is not text, or has more than `MOST_BYTES`
@@ -81,6 +81,14 @@ class InputFile:
         if self.given is None and self.path.stat().st_size > MOST_BYTES:
             raise self.error(too_many_bytes())
         return "".join(self.chunks())
+
+    @cached_property
+    def is_video(self) -> bool:
+        """Whether it is a video by its first bytes."""
+        if self.given is not None or not self.path.is_file():
+            return False
+        with self.path.open("rb") as file:
+            return kind_by_first_bytes(file.read(16)) == A_VIDEO
 
     @cached_property
     def head(self) -> str:
@@ -95,7 +103,7 @@ class InputFile:
         Raises:
             VopdError: where it is not text
         """
-        if self.given is None and self.path.is_dir():
+        if self.given is None and (self.path.is_dir() or self.is_video):
             return
         try:
             with self._open() as text:
@@ -195,6 +203,8 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
                 return one.read(file, *more)
             except UNEXPECTED as error:  # a value of another kind than the format has there
                 raise file.error(f"not as {one.name} should be: {reason(error)}") from error
+    if file.is_video:
+        raise file.error("is a video: vopd new DIR --video FILE makes a project of it")
     known = ", ".join(one.name for one in formats)
     hint = _unnamed(file) if any(one.name.startswith("CSV") for one in formats) else ""
     raise file.error(f"the format is not recognised; known are {known}{hint}")

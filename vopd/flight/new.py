@@ -33,6 +33,7 @@ from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import (
     ROWS,
+    VIDEO,
     KeyValues,
     Project,
     Section,
@@ -41,6 +42,7 @@ from vopd.flight.project import (
     toml_text,
 )
 from vopd.inputs import is_number
+from vopd.video import open_frames
 
 R = TypeVar("R")
 
@@ -55,6 +57,7 @@ class NewProject:
     said: list[str] = field(default_factory=list)  # a sentence for each file that was looked at
     needed: dict[tuple[str, str], str] = field(default_factory=dict)  # keys, and why
     columns: dict[str, Columns] = field(default_factory=dict)  # of CSV files, by section
+    then: str = ""  # the command to go on with, {} for the project; empty for the usual one
 
 
 def _named(name: str, folder: Path) -> str:
@@ -222,6 +225,51 @@ def look_at_track(
     return rows
 
 
+CLICKS = "clicks.csv"
+"""What `vopd pick` saves."""
+
+
+def look_at_video(
+    new: NewProject, values: KeyValues, folder: Path, names: Sequence[str], named: dict[str, str]
+) -> None:
+    """Say what the video is, and what it brings: times, size of the frames, perhaps a track.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        folder: where the project will be
+        names: its files
+        named: the other files by what they are; a track in the video or beside it is added
+    """
+    frames = open_frames(names)
+    if frames.image_name:
+        raise VopdError(f"{frames.source}: images, not a video: give them as --images")
+    several = [_named(name, folder) for name in names]
+    values["picks", "video"] = several[0] if len(several) == 1 else f"[{', '.join(several)}]"
+    values["picks", "times"] = toml_text(VIDEO)
+    new.said.append(frames.about)
+    if ("camera", "image_size_px") not in values:
+        ((_, picture),) = frames.decoded(0, 0, grey=True)
+        values["camera", "image_size_px"] = toml_numbers(picture.shape[1], picture.shape[0])
+    if "picks" not in named:
+        values["picks", "file"] = toml_text(CLICKS)
+        new.then = "pick {} -o pick.html"
+        new.said.append(f"no picks yet: click them with vopd pick, and save {CLICKS} in {folder}")
+    if "track" in named or any(section == "position" for section, _ in values):
+        return
+    beside = [Path(names[0]).with_suffix(suffix) for suffix in (".SRT", ".srt")]
+    for track in [*(str(one) for one in beside if one.is_file()), names[0]]:
+        file = open_input(track, Path())
+        try:
+            read_by_content(TRACK_FORMATS, file)
+        except VopdError:
+            continue
+        named["track"] = track
+        if len(names) > 1:
+            new.said.append(f"{track}: the track of the first file of the video alone")
+        return
+
+
 def look_at_times(
     new: NewProject,
     values: KeyValues,
@@ -243,6 +291,14 @@ def look_at_times(
     if rows.time_s is None or (rows.image and not by_number):
         return
     _sigma(new, "track", "sigma_t_s")
+    if values.get(("picks", "times")) == toml_text(VIDEO):
+        if rows.by_video:
+            values.setdefault(("picks", "first_frame_t_s"), "0.0")
+            return
+        new.needed["picks", "first_frame_t_s"] = "the track has a clock of its own"
+        if rows.clock != "seconds":
+            new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"
+        return
     if ("picks", "times") in values and images is None:
         return
     if images is not None:
@@ -336,6 +392,7 @@ def project_of_files(
     given: Mapping[str, str],
     answers: Sequence[Answer] = (),
     ask: Callable[[NewProject, KeyValues], None] = lambda new, values: None,
+    video: Sequence[str] = (),
 ) -> NewProject:
     """Build a project from files of the user, which stay where they are.
 
@@ -346,6 +403,7 @@ def project_of_files(
             track by time the frames' times)
         answers: what the user says that no file does
         ask: asks for what is needed still, and adds it to the values
+        video: the files of the video
 
     Raises:
         VopdError: where a file cannot be read, or is not of a known format
@@ -357,7 +415,7 @@ def project_of_files(
             values[section, key] = one.value
             if key == "columns":
                 new.columns[section] = tomllib.loads(f"x = {one.value}")["x"]
-    look_at_files(new, values, folder, given)
+    look_at_files(new, values, folder, given, video)
     rate, times = ("picks", "frame_rate_hz"), ("picks", "times")
     if times in new.needed and any(rate in one.keys for one in answers):  # numbers in names
         why = new.needed.pop(times)
@@ -368,7 +426,8 @@ def project_of_files(
         if not keys:
             new.said.append(f"{one.option}: not used, as no file leaves it open")
     first = "picks", "first_frame_t_s"
-    if first in new.needed and first not in values and {rate, ("flight", "epoch")} <= {*values}:
+    timed = rate in values or times in values
+    if first in new.needed and first not in values and timed and ("flight", "epoch") in values:
         values[first] = "0.0"
         new.said.append("frame 0 is at the epoch: first_frame_t_s = 0.0")
     new.needed = {key: why for key, why in new.needed.items() if key not in values}
@@ -379,8 +438,9 @@ def project_of_files(
 
 
 def look_at_files(
-    new: NewProject, values: KeyValues, folder: Path, given: Mapping[str, str]
-) -> None:
+    new: NewProject, values: KeyValues, folder: Path, given: Mapping[str, str],
+    video: Sequence[str] = (),
+) -> None:  # fmt: skip
     """Say what each file is, and ask what they leave open.
 
     Args:
@@ -388,6 +448,7 @@ def look_at_files(
         values: the keys that are known, to be added to
         folder: where the project will be
         given: as for `project_of_files`
+        video: as for `project_of_files`
     """
     named = dict(given)
     if "gcp" in named:
@@ -399,7 +460,12 @@ def look_at_files(
         named["track"] = images
     if ("camera", "lens") not in values or "lens" in named:
         look_at_lens(new, values, folder, named.get("lens"))
-    by_number = look_at_picks(new, values, folder, named.get("picks"))
+    if video:
+        look_at_video(new, values, folder, video, named)
+        new.needed.pop(("camera", "image_size_px"), None)
+    by_number = True
+    if "picks" in named or not video:
+        by_number = look_at_picks(new, values, folder, named.get("picks"))
     look_at_landmarks(new, values, folder, named.get("landmarks"))
     if fixed:
         if ("position", "x_m") not in values:

@@ -56,8 +56,8 @@ class Key(NamedTuple):
     Attributes:
         section: the section, or section.key for a key of an inline table
         name: the key
-        kind: `text`, `texts`, `file`, `number`, `numbers`, `sigma`, `date`, or `other` for a value
-            that has a reader of its own
+        kind: `text`, `texts`, `file`, `files`, `number`, `numbers`, `sigma`, `date`, or `other`
+            for a value that has a reader of its own
         example: its value in a new project, in TOML; empty for a key that does not stand there
         comment: what stands beside it in a new project
         about: what the documentation says, in Markdown; empty for the comment
@@ -143,9 +143,10 @@ KEYS: tuple[Key, ...] = (
         "`frame` or `image`, and `t_s` or `t_utc`; or the folder of the images, whose EXIF tags "
         "have the times; or `video`: those at which the frames of `video` are shown, after "
         "`first_frame_t_s`"),
-    Key("picks", "video", "file", '"flight.mp4"', "the video that was picked in",
-        "the video that was picked in, for `times = \"video\"` and for `vopd pick`; a "
-        "`frame_rate_hz` that is not its own is an error"),
+    Key("picks", "video", "files", '"flight.mp4"', "the video that was picked in",
+        "the video that was picked in, for `times = \"video\"` and for `vopd pick`; the list of "
+        "its files where the camera began a new one: `[\"GH010042.MP4\", \"GH020042.MP4\"]`, "
+        "whose frames are counted on. A `frame_rate_hz` that is not its own is an error"),
     Key("picks", "tracked", "file", "", "what vopd track has made of the clicks",
         "the file that `vopd track` writes: where the landmarks of `file`, which are a person's "
         "clicks, are in the other frames. Clicks and tracks are solved together"),
@@ -396,6 +397,21 @@ class Section:
             raise self.error(key, f"{shown(value)} is not a list of texts in quotes")
         return tuple(value)
 
+    def files(self, key: str) -> tuple[str, ...]:
+        """Read the name of a file, or a list of such names.
+
+        Raises:
+            VopdError: where it is missing, or is another
+        """
+        self._row(key, "files")
+        value = self.values.get(key)
+        if value is None:
+            raise self.error(key, "is needed")
+        names = [value] if isinstance(value, str) else value
+        if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
+            raise self.error(key, f"{shown(value)} is no name of a file in quotes, nor several")
+        return tuple(names)
+
     def columns(self) -> Columns | None:
         """Read what is said of the columns of a CSV; None if nothing is."""
         value = self.values.get("columns")
@@ -443,7 +459,7 @@ class Section:
             kind = ROWS[self.name, key].kind
             if isinstance(value, dict) and keys_of(f"{self.name}.{key}"):
                 self.section(key)
-            elif kind in ("text", "number", "numbers", "sigma", "texts", "date"):
+            elif kind in ("text", "number", "numbers", "sigma", "texts", "files", "date"):
                 getattr(self, kind)(key)
 
     def _row(self, key: str, *kinds: str) -> Key:
@@ -490,8 +506,10 @@ class Project:
         return name in self.sections
 
     def names_file(self, section: str, key: str) -> bool:
-        """Tell whether the value of a key is the name of a file; `times = "video"` is a word."""
+        """Tell whether the value of a key names a file or files; `times = "video"` is a word."""
         value = self.section(section).values.get(key)
+        if ROWS[section, key].kind == "files":
+            return True
         is_word = (section, key, value) == ("picks", "times", VIDEO)
         return ROWS[section, key].kind == "file" and isinstance(value, str) and not is_word
 

@@ -135,10 +135,12 @@ def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
 
     section = project.section("picks")
     try:
-        frames = open_frames([str(project.folder / section.text("video"))])
+        frames = open_frames([str(project.folder / name) for name in section.files("video")])
     except VopdError as error:
         raise section.error("video", str(error)) from error
     if frames.image_name:
+        if section.values.get("times") != VIDEO:
+            return np.full(len(number), np.nan), ""
         raise section.error("video", f"{frames.source}: images have no times of presentation")
     if number[-1] >= len(frames):
         has = f"{frames.source} has {count_text(len(frames), 'frame')}, counted from 0"

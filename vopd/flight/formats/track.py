@@ -1,4 +1,4 @@
-"""Files of tracks: CSV, .MRK, GPX, geo.txt, a folder of images."""
+"""Files of tracks: CSV, .MRK, GPX, geo.txt, a folder of images, a video or its subtitles."""
 
 from __future__ import annotations
 
@@ -66,6 +66,7 @@ class TrackRows:
     height: str | None = None  # what heights are counted from, where the format says it
     whole_seconds: bool = False  # times without parts of a second, though a camera took them
     image_key: Callable[[str], str] = str  # what stands in `image` for the name of an image
+    by_video: bool = False  # seconds after the first frame of the video that it came with
 
 
 # A track as a CSV: times, images or both, positions, and perhaps velocities and sigmas
@@ -329,6 +330,23 @@ def read_image_folder(file: InputFile) -> TrackRows:
     )
 
 
+# A video, or its subtitles: vopd/flight/formats/video_track.py
+
+SUBTITLE = re.compile(r"\s*\d+\s*\n\s*\d+:\d\d:\d\d[,.]\d{1,3}\s*-->")
+
+
+def _read_gpmf(file: InputFile) -> TrackRows:
+    from vopd.flight.formats.video_track import read_gpmf
+
+    return read_gpmf(file)
+
+
+def _read_srt(file: InputFile) -> TrackRows:
+    from vopd.flight.formats.video_track import read_srt
+
+    return read_srt(file)
+
+
 # Formats of tracks, one row each; the next format is one more row
 
 TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
@@ -341,4 +359,6 @@ TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
     ),
     InputFormat("MRK of a drone", recognises_mrk, read_mrk),
     InputFormat("a folder of images", recognises_image_folder, read_image_folder),
+    InputFormat("a video with GoPro's GPMF", lambda file: file.is_video, _read_gpmf),
+    InputFormat("SRT of a DJI drone", lambda file: bool(SUBTITLE.match(file.head)), _read_srt),
 )

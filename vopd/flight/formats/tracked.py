@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.files import size_and_ends
 from vopd.flight.files import (
     UNKNOWN,
     CsvTable,
@@ -85,7 +86,6 @@ class TrackedRows:
 
 # Digests of what was tracked
 
-ENDS = 1 << 24  # bytes of a file that are digested from either end, besides its size
 SEEN_BY = {
     "camera": (),
     "landmarks": (),
@@ -127,13 +127,9 @@ def _of_files(paths: list[Path]) -> str:
                 if one == path:
                     return ""
                 continue
-            size = one.stat().st_size
-            digest.update(f"{one.name if path.is_dir() else ''}\0{size}\0".encode())
-            with one.open("rb") as content:
-                digest.update(content.read(ENDS))
-                if size > ENDS:
-                    content.seek(max(size - ENDS, ENDS))
-                    digest.update(content.read())
+            digest.update(f"{one.name if path.is_dir() else ''}\0".encode())
+            for part in size_and_ends(one):
+                digest.update(part)
     return digest.hexdigest() if paths else ""
 
 

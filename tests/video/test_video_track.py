@@ -1,0 +1,110 @@
+"""Tracks that come with a video: GoPro's GPMF, and DJI's subtitles."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.approved.texts import assert_approved, refused
+from tests.kit.video import klv, write_gpmf, write_video
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.files import open_input, read_by_content
+from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
+
+
+def read(path: Path) -> TrackRows:
+    return read_by_content(TRACK_FORMATS, open_input(path.name, path.parent))
+
+
+def device(*entries: bytes) -> bytes:
+    """A device with one stream."""
+    inside = b"".join(entries)
+    stream = klv("STRM", "", 1, len(inside), inside)
+    return klv("DEVC", "", 1, len(stream), stream)
+
+
+def gps5(rows: list[tuple[float, float, float]], fix: int = 3, dilution: int = 250) -> bytes:
+    scaled = [(round(a * 1e7), round(b * 1e7), round(h * 1e3), 0, 0) for a, b, h in rows]
+    return device(
+        klv("GPSF", "L", 4, 1, struct.pack(">L", fix)),
+        klv("GPSP", "S", 2, 1, struct.pack(">H", dilution)),
+        klv("SCAL", "l", 4, 5, struct.pack(">5l", 10**7, 10**7, 1000, 1000, 100)),
+        klv("GPS5", "l", 20, len(rows), b"".join(struct.pack(">5l", *one) for one in scaled)),
+    )
+
+
+def gps9(rows: list[tuple[float, float, int]]) -> bytes:
+    """Latitude, seconds of a day, and the fix; at 15 east, 300 m, with a dilution of 2."""
+    scale = 10**7, 10**7, 1000, 1000, 100, 1, 1000, 100, 1
+    content = b"".join(
+        struct.pack(">7l2H", round(a * 1e7), 15 * 10**7, 300_000, 0, 0, 9_000,
+                    round(s * 1e3), 200, fix)
+        for a, s, fix in rows
+    )  # fmt: skip
+    return device(
+        klv("TYPE", "c", 1, 9, b"lllllllSS"),
+        klv("SCAL", "l", 4, 9, struct.pack(">9l", *scale)),
+        klv("GPS9", "?", 32, len(rows), content),
+    )
+
+
+def test_gps5_is_spread_over_its_packets(tmp_path: Path) -> None:
+    """The first second has no fix; 7.5 m and 12.5 m are 3 and 5 m times a dilution of 2.5."""
+    places = [(47.1, 15.2, 400.5), (47.2, 15.3, 401.0), (47.3, 15.4, 402.0)]
+    packets = [(0, gps5([(0, 0, 0)], fix=0)), (1000, gps5(places[:2])), (2000, gps5(places[2:]))]
+    rows = read(write_gpmf(tmp_path / "a.mp4", packets))
+    assert_close("place or time as a file has it", rows.time_s, [1.0, 1.5, 2.0])
+    assert_close("place or time as a file has it", rows.coordinate, np.array(places)[:, [1, 0, 2]])
+    assert_close("place or time as a file has it", rows.sigma_m, [[7.5, 7.5, 12.5]] * 3)
+    assert rows.clock == "seconds" and rows.by_video and rows.height is None
+    assert_approved(rows.said)
+
+
+def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
+    """Samples at 36000.2 and .7 s of a day are half a second apart; the packet begins at 0."""
+    packets = [(0, gps9([(47.0, 36_000.2, 3), (47.1, 36_000.7, 3)])), (1000, gps9([(0, 1, 0)]))]
+    rows = read(write_gpmf(tmp_path / "a.mp4", packets))
+    assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5])
+    assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.1])
+    assert_approved(rows.said)
+
+
+def test_videos_without_a_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_video(Path("none.mp4"), [0, 40])
+    write_gpmf(Path("unfixed.mp4"), [(0, gps5([(47.0, 15.0, 1.0)], fix=0))])
+    write_gpmf(Path("other.mp4"), [(0, device(klv("ACCL", "s", 2, 1, b"\0\1")))])
+    write_gpmf(Path("wrong.mp4"), [(0, device(klv("GPS5", "?", 20, 1, b"\0" * 20)))])
+    Path("old.SRT").write_text("1\n00:00:00,000 --> 00:00:01,000\nGPS(15.1,47.2,18) BAROMETER:3\n")
+    Path("lost.SRT").write_text(
+        "1\n00:00:00,000 --> 00:00:01,000\n[latitude: 0.0] [longitude: 0.0] [abs_alt: 3.0]\n"
+    )
+    for name in ("none.mp4", "unfixed.mp4", "other.mp4", "wrong.mp4", "old.SRT", "lost.SRT"):
+        with refused(VopdError):
+            read(tmp_path / name)
+
+
+def test_subtitles_repeat_positions(tmp_path: Path) -> None:
+    """Four frames of three positions, one of which is written twice; the other spelling too."""
+    lines = []
+    for k, (a, h) in enumerate([(47.0, 500), (47.0, 500), (47.1, 501), (47.2, 502)], 1):
+        spelt = "longtitude" if k == 4 else "longitude"
+        lines += [
+            f"{k}", f"00:01:00,{k * 33:03d} --> 00:01:00,{k * 33 + 33:03d}",
+            f"[iso : 100] [latitude: {a}] [{spelt} : 15.5] [rel_alt: 1.0 abs_alt: {h}.0] </font>",
+            "",
+        ]  # fmt: skip
+    path = tmp_path / "DJI_0001.SRT"
+    path.write_text("\n".join(lines))
+    rows = read(path)
+    assert_close("place or time as a file has it", rows.time_s, [60.033, 60.099, 60.132])
+    assert_close(
+        "place or time as a file has it", rows.coordinate,
+        [[15.5, 47.0, 500.0], [15.5, 47.1, 501.0], [15.5, 47.2, 502.0]],
+    )  # fmt: skip
+    assert list(rows.line) == [2, 10, 14]
+    assert_approved(rows.said)
