@@ -217,7 +217,8 @@ class Dense:
 
     def __init__(self, solution: JointSolution) -> None:
         model = solution.model
-        fixes, self.frames = model.priors.fixes, model.frames
+        fixes, self.frames, self.names = model.priors.fixes, model.frames, model.names
+        self.since_s = (np.arange(self.frames) - (self.frames - 1) / 2.0) / 30.0
         count = 3 * self.frames + model.fix_sigma_m.size + len(model.common_sigma)
         self.common = count - len(model.common_sigma)  # where it begins
         self.rows = np.zeros((2 * len(model.pick), count))
@@ -231,7 +232,7 @@ class Dense:
             by = model.velocity_m_s[frame]
             for column, name in enumerate(model.names, self.common):
                 if name in ("east", "clock", "clock_rate"):
-                    since = frame / 30.0 - (self.frames - 1) / 60.0
+                    since = self.since_s[frame]
                     own = {"east": [1.0, 0.0, 0.0], "clock": by, "clock_rate": by * since}[name]
                     self.place[frame, :, column] = own
         for rows in model.rows(solution.state):
@@ -287,8 +288,18 @@ class Dense:
 
     def turns(self, matrix: Floats) -> Floats:
         """The blocks of the frames' turns (F, 3, 3)."""
-        starts = range(0, 3 * self.frames, 3)
-        return np.array([matrix[at : at + 3, at : at + 3] for at in starts])
+        return self.turns_and_times(matrix)[:, :3, :3]
+
+    def turns_and_times(self, matrix: Floats) -> Floats:
+        """Covariances of each frame's turn and of the error of its time, (F, 4, 4)."""
+        found = []
+        for frame, since in enumerate(self.since_s):
+            by = np.zeros((4, len(matrix)))
+            by[:3, 3 * frame : 3 * frame + 3] = np.eye(3)
+            for column, name in enumerate(self.names, start=self.common):
+                by[3, column] = {"clock": 1.0, "clock_rate": since}.get(name, 0.0)
+            found.append(by @ matrix @ by.T)
+        return np.array(found)
 
 
 def scaled_close(quantity: str, actual: Floats, expected: Floats) -> None:

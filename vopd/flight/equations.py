@@ -6,7 +6,7 @@ the flight: the place of a camera that stands, landmarks, lens, clock, readout, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -330,6 +330,14 @@ class Model:
         """Add up the errors of the frames' times (F,)."""
         rate = self.value(state, "clock_rate")
         return np.asarray(self.value(state, "clock") + rate * self.since_s)
+
+    def late_by(self, names: Sequence[str]) -> Floats:
+        """Differentiate the errors of the frames' times by parameters, (F, len(names))."""
+        out = np.zeros((self.frames, len(names)))
+        for column, name in enumerate(names):
+            if name in ("clock", "clock_rate"):
+                out[:, column] = self.since_s if name == "clock_rate" else 1.0
+        return out
 
     def moved_m(self, state: State) -> Floats:
         """Add up how far each camera is from its stated place, its east, north, up (F, 3)."""

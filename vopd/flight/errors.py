@@ -174,16 +174,13 @@ def held_effects(solution: JointSolution) -> HeldEffects | None:
             own = own + rows.by_landmark @ by_mark[model.landmark[rows.picks]]
         change[rows.picks] = own
     weighted = -change * solution.normal.weight[:, None, None]
-    turn, fix, _ = solution.factored.solve(solution.normal.right_side(weighted))
+    turn, fix, moved = solution.factored.solve(solution.normal.right_side(weighted))
     by_common = full.place_by_common(np.arange(model.frames))
     place = by_common[:, :, first : first + count] @ held.root[:count]
     if model.priors.fixes is not None:
         place = place + model.priors.fixes.at_frames(fix)
-    late_s = np.zeros((model.frames, causes))
-    for name, own in zip(held.parameter, held.root[:count], strict=True):
-        if name in ("clock", "clock_rate"):
-            since_s = full.since_s if name == "clock_rate" else np.ones(model.frames)
-            late_s += since_s[:, None] * own
+    late_s = model.late_by(held.parameter) @ held.root[:count]
+    late_s += model.late_by(model.names) @ moved[: len(model.names)]
     component = {"reading": slice(held.by_picks), ADJUSTED: slice(held.by_picks, None)}
     return HeldEffects(turn, place, late_s, component, change)
 
@@ -196,17 +193,30 @@ def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) ->
         held: effects of held parameters
 
     Returns:
-        Turns about the camera's axes, radians, (F, 3, C); those of errors that are common to the
-        frames have `COMMON_PART` in their names.
+        Turns about the camera's axes, radians, and errors of the frames' times, seconds,
+        (F, 4, C); those of errors that are common to the frames have `COMMON_PART` in their
+        names.
     """
+    model, sigma = solution.model, solution.stated[0]
     found = {name: _roots(one) for name, one in solution.covariance.component.items()}
+    own_s = model.late_by([*sigma]) * np.array([*sigma.values()])
+    component = [COMPONENT[name] for name in sigma]
     for name, change in stated_changes(solution).items():
         part = name + COMMON_PART
         solved_for = [found[part]] if part in found else []
-        found[part] = np.concatenate([*solved_for, propagated(solution, change)[0]], axis=2)
+        turn, common = propagated(solution, change)
+        late_s = model.late_by(model.names) @ common[: len(model.names)]
+        late_s += own_s[:, [one == name for one in component]]
+        found[part] = np.concatenate([*solved_for, _with_late(turn, late_s)], axis=2)
     if held is not None:
-        found |= {name + COMMON_PART: held.turn[..., own] for name, own in held.component.items()}
+        every = _with_late(held.turn, held.late_s)
+        found |= {name + COMMON_PART: every[..., own] for name, own in held.component.items()}
     return found
+
+
+def _with_late(turn: Floats, late_s: Floats) -> Floats:
+    """Join turns (F, 3, C) and errors of times (F, C) to (F, 4, C)."""
+    return np.concatenate([turn, late_s[:, None]], axis=1)
 
 
 def covariance_of_common(solution: JointSolution) -> Floats:
@@ -249,9 +259,14 @@ def errors_of_sums(
 
 
 def _roots(covariances: Floats) -> Floats:
-    """Take symmetric roots of covariances (F, 3, 3); NaN where there is none."""
-    known = np.isfinite(covariances).all(axis=(1, 2))
-    sizes, axes = np.linalg.eigh(covariances[known])
+    """Take symmetric roots of covariances (F, 4, 4); NaN where there is none."""
     out = np.full_like(covariances, np.nan)
-    out[known] = axes * np.sqrt(np.maximum(sizes, 0.0))[:, None]
+    known = np.isfinite(covariances).all(axis=(1, 2))
+    unit = np.sqrt(np.diagonal(covariances[known], axis1=1, axis2=2).clip(0.0))
+    unit[:, :3] = 1.0  # of radians and seconds only the time is scaled, against rounding
+    unit = np.where(unit > 0.0, unit, 1.0)[..., None]
+    size = np.sqrt(np.trace(covariances[known, :3, :3], axis1=1, axis2=2) / 3.0)
+    unit[:, 3, 0] /= np.where(size > 0.0, size, 1.0)
+    sizes, axes = np.linalg.eigh(covariances[known] / unit / unit.swapaxes(1, 2))
+    out[known] = unit * axes * np.sqrt(np.maximum(sizes, 0.0))[:, None]
     return out

@@ -12,7 +12,6 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.estimate import (
-    COMMON_PART,
     About,
     Estimate,
     FrameStatus,
@@ -458,17 +457,12 @@ class FlightEstimates:
             return one
         known = np.isfinite(self.solved.camera_m[part.frames])
         place_m2 = (joint.covariance.place_m2 + self._places_by_stated)[part.frames]
-        late_s = {}
         if self._held is not None:
             place = self._held.place[part.frames]
             place_m2 = place_m2 + place @ place.swapaxes(1, 2)
-            late_s = {n: self._held.late_s[:, own] for n, own in self._held.component.items()}
-        clock_is_free = "clock" in joint.model.names
         return replace(
             one,
-            errors=input_errors(
-                self.solved.part(part), one, self._turns, part.frames, clock_is_free, late_s
-            ),
+            errors=input_errors(self.solved.part(part), one, self._turns, part.frames),
             moved=np.where(known, joint.moved_m[part.frames], np.nan),
             position_sigma=np.sqrt(np.einsum("fii->fi", place_m2)),
             position_ratio=self._position_ratio[part.frames],
@@ -649,34 +643,23 @@ def attack_angles(solved: SolvedFlight) -> AttackAngles:
 
 
 def input_errors(
-    solved: SolvedFlight, estimate: Estimate, turns: Mapping[str, Floats], frames: Ints,
-    clock_is_free: bool = False, late_s: Mapping[str, Floats] | None = None,
-) -> dict[str, InputErrors]:  # fmt: skip
-    """Convert turns of the camera by errors of the inputs to those of its angles and of the body.
+    solved: SolvedFlight, estimate: Estimate, turns: Mapping[str, Floats], frames: Ints
+) -> dict[str, InputErrors]:
+    """Convert errors of the inputs to those of the camera's angles, of the body and of the air.
 
     Args:
         solved: some frames of a flight
         estimate: of these frames
-        turns: of all frames, about the camera's axes, (F, 3, C) each
+        turns: of all frames about the camera's axes, and errors of their times, (F, 4, C) each
         frames: the indices of these among all
-        clock_is_free: what is left of its error is not among the columns of the turns
-        late_s: of the times of all frames, by errors of held parameters, (F, C) each
     """
     by_turns = angles_by_turns(np.radians(estimate.camera_deg)) @ IMAGE_FROM_CAMERA
+    by_time = estimate.responses.attack_by_time[:, :, None]
     found = {}
     for name, every in turns.items():
-        own = every[frames]
-        late = name == "time" + COMMON_PART
-        if late and clock_is_free:
-            own = np.concatenate([np.zeros_like(own[:, :, :1]), own], axis=2)
-        attack = np.zeros_like(own)
-        if late:
-            sigma_s = solved.flight.options.parameter_sigma.get("clock", 0.0)
-            attack[:, :, 0] = estimate.responses.attack_by_time * sigma_s
-        elif late_s and name.endswith(COMMON_PART) and name.removesuffix(COMMON_PART) in late_s:
-            late_by = late_s[name.removesuffix(COMMON_PART)][frames, None]
-            attack = estimate.responses.attack_by_time[:, :, None] * late_by
-        found[name] = InputErrors(-by_turns @ own, -solved.flight.mount @ own, attack)
+        turn, late_s = every[frames, :3], every[frames, 3:]
+        by_turn = -by_turns @ turn, -solved.flight.mount @ turn
+        found[name] = InputErrors(*by_turn, np.where(late_s == 0.0, 0.0, by_time * late_s))
     return found
 
 

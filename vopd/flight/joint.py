@@ -347,7 +347,7 @@ class Covariance(NamedTuple):
     """Covariances of turns of F frames about the camera's axes, rad^2, and of their places."""
 
     turn: Floats  # (F, 3, 3)
-    component: dict[str, Floats]  # (F, 3, 3) each, those in common marked; their sum is `turn`
+    component: dict[str, Floats]  # (F, 4, 4) each, of turn and time, s; those in common marked
     place_m2: Floats  # (F, 3, 3) east, north, up
     place_prior_m2: Floats  # (F, 3, 3)
     turn_place: Floats  # (F, 3, 3) of both, rows: the turn
@@ -355,6 +355,9 @@ class Covariance(NamedTuple):
 
 def covariance(solution: JointSolution) -> Covariance:
     """Estimate the covariances of rotations and places, by component.
+
+    Those by component are of the turns and of the error of the frame's time, which is not 0 if
+    the clock is solved for: the velocity depends on it, and both are estimated from one flight.
 
     The part of errors p with the prior P in the variance of x is Cov(x, p) P^-1 Cov(p, x), and
     so the derivative of Cov(x, x) by a factor of P. For fixes, which are many, that derivative
@@ -368,24 +371,49 @@ def covariance(solution: JointSolution) -> Covariance:
     if model.priors.fixes is not None:
         factored = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE)
     turn, place, mixed, by_common = marginals(factored)
-    component = _by_component(model, by_common)
+    late = _late_by_common(model)
+    whole = _with_late(turn, by_common, late, factored.common)
+    late_by = late[:, None] @ factored.common.real
+    component = _by_component(model, np.concatenate([by_common.real, late_by], axis=1))
     if model.priors.fixes is not None:
-        component["position"] = np.asarray(-turn.imag / DERIVATIVE)
+        component["position"] = np.asarray(-whole.imag / DERIVATIVE)
         between = model.priors.fixes.between
         if between is not None:
             gaps = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE * between[:, None])
-            component["interpolation"] = np.asarray(-marginals(gaps)[0].imag / DERIVATIVE)
+            component["interpolation"] = _derivative(gaps, late)
             component["position"] -= component["interpolation"]
             if model.priors.fixes.exact:
                 del component["position"]
-    total = np.asarray(turn.real)
-    given = sum(component.values(), np.zeros_like(total))
-    reading = total - given
+    given = sum(component.values(), np.zeros(whole.shape))
+    reading = np.asarray(whole.real) - given
     if robust:  # a pick of weight w has the variance w^2, and its part is as much less
         varied = Factored(Normal(model, solution.state, carry=1j * DERIVATIVE))
-        reading = -marginals(varied)[0].imag / DERIVATIVE
+        reading = _derivative(varied, late)
     component = {"reading": reading} | component
-    return Covariance(given + reading, component, place.real, _prior_places(model), mixed.real)
+    total = (given + reading)[:, :3, :3]
+    return Covariance(total, component, place.real, _prior_places(model), mixed.real)
+
+
+def _late_by_common(model: Model) -> Floats:
+    """Differentiate the errors of the frames' times by what is common to them, (F, K)."""
+    out = np.zeros((model.frames, len(model.common_sigma)))
+    out[:, : len(model.names)] = model.late_by(model.names)
+    return out
+
+
+def _with_late(turn: Array, by_common: Array, late: Floats, common: Array) -> Array:
+    """Add the error of each frame's time to the covariances of turns, (F, 4, 4)."""
+    mixed = np.einsum("fik,fk->fi", by_common, late)
+    out = np.empty((len(turn), 4, 4), turn.dtype)
+    out[:, :3, :3], out[:, :3, 3], out[:, 3, :3] = turn, mixed, mixed
+    out[:, 3, 3] = np.einsum("fk,kl,fl->f", late, common, late, optimize=True)
+    return out
+
+
+def _derivative(factored: Factored, late: Floats) -> Floats:
+    """Take the part of what the imaginary part of the equations varies, (F, 4, 4)."""
+    turn, _, _, by_common = marginals(factored)
+    return np.asarray(-_with_late(turn, by_common, late, factored.common).imag / DERIVATIVE)
 
 
 def _by_component(model: Model, by_common: Floats) -> dict[str, Floats]:
@@ -433,7 +461,7 @@ def marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
     kind = np.result_type(common, *(one.inverse for one in normal.parts[:1]))
     unknown = complex(np.nan, np.nan) if kind == np.complex128 else np.nan
     turn, place, mixed = (np.full((frames, 3, 3), unknown, kind) for _ in range(3))
-    by_common = np.full((frames, 3, size), np.nan)
+    by_common = np.full((frames, 3, size), unknown, kind)
     through = fixes.at_frames(factored.back) if fixes is not None else np.zeros((frames, 3, size))
     own = places_by_fixes(factored)
     for one in normal.parts:
@@ -451,7 +479,7 @@ def marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
         )
         place[one.frames] = x0 + z @ common @ z.swapaxes(1, 2)
         mixed[one.frames] = -by_place @ x0 - by @ z.swapaxes(1, 2)
-        by_common[one.frames] = -by.real
+        by_common[one.frames] = -by
     return turn, place, mixed, by_common
 
 
