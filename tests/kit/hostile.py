@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 from tests.kit.command import CASE_4, DECKS, ROOT
 from tests.kit.tagged_images import tagged_image
-from vopd.inputs import TOO_DEEP
 
 Content = str | bytes | Callable[[Path], object]
 Files = dict[str, Content]
@@ -32,14 +31,14 @@ LONGEST = 4_000  # characters that it may say
 
 
 class Hostile(NamedTuple):
-    """An input, and what is said of it."""
+    """An input; tests/approved has the sentences."""
 
     name: str
     files: Files
-    sentence: str  # a part of it; empty where the input is taken as it is
     commands: tuple[str, ...] = ("attitude flight.toml -o out.csv", "check flight.toml")
     seconds: float = SECONDS
     megabytes: float = MEGABYTES
+    others_after: str = ""  # words after which another package goes on in its own
 
 
 # Files of a project, one of which is replaced
@@ -144,12 +143,10 @@ PARTS = ".".join(["a"] * 50_000)
 BOMB = '<!DOCTYPE a [<!ENTITY a "aaaaaaaaaa">' + "".join(
     f'<!ENTITY {chr(98 + k)} "{f"&{chr(97 + k)};" * 10}">' for k in range(10)
 )
-DIGITS = "a whole number has thousands of digits"
 ESCAPE = "\x1b]0;title\x07\x9b31m"
 CVAT = '<annotations><track label="a"><points frame="{}" points="1,2"/></track></annotations>'
 SHAPES = '{{"imageWidth": 1920, "imageHeight": 1080, "imagePath": "a.jpg", "shapes": {}}}'
 GPX = '<gpx version="1.1">{}</gpx>'
-NO_DEVICE, NO_PIPE = "is a device, not a file", "is a pipe or a socket, not a file"
 BATCH = ("batch in -d out",)
 IMAGES = ("new made --images img",)
 SKY = "stars solve s.csv --focal 76 --date 2020-01-15T21:00Z"
@@ -158,144 +155,129 @@ STAR = ("stars solve s.csv --focal 76",)
 
 TABLE = (
     # TOML
-    Hostile("toml key of 50,000 parts", project(f"\n{PARTS} = 1\n"), "more than 50 parts"),
-    Hostile("toml section of 50,000 parts", project(f"\n[{PARTS}]\n"), "more than 50 parts"),
-    Hostile("toml mapping of 50,000 parts", solve(f"loss = {{{PARTS} = 1}}"), "more than 50 parts"),
-    Hostile("toml lists", solve(f"loss = {DEEP}"), TOO_DEEP),
-    Hostile("toml 5,000 digits", solve(f"loss = {LONG}"), DIGITS),
-    Hostile("toml 400 digits", solve(f"loss = {LARGE}"), "is not a text in quotes"),
-    Hostile("toml hexadecimal", solve(f"loss = 0x{'f' * 5000}"), "of digits is not a text"),
-    Hostile("toml 5 MB", solve(f"loss = 1.{'1' * 5_000_000}"), "more than 1 MB"),
-    Hostile("toml sections", project("\n".join(f"[s{k}]" for k in range(5_000))), "[s0]"),
-    Hostile("toml null", project(flight__toml=TOML.replace("picks.csv", "p\\u0000")), "null char"),
-    Hostile("toml escape", project(f'\n["{ascii(ESCAPE)[1:-1].replace("x", "u00")}"]\n'), "x1b"),
-    Hostile("toml pipe", project(flight__toml=pipe), NO_PIPE),
-    Hostile("toml device", project(flight__toml=zeros), NO_DEVICE),
+    Hostile("toml key of 50,000 parts", project(f"\n{PARTS} = 1\n")),
+    Hostile("toml section of 50,000 parts", project(f"\n[{PARTS}]\n")),
+    Hostile("toml mapping of 50,000 parts", solve(f"loss = {{{PARTS} = 1}}")),
+    Hostile("toml lists", solve(f"loss = {DEEP}")),
+    Hostile("toml 5,000 digits", solve(f"loss = {LONG}")),
+    Hostile("toml 400 digits", solve(f"loss = {LARGE}")),
+    Hostile("toml hexadecimal", solve(f"loss = 0x{'f' * 5000}")),
+    Hostile("toml 5 MB", solve(f"loss = 1.{'1' * 5_000_000}")),
+    Hostile("toml sections", project("\n".join(f"[s{k}]" for k in range(5_000)))),
+    Hostile("toml null", project(flight__toml=TOML.replace("picks.csv", "p\\u0000"))),
+    Hostile("toml escape", project(f'\n["{ascii(ESCAPE)[1:-1].replace("x", "u00")}"]\n')),
+    Hostile("toml pipe", project(flight__toml=pipe)),
+    Hostile("toml device", project(flight__toml=zeros)),
     Hostile("name of two lines", project(flight__toml=re.sub("name = .*", r'name = "a\\nb"', TOML)),
-            "has control characters", ("punch flight.toml", "check flight.toml")),
+            ("punch flight.toml", "check flight.toml")),
     Hostile("key that is not read", project(flight__toml=TOML.replace(
-            "[picks]", '[picks]\nutc_offset_h = "x"')), "is not a finite number"),
-    Hostile("refraction of 1e18", project("\n[atmosphere]\nrefraction = {k = 1e18}\n"),
-            "too large: 1e+12 at most"),
+            "[picks]", '[picks]\nutc_offset_h = "x"'))),
+    Hostile("refraction of 1e18", project("\n[atmosphere]\nrefraction = {k = 1e18}\n")),
     # lenses
-    Hostile("json lists", lens("json", f'{{"camera_matrix": {DEEP}}}'), TOO_DEEP),
-    Hostile("json 5,000 digits", lens("json", f'{{"camera_matrix": {LONG}}}'), DIGITS),
+    Hostile("json lists", lens("json", f'{{"camera_matrix": {DEEP}}}')),
+    Hostile("json 5,000 digits", lens("json", f'{{"camera_matrix": {LONG}}}')),
     Hostile("json 400 digits", lens("json", f'{{"image_width": {LARGE}, "image_height": 9, '
-            '"camera_matrix": [1, 0, 1, 0, 1, 1, 0, 0, 1]}'), "a number is too large"),
-    Hostile("opensfm lists", lens("json", f'{{"width": 1, "focal": {DEEP}}}'), TOO_DEEP),
-    Hostile("mrcal lists", lens("cameramodel", f'{{"lensmodel": "LENSMODEL_A", "a": {DEEP}}}'),
-            "nested"),
-    Hostile("mrcal signs", lens("cameramodel", f'{{"a": "LENSMODEL_A", "b": {"-" * 50_000}1}}'),
-            TOO_DEEP),
-    Hostile("yaml lists", lens("yml", f"camera_matrix: {DEEP}"), TOO_DEEP),
-    Hostile("yaml lines", lens("yml", "camera_matrix: \n" + "- " * 20_000), TOO_DEEP),
-    Hostile("yaml aliases", lens("yml", f"{aliases(9)}camera_matrix: *i"), "more than 100 elem"),
-    Hostile("yaml in itself", lens("yml", "camera_matrix: &a {data: *a}"), "or of rows of numb"),
-    Hostile("yaml digits", lens("yml", f"camera_matrix: {LONG}"), DIGITS),
-    Hostile("yaml 2 MB", lens("yml", f"camera_matrix: [{'1,' * 1_000_000}1]"), "more than 1 MB"),
-    Hostile("yaml 120,000 values", lens("yml", f"camera_matrix: [{'1,' * 120_000}1]"),
-            "more than 100000 values"),
-    Hostile("yaml date", lens("yml", "camera_matrix: 9999-99-99"), "not valid YAML"),
-    Hostile("xml entities", lens("xml", f"{BOMB}]><opencv_storage>&k;</opencv_storage>"),
-            "it declares an entity"),
+            '"camera_matrix": [1, 0, 1, 0, 1, 1, 0, 0, 1]}')),
+    Hostile("opensfm lists", lens("json", f'{{"width": 1, "focal": {DEEP}}}')),
+    Hostile("mrcal lists", lens("cameramodel", f'{{"lensmodel": "LENSMODEL_A", "a": {DEEP}}}')),
+    Hostile("mrcal signs", lens("cameramodel", f'{{"a": "LENSMODEL_A", "b": {"-" * 50_000}1}}')),
+    Hostile("yaml lists", lens("yml", f"camera_matrix: {DEEP}")),
+    Hostile("yaml lines", lens("yml", "camera_matrix: \n" + "- " * 20_000)),
+    Hostile("yaml aliases", lens("yml", f"{aliases(9)}camera_matrix: *i")),
+    Hostile("yaml in itself", lens("yml", "camera_matrix: &a {data: *a}")),
+    Hostile("yaml digits", lens("yml", f"camera_matrix: {LONG}")),
+    Hostile("yaml 2 MB", lens("yml", f"camera_matrix: [{'1,' * 1_000_000}1]")),
+    Hostile("yaml 120,000 values", lens("yml", f"camera_matrix: [{'1,' * 120_000}1]")),
+    Hostile("yaml date", lens("yml", "camera_matrix: 9999-99-99"), others_after="not valid YAML:"),
+    Hostile("xml entities", lens("xml", f"{BOMB}]><opencv_storage>&k;</opencv_storage>")),
     Hostile("xml depth", lens("xml", f"<opencv_storage>{'<a>' * 10_000}{'</a>' * 10_000}"
-            "</opencv_storage>"), "no camera matrix"),
-    Hostile("colmap arabic", lens("txt", "1 PINHOLE 1920 1080 1000 1000 ٩٦٠ 540\n"),
-            "'٩٦٠' is not a number"),
-    Hostile("colmap focal length of 1e308", lens("txt", "1 PINHOLE 1920 1080 1500 1e308 960 540\n"),
-            "a number of 1e+308: 1e+09 at most"),
+            "</opencv_storage>")),
+    Hostile("colmap arabic", lens("txt", "1 PINHOLE 1920 1080 1000 1000 ٩٦٠ 540\n")),
+    Hostile("colmap focal length of 1e308", lens("txt",
+            "1 PINHOLE 1920 1080 1500 1e308 960 540\n")),
     Hostile("cvat pixel of 1e308", other("picks", "p.xml", CVAT.format("0").replace("1,2",
-            "1e308,2")), "a in 0: 1e+308 px is too large"),
-    Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe},
-            NO_PIPE),
+            "1e308,2"))),
+    Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe}),
     # picks
-    Hostile("cvat 30 digits", other("picks", "p.xml", CVAT.format("9" * 30)), "has 30 digits"),
-    Hostile("cvat separator", other("picks", "p.xml", CVAT.format("1_0")), "not a whole number"),
-    Hostile("cvat entities", other("picks", "p.xml", f"{BOMB}]><annotations>&k;</annotations>"),
-            "it declares an entity"),
+    Hostile("cvat 30 digits", other("picks", "p.xml", CVAT.format("9" * 30))),
+    Hostile("cvat separator", other("picks", "p.xml", CVAT.format("1_0"))),
+    Hostile("cvat entities", other("picks", "p.xml", f"{BOMB}]><annotations>&k;</annotations>")),
     Hostile("cvat points", other("picks", "p.xml", '<annotations><track label="a"><points '
-            f'frame="0" points="{"x" * 1_000_000}"/></track></annotations>'), "fewer values"),
-    Hostile("labelme lists", other("picks", "p.json", SHAPES.format(DEEP)), TOO_DEEP),
+            f'frame="0" points="{"x" * 1_000_000}"/></track></annotations>')),
+    Hostile("labelme lists", other("picks", "p.json", SHAPES.format(DEEP))),
     Hostile("labelme 400 digits", other("picks", "p.json", SHAPES.format(
-            f'[{{"label": "a", "shape_type": "point", "points": [[{LARGE}, 1]]}}]')), "too large"),
-    Hostile("picks separator", project(picks__csv=first_number("2_95.684")), "is not a number"),
-    Hostile("picks arabic", project(picks__csv=first_number("٢٩٥.٦٨٤")), "is not a number"),
-    Hostile("picks fullwidth", project(picks__csv=first_number("\uff12\uff19")), "is not a num"),
-    Hostile("picks cell", project(picks__csv=first_number("1" * 100_000)), "not a finite number"),
-    Hostile("picks line", project(picks__csv=PICKS + "x" * 5_000_000), "more than 1000000 char"),
-    Hostile("picks columns", project(picks__csv="landmark,u_px,v_px" + ",a" * 100_000),
-            "100003 columns, 1000 at most"),
-    Hostile("picks quotes", project(picks__csv=PICKS + '0,"' + "x\n" * 100_000), "quoted cell"),
-    Hostile("picks null", project(picks__csv=PICKS + "0,\0,1,2\n"), "it has null characters"),
-    Hostile("picks escape", project(picks__csv=PICKS + f"0,{ESCAPE},1,2\n"), r"\x1b]0;title"),
-    Hostile("picks 4 GB", project(picks__csv=sparse), "it has null characters"),
-    Hostile("picks pipe", project(picks__csv=pipe), NO_PIPE),
-    Hostile("picks device", project(picks__csv=zeros), NO_DEVICE),
+            f'[{{"label": "a", "shape_type": "point", "points": [[{LARGE}, 1]]}}]'))),
+    Hostile("picks separator", project(picks__csv=first_number("2_95.684"))),
+    Hostile("picks arabic", project(picks__csv=first_number("٢٩٥.٦٨٤"))),
+    Hostile("picks fullwidth", project(picks__csv=first_number("\uff12\uff19"))),
+    Hostile("picks cell", project(picks__csv=first_number("1" * 100_000))),
+    Hostile("picks line", project(picks__csv=PICKS + "x" * 5_000_000)),
+    Hostile("picks columns", project(picks__csv="landmark,u_px,v_px" + ",a" * 100_000)),
+    Hostile("picks quotes", project(picks__csv=PICKS + '0,"' + "x\n" * 100_000)),
+    Hostile("picks null", project(picks__csv=PICKS + "0,\0,1,2\n")),
+    Hostile("picks escape", project(picks__csv=PICKS + f"0,{ESCAPE},1,2\n")),
+    Hostile("picks 4 GB", project(picks__csv=sparse)),
+    Hostile("picks pipe", project(picks__csv=pipe)),
+    Hostile("picks device", project(picks__csv=zeros)),
     # landmarks
-    Hostile("geojson lists", other("landmarks", "l.json", f'{{"type": "Feature", "a": {DEEP}}}'),
-            TOO_DEEP),
+    Hostile("geojson lists", other("landmarks", "l.json", f'{{"type": "Feature", "a": {DEEP}}}')),
     Hostile("geojson escape", other("landmarks", "l.json", '{"type": "Feature", "geometry": '
             '{"type": "Point", "coordinates": [1, 2, 3]}, "properties": {"name": "\\u001b[2J"}}'),
-            "known are \\x1b[2J", ("check flight.toml",)),
+            ("check flight.toml",)),
     Hostile("geojson name of two lines", other("landmarks", "l.json", '{"type": "Feature", '
             '"geometry": {"type": "Point", "coordinates": [1, 2, 3]}, "properties": {"name": '
-            '"a\\nb"}}'), "never picked: a\\nb", ("check flight.toml",)),
+            '"a\\nb"}}'), ("check flight.toml",)),
     Hostile("gcp system", other("landmarks", "g.txt", "+proj=utm +zone=33 " + "+x " * 50_000
-            + "\n1 2 3 4 5 a.jpg n\n"), "more than 20000 characters"),
-    Hostile("landmarks device", project(landmarks__csv=zeros), NO_DEVICE),
+            + "\n1 2 3 4 5 a.jpg n\n")),
+    Hostile("landmarks device", project(landmarks__csv=zeros)),
     # tracks
-    Hostile("gpx entities", other("track", "t.gpx", BOMB + "]>" + GPX.format("&k;")),
-            "it declares an entity"),
+    Hostile("gpx entities", other("track", "t.gpx", BOMB + "]>" + GPX.format("&k;"))),
     Hostile("gpx depth", other("track", "t.gpx", GPX.format("<trk>" * 5_000 + "</trk>" * 5_000)),
-            "not valid GPX"),
+            others_after="not valid GPX:"),
     Hostile("track year 1", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
-            "0001-01-01T00:00:00+14:00,48,15,300\n"), "is not a date and time"),
+            "0001-01-01T00:00:00+14:00,48,15,300\n")),
     Hostile("track year 9999", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
-            "9999-12-31T23:59:59-14:00,48,15,300\n"), "is not a date and time"),
+            "9999-12-31T23:59:59-14:00,48,15,300\n")),
     Hostile("epoch year 1", project(flight__toml=re.sub("(?m)^epoch = .*",
-            "epoch = 0001-01-01T00:00:00+14:00", TOML)), "is a date and time with its zone"),
+            "epoch = 0001-01-01T00:00:00+14:00", TOML))),
     Hostile("epoch year 9999", project(flight__toml=re.sub("(?m)^epoch = .*",
-            "epoch = 9999-12-31T23:59:59-14:00", TOML)), "is a date and time with its zone"),
-    Hostile("track height of 1e308", project(track__csv=cell("track", 3, "1e308")),
-            "1e308 is too large: 1e+12 at most"),
-    Hostile("track longitude of 1e300", project(track__csv=cell("track", 2, "1e300")),
-            "1e300 is too large: 1e+12 at most"),
-    Hostile("landmark longitude of 400", project(landmarks__csv=cell("landmarks", 2, "400")),
-            "longitude 400: it is -180 to 360"),
+            "epoch = 9999-12-31T23:59:59-14:00", TOML))),
+    Hostile("track height of 1e308", project(track__csv=cell("track", 3, "1e308"))),
+    Hostile("track longitude of 1e300", project(track__csv=cell("track", 2, "1e300"))),
+    Hostile("landmark longitude of 400", project(landmarks__csv=cell("landmarks", 2, "400"))),
     Hostile("landmark height of 1e8", project(landmarks__csv=cell("landmarks", 3, "1e8")),
-            "would have no image where it is", ("attitude flight.toml -o out.csv",), seconds=8.0),
+            ("attitude flight.toml -o out.csv",), seconds=8.0, others_after="have no image"),
     # images
-    Hostile("image 196 megapixels", {"img/a.jpg": pixels(14_000, 14_000)}, "", IMAGES),
-    Hostile("image 4 gigapixels", {"img/a.jpg": pixels(65_000, 65_000)}, "", IMAGES),
-    Hostile("image damaged", {"img/a.jpg": damaged}, "a.jpg has damaged tags", IMAGES),
-    Hostile("image pipe", {"img/a.jpg": pipe}, NO_PIPE, IMAGES),
+    Hostile("image 196 megapixels", {"img/a.jpg": pixels(14_000, 14_000)}, IMAGES),
+    Hostile("image 4 gigapixels", {"img/a.jpg": pixels(65_000, 65_000)}, IMAGES),
+    Hostile("image damaged", {"img/a.jpg": damaged}, IMAGES),
+    Hostile("image pipe", {"img/a.jpg": pipe}, IMAGES),
     # decks, stars, listings, manifests, folders
-    Hostile("deck device", {"x.dat": zeros}, "is a device, not a file",
+    Hostile("deck device", {"x.dat": zeros},
             ("run x.dat", "check x.dat", "attitude x.dat", "cards x.dat")),
-    Hostile("deck escape", {"x.dat": CASE_4.read_bytes().replace(b"1", b"\x9b", 1)}, "x.dat: card",
+    Hostile("deck escape", {"x.dat": CASE_4.read_bytes().replace(b"1", b"\x9b", 1)},
             ("run x.dat", "check x.dat")),
-    Hostile("folder with a pipe", {"in/x.dat": pipe, "in/y.dat": CASE_4.read_bytes()}, NO_PIPE,
+    Hostile("folder with a pipe", {"in/x.dat": pipe, "in/y.dat": CASE_4.read_bytes()},
             BATCH),
-    Hostile("folder with a device", {"in/x.dat": zeros}, NO_DEVICE, BATCH),
-    Hostile("manifest null", {"m": "a\0b.dat\n"}, "a null character", ("batch --manifest m -d o",)),
-    Hostile("manifest name", {"m": "a" * 1_000_000}, "4096 char", ("batch --manifest m -d o",)),
-    Hostile("manifest device", {"m": zeros}, NO_DEVICE, ("batch --manifest m -d out",)),
-    Hostile("stars device", {"s.csv": zeros}, NO_DEVICE, STAR),
-    Hostile("stars separator", {"s.csv": re.sub(r"(?m)^-?[\d.]+,", "1_0.5,", STARS)},
-            "s.csv: line", STAR),
-    Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'}, TOO_DEEP,
+    Hostile("folder with a device", {"in/x.dat": zeros}, BATCH),
+    Hostile("manifest null", {"m": "a\0b.dat\n"}, ("batch --manifest m -d o",)),
+    Hostile("manifest name", {"m": "a" * 1_000_000}, ("batch --manifest m -d o",)),
+    Hostile("manifest device", {"m": zeros}, ("batch --manifest m -d out",)),
+    Hostile("stars device", {"s.csv": zeros}, STAR),
+    Hostile("stars separator", {"s.csv": re.sub(r"(?m)^-?[\d.]+,", "1_0.5,", STARS)}, STAR),
+    Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'},
             ("stars solve s.json --focal 76",)),
     Hostile("ephemeris cut short", {"s.csv": NAMED, "e.bsp": cut_ephemeris},
-            "e.bsp: its end is missing, or damaged", (f"{SKY} --ephemeris e.bsp",)),
-    Hostile("ephemeris pipe", {"s.csv": NAMED, "e.bsp": pipe}, NO_PIPE,
             (f"{SKY} --ephemeris e.bsp",)),
-    Hostile("catalogue device", {"s.csv": NAMED, "h.dat": zeros}, NO_DEVICE,
+    Hostile("ephemeris pipe", {"s.csv": NAMED, "e.bsp": pipe},
+            (f"{SKY} --ephemeris e.bsp",)),
+    Hostile("catalogue device", {"s.csv": NAMED, "h.dat": zeros},
             (f"{SKY} --catalogue h.dat",)),
-    Hostile("catalogue 4 GB", {"s.csv": NAMED, "h.dat": sparse}, "neither hip_main.dat nor hip2",
+    Hostile("catalogue 4 GB", {"s.csv": NAMED, "h.dat": sparse},
             (f"{SKY} --catalogue h.dat",), megabytes=250.0),
-    Hostile("catalogue empty", {"s.csv": NAMED, "h.dat": ""}, "neither hip_main.dat nor hip2",
+    Hostile("catalogue empty", {"s.csv": NAMED, "h.dat": ""},
             (f"{SKY} --catalogue h.dat",)),
-    Hostile("reading sigma of 1e-300", {"s.csv": STARS}, "must be 1e-12 or more",
+    Hostile("reading sigma of 1e-300", {"s.csv": STARS},
             ("stars solve s.csv --focal 76 --reading-sigma 1e-300",)),
-    Hostile("name of a file", {}, r"a\x1b[31m", ("check a\x1b[31m", "stars solve a\x1b[31m")),
+    Hostile("name of a file", {}, ("check a\x1b[31m", "stars solve a\x1b[31m")),
 )  # fmt: skip
