@@ -30,6 +30,7 @@ MOST_NODES = 100_000  # values of YAML
 DEEPEST = 50  # lists and mappings of YAML that stand in each other
 MOST_DIGITS = 18  # digits of a whole number: of a frame, a camera, a pixel
 MOST_NUMBER = 1_000_000_000_000  # of a flight's number: seconds, metres, degrees, pixels
+LONGEST_NAME = 1_000  # characters of the name of a landmark, an image or a frame
 MOST_PARTS = 50  # parts of a dotted key of TOML, whose parser takes the square of them
 
 TOO_DEEP = "lists or tables stand in each other by the hundreds"

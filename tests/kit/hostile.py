@@ -146,6 +146,11 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaaaaaaaa">' + "".join(
 ESCAPE = "\x1b]0;title\x07\x9b31m"
 CVAT = '<annotations><track label="a"><points frame="{}" points="1,2"/></track></annotations>'
 SHAPES = '{{"imageWidth": 1920, "imageHeight": 1080, "imagePath": "a.jpg", "shapes": {}}}'
+OPENSFM = '{{"a": {{"width": 1920, "height": 1080, "focal": {}, "k1": 0, "k2": 0}}}}'
+KML = (
+    "<kml><Placemark><name>{}</name><Point><coordinates>15,48,300</coordinates></Point>"
+    "</Placemark></kml>"
+)
 GPX = '<gpx version="1.1">{}</gpx>'
 BATCH = ("batch in -d out",)
 IMAGES = ("new made --images img",)
@@ -195,6 +200,8 @@ TABLE = (
     Hostile("colmap arabic", lens("txt", "1 PINHOLE 1920 1080 1000 1000 ٩٦٠ 540\n")),
     Hostile("colmap focal length of 1e308", lens("txt",
             "1 PINHOLE 1920 1080 1500 1e308 960 540\n")),
+    Hostile("colmap fov", lens("txt", "1 FOV 1920 1080 1500 1500 960 540 .9\n")),
+    Hostile("opensfm true", lens("json", OPENSFM.format("true"))),
     Hostile("cvat pixel of 1e308", other("picks", "p.xml", CVAT.format("0").replace("1,2",
             "1e308,2"))),
     Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe}),
@@ -207,6 +214,8 @@ TABLE = (
     Hostile("labelme lists", other("picks", "p.json", SHAPES.format(DEEP))),
     Hostile("labelme 400 digits", other("picks", "p.json", SHAPES.format(
             f'[{{"label": "a", "shape_type": "point", "points": [[{LARGE}, 1]]}}]'))),
+    Hostile("labelme null", other("picks", "p.json", SHAPES.format(
+            '[{"label": null, "shape_type": "point", "points": [[1, 2]]}]'))),
     Hostile("picks separator", project(picks__csv=first_number("2_95.684"))),
     Hostile("picks arabic", project(picks__csv=first_number("٢٩٥.٦٨٤"))),
     Hostile("picks fullwidth", project(picks__csv=first_number("\uff12\uff19"))),
@@ -229,6 +238,9 @@ TABLE = (
             '"a\\nb"}}'), ("check flight.toml",)),
     Hostile("gcp system", other("landmarks", "g.txt", "+proj=utm +zone=33 " + "+x " * 50_000
             + "\n1 2 3 4 5 a.jpg n\n")),
+    Hostile("gcp grids", other("landmarks", "g.txt", "+proj=utm +zone=33 +nadgrids=/etc/passwd\n"
+            "500000 5300000 3 4 5 a.jpg n\n"), others_after="nadgrids=/etc/passwd':"),
+    Hostile("kml name", other("landmarks", "l.kml", KML.format("a" * 100_000))),
     Hostile("landmarks device", project(landmarks__csv=zeros)),
     # tracks
     Hostile("gpx entities", other("track", "t.gpx", BOMB + "]>" + GPX.format("&k;"))),

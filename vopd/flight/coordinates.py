@@ -131,11 +131,18 @@ def crs_name(text: str) -> str:
 def _crs(name: str, where: str) -> Any:
     pyproj = optional_package("pyproj", "geo", f"{where}: the CRS {name}")
     try:
-        return pyproj.CRS.from_user_input(name)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of +init=epsg:, which is understood
+            crs = pyproj.CRS.from_user_input(name)
+            if crs.is_projected:
+                pyproj.Proj(crs)
+        return crs
     except pyproj.exceptions.CRSError as error:
         raise VopdError(
             f"{where}: crs {name!r} is not known: write a code, for instance EPSG:32633"
         ) from error
+    except pyproj.exceptions.ProjError as error:
+        raise VopdError(f"{where}: crs {name!r}: {_short(error)}") from error
 
 
 def crs_is_geographic(name: str, where: str) -> bool:
@@ -192,7 +199,10 @@ def _transform(
 
 
 def _short(error: Exception) -> str:
-    return " ".join(str(error).split())[:300]
+    """Take PROJ's own sentence from the middle of pyproj's."""
+    text = " ".join(str(error).split())
+    inner = re.search(r"\(Internal Proj Error: (?:proj_\w+: )?(.*?)\)?$", text)
+    return (inner[1] if inner else text)[:300]
 
 
 def _missing_grids(message: str, crs: Any, target: str, coordinate: Floats) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +20,7 @@ from vopd.flight.coordinates import (
     map_grid,
     outside_area,
 )
-from vopd.flight.files import did_you_mean, read_by_content, shown
+from vopd.flight.files import InputFile, did_you_mean, read_by_content, shown
 from vopd.flight.flight import (
     CameraPath,
     Flight,
@@ -56,7 +56,7 @@ from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
-from vopd.inputs import MOST_NUMBER
+from vopd.inputs import LONGEST_NAME, MOST_NUMBER
 
 # The lens: an inline table, or a file
 
@@ -242,6 +242,8 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
         return read_tracked_picks(project, size_px)
     file = project.open("picks", "tracked" if section.has("tracked") else "file")
     rows = project.read("picks", file, PICK_FORMATS)
+    frames = rows.frame.known if isinstance(rows.frame, Names) else []
+    _refuse_long(file, [*rows.landmark.known, *frames])
     if section.has("tracked"):
         rows = replace(rows, interpolated=np.ones(len(rows.landmark), bool))
     elif section.text("interpolated") == "drop" and rows.interpolated is not None:
@@ -556,6 +558,7 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
     section = project.section("landmarks")
     file = project.open("landmarks")
     rows = read_by_content(LANDMARK_FORMATS, file)
+    _refuse_long(file, rows.name)
     doubled = [name for name, count in Counter(rows.name).items() if count > 1]
     if doubled:
         raise file.error(f"{sorted(doubled)[0]} has two positions")
@@ -572,6 +575,13 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
     sigma_m = row_sigmas(section, "sigma_m", own, notes)
     used = tuple(name not in check for name in rows.name)
     return rows, LandmarkSet(tuple(rows.name), position, sigma_m, used)
+
+
+def _refuse_long(file: InputFile, names: Iterable[str]) -> None:
+    """Refuse names that no message could show."""
+    longest = max(map(len, names), default=0)
+    if longest > LONGEST_NAME:
+        raise file.error(f"a name of {longest} characters: {LONGEST_NAME} at most")
 
 
 def landmark_crs(section: Section, rows: LandmarkRows) -> str | None:

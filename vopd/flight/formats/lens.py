@@ -278,13 +278,18 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         raise file.error(
             f"projection {kind} is not known; {', '.join(MODELS_OPENSFM)} are", column=name
         )
+
+    def number(key: str, default: object = None) -> float:
+        value = camera[key] if default is None else camera.get(key, default)
+        return plain_number(str(value))  # JSON's true is 1 for float()
+
     try:
-        size_px = int(camera["width"]), int(camera["height"])
-        focal = float(camera["focal_x" if "focal_x" in camera else "focal"])
-        focals = focal, float(camera.get("focal_y", focal))
+        size_px = int(number("width")), int(number("height"))
+        focal = number("focal_x" if "focal_x" in camera else "focal")
+        focals = focal, number("focal_y", focal)
         model, keys = MODELS_OPENSFM[kind]
-        k = [float(camera.get(key, 0.0)) for key in keys]
-        shift = float(camera.get("c_x", 0.0)), float(camera.get("c_y", 0.0))
+        k = [number(key, 0.0) for key in keys]
+        shift = number("c_x", 0.0), number("c_y", 0.0)
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise file.error(
             f"a camera needs width, height, focal as numbers: {reason(error)}",
@@ -472,6 +477,14 @@ MODELS_COLMAP = {  # model here, number of focal lengths, OpenCV positions of th
     "SIMPLE_FISHEYE": ("fisheye", 1, ()),
     "FISHEYE": ("fisheye", 2, ()),
 }
+NOT_READ_COLMAP = {
+    "FOV": "OPENCV_FISHEYE",
+    "THIN_PRISM_FISHEYE": "OPENCV_FISHEYE",
+    "RAD_TAN_THIN_PRISM_FISHEYE": "OPENCV_FISHEYE",
+    "SIMPLE_DIVISION": "OPENCV",
+    "DIVISION": "OPENCV",
+}
+"""Models of COLMAP that no lens here has, and the one to calibrate in their place."""
 LINE = re.compile(r"^\s*(\d+)\s+([A-Z][A-Z_]+)\s+(\d+)\s+(\d+)\s+\S", re.M)
 
 
@@ -492,6 +505,12 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
     if len(rows) != 1:
         raise file.error(f"{len(rows)} cameras: name one by its number with [camera] camera")
     number, (_, name, *fields) = rows[0]
+    if name in NOT_READ_COLMAP:
+        raise file.error(
+            f"COLMAP's model {name} is not read: let COLMAP calibrate the camera as "
+            f"{NOT_READ_COLMAP[name]}",
+            number,
+        )
     if name not in MODELS_COLMAP:
         raise file.error(f"model {name} is not known; {', '.join(MODELS_COLMAP)} are", number)
     model, focals, places = MODELS_COLMAP[name]

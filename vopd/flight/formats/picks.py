@@ -269,13 +269,15 @@ def read_labelme(file: InputFile) -> PickRows:
             sizes.add((int(label["imageWidth"]), int(label["imageHeight"])))
             image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
             found += [
-                (image, str(shape["label"]), float(point[0]), float(point[1]))
+                (image, shape["label"], float(point[0]), float(point[1]))
                 for shape in label["shapes"]
                 if shape.get("shape_type") == "point"
                 for point in shape["points"]
             ]
         except (*UNEXPECTED, OSError) as error:
             raise VopdError(f"{path.name}: not a LabelMe file: {reason(error)}") from error
+    if not all(isinstance(name, str) and name for _, name, *_ in found):
+        raise file.error("some points have no label: the label is the name of the landmark")
     if not found:
         raise file.error("no shape is a point: landmarks are drawn as points")
     if len(sizes) > 1:
