@@ -269,14 +269,14 @@ def read_labelme(file: InputFile) -> PickRows:
             sizes.add((int(label["imageWidth"]), int(label["imageHeight"])))
             image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
             found += [
-                (image, shape["label"], float(point[0]), float(point[1]))
+                (image, _label(shape["label"]), float(point[0]), float(point[1]))
                 for shape in label["shapes"]
                 if shape.get("shape_type") == "point"
                 for point in shape["points"]
             ]
         except (*UNEXPECTED, OSError) as error:
             raise VopdError(f"{path.name}: not a LabelMe file: {reason(error)}") from error
-    if not all(isinstance(name, str) and name for _, name, *_ in found):
+    if not all(name for _, name, *_ in found):
         raise file.error("some points have no label: the label is the name of the landmark")
     if not found:
         raise file.error("no shape is a point: landmarks are drawn as points")
@@ -287,6 +287,11 @@ def read_labelme(file: InputFile) -> PickRows:
         Names(image_names), Names(landmark), np.array([u, v]).T, np.full(len(u), np.nan),
         "corner", sizes.pop(), "LabelMe",
     )  # fmt: skip
+
+
+def _label(value: object) -> str:
+    """Read a label of JSON, a text or a number; empty for anything else."""
+    return str(value) if isinstance(value, str | int | float) else ""
 
 
 # The picks in a gcp_list.txt
