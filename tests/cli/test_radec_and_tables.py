@@ -120,8 +120,10 @@ def test_the_figures_are_numbered_from_1(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(
         "vopd.stellar.tables_1987.figure_errors", lambda: ("pairs", "methods", errors)
     )
-    monkeypatch.setattr("vopd.figures.draw_errors_by_pair", lambda *one: drawn.append(one) or "f")
-    monkeypatch.setattr("vopd.figures.save", lambda *one: repr(one).encode())
+    monkeypatch.setattr(
+        "vopd.figures.stars.draw_errors_by_pair", lambda *one: drawn.append(one) or "f"
+    )
+    monkeypatch.setattr("vopd.figures.style.save", lambda *one: repr(one).encode())
     assert tables._figures(".svg") == b"('f', '.svg')"
     ((pairs, methods, panels),) = drawn
     assert (pairs, methods) == ("pairs", "methods")
