@@ -295,6 +295,11 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
             if not container.streams.video:
                 raise VopdError(f"{path.name}: no video is in it; is the file complete?")
             stream = container.streams.video[0]
+            if stream.codec_context is None:
+                raise VopdError(
+                    f"{path.name}: its codec is not known here; ffmpeg may write it in another: "
+                    "ffmpeg -i FILE -fps_mode passthrough -c:v libx264 -crf 15 OUT.mp4"
+                )
             stream.thread_type = "AUTO"
             yield container, stream
     except (av.error.FFmpegError, OSError) as error:
@@ -397,7 +402,7 @@ def _ffmpeg(path: Path, *how: str, before: Sequence[str] = ()) -> Iterator[IO[by
         if status:
             errors.seek(0)
             said = errors.read(10_000).decode("utf-8", "replace").strip().splitlines()
-            why = said[-1] if said else "no reason given"
+            why = re.sub(r"^(\[[^]]*\] *)+", "", said[0]) if said else "no reason given"
             raise VopdError(f"{path.name}: not a video that can be read: ffmpeg: {why}")
 
 

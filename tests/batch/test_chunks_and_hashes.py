@@ -454,3 +454,23 @@ def test_a_name_that_cannot_be_a_path_hides_no_other(tmp_path: Path) -> None:
         (inner / name).write_text("")
     found = named_files(b'a = "inner"', tmp_path)
     assert [name for name, _ in found] == ["inner/a", "inner/b", "inner/c", "inner/d"]
+
+
+def test_a_long_video_is_hashed_by_its_size_and_ends(tmp_path: Path) -> None:
+    """A byte in the middle of 40 MB is not seen; one in the first 16 MB, or one more, is."""
+    project = tmp_path / "flight.toml"
+    project.write_text('[picks]\nvideo = ["a.mp4"]\n')
+    video, middle, early = tmp_path / "a.mp4", 20_000_000, 1_000_000
+
+    def hash_with(*changed: int, size: int = 40_000_000) -> str:
+        with video.open("wb") as file:
+            file.write(b"\0\0\0\x18ftypmp41")
+            file.truncate(size)
+            for at in changed:
+                file.seek(at)
+                file.write(b"x")
+        return input_sha256(str(project))
+
+    first = hash_with()
+    assert hash_with(middle) == first
+    assert len({first, hash_with(early), hash_with(size=40_000_001)}) == 3

@@ -1,0 +1,62 @@
+"""New projects of videos: times, size, files, and a track that comes with them."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.approved.texts import assert_approved, refused
+from tests.kit.video import SIZE, write_video
+from vopd.findings import VopdError
+from vopd.flight.new import NAME, NewProject, project_of_files
+
+LANDMARKS = "landmark,lat_deg,lon_deg,h_m,sigma_m\nmast,47.0,15.0,300.0,0.1\n"
+BLOCK = (
+    "{0}\n00:00:0{0},000 --> 00:00:0{0},900\n[latitude: 47.0{0}] [longitude: 15.0] [abs_alt: 9]\n"
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a video in two files and landmarks."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.mp4", "b.mp4"):
+        write_video(Path(name), [0, 40, 80])
+    Path("l.csv").write_text(LANDMARKS)
+    return tmp_path
+
+
+def values(new: NewProject) -> dict[str, dict[str, object]]:
+    """The keys of a new project."""
+    return tomllib.loads(new.contents[NAME].decode())
+
+
+def test_a_video_with_a_track_beside_it(folder: Path) -> None:
+    Path("a.SRT").write_text("".join(BLOCK.format(k) for k in range(3)))
+    new = project_of_files(folder, {"landmarks": "l.csv"}, video=["a.mp4", "b.mp4"])
+    found = values(new)
+    assert found["picks"] == {
+        "file": "clicks.csv", "first_frame_t_s": 0.0, "times": "video",
+        "video": ["a.mp4", "b.mp4"],
+    }  # fmt: skip
+    assert found["camera"] == {"image_size_px": list(SIZE)}
+    assert found["track"] == {"file": "a.SRT"}
+    needed = {("camera", "lens"), ("landmarks", "height"), ("track", "height")}
+    assert {*new.needed} == needed | {("track", "sigma_m"), ("track", "sigma_t_s")}
+    assert_approved("\n".join([*new.said, new.then]).replace(str(folder), "FOLDER"))
+
+
+def test_a_video_with_a_track_by_date(folder: Path) -> None:
+    """Neither file says when the first frame was, and the track has a clock of its own."""
+    Path("t.csv").write_text(
+        "t_utc,lat_deg,lon_deg,h_m,sigma_m\n2026-05-01T10:00:00Z,47,15,9,1\n"
+        "2026-05-01T10:00:01Z,47.001,15,9,1\n"
+    )
+    given = {"landmarks": "l.csv", "track": "t.csv"}
+    new = project_of_files(folder, given, video=["a.mp4"])
+    assert values(new)["picks"] == {"file": "clicks.csv", "times": "video", "video": "a.mp4"}
+    assert {("picks", "first_frame_t_s"), ("flight", "epoch")} <= {*new.needed}
+    with refused(VopdError):
+        project_of_files(folder, given, video=["l.csv"])
