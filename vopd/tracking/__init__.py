@@ -1,0 +1,1 @@
+"""Landmarks followed through a video, from a few clicks, with positions and lens known."""

@@ -1,0 +1,174 @@
+"""Known geometry of a video: where the camera was, the lens, the landmarks and their ground.
+
+All directions and positions are in metres east, north, up at the landmarks' mean (the site), and
+fixed to the Earth: rotations are from these axes to camera axes (x right, y down, z forward).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vopd.arrays import Floats, Ints
+from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
+from vopd.flight.lines_of_sight import sight_lines
+from vopd.geometry.earth import NED_FROM_ENU, local_axes
+from vopd.geometry.lenses import Lens, project, ray_of_pixel
+from vopd.geometry.rotations import rotation_matrices
+
+FLAT = 0.1  # sine of the angle below which a line of sight grazes the ground
+FAR = 1e3  # distances of the landmarks: ground that is farther away does not move
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Where everything is, but for the camera's attitude.
+
+    Args:
+        lens: of the camera
+        path: of the camera in all F frames of the video
+        landmarks: N of them
+        refraction: of the lines of sight
+        mount: from camera axes to body axes, for the lever arm, (3, 3)
+        shutter: a rolling one, or None
+    """
+
+    lens: Lens
+    path: CameraPath
+    landmarks: LandmarkSet
+    refraction: Refraction
+    mount: Floats
+    shutter: Shutter | None = None
+
+    def __post_init__(self) -> None:
+        origin = self.landmarks.position_m.mean(axis=0)
+        (axes,) = local_axes(origin[None])
+        put = object.__setattr__
+        put(self, "axes", axes)
+        put(self, "landmark_m", (self.landmarks.position_m - origin) @ axes.T)
+        put(self, "up", self.landmarks.axes[:, 2] @ axes.T)
+        put(self, "_antenna_m", (self.path.position_m - origin) @ axes.T)
+
+    axes: Floats = None  # type: ignore[assignment]  # (3, 3) rows: east, north, up, Earth-centred
+    landmark_m: Floats = None  # type: ignore[assignment]  # (N, 3)
+    up: Floats = None  # type: ignore[assignment]  # (N, 3) at each landmark
+    _antenna_m: Floats = None  # type: ignore[assignment]
+
+    def camera_m(self, frame: int, rotation: Floats) -> Floats:
+        """Place the camera in a frame, (3,): the track's position, and the lever arm."""
+        place = self._antenna_m[frame]
+        if self.path.lever_arm_m is None:
+            return place
+        return np.asarray(place + rotation.T @ (self.mount.T @ self.path.lever_arm_m))
+
+    def velocity_m_s(self, frame: int) -> Floats:
+        """Look up the camera's velocity in a frame, (3,); zero where it is not known."""
+        if self.path.velocity_m_s is None:
+            return np.zeros(3)
+        (local,) = local_axes(self.path.position_m[frame : frame + 1])
+        ned = np.nan_to_num(self.path.velocity_m_s[frame])
+        return np.asarray(self.axes @ (local.T @ (NED_FROM_ENU.T @ ned)))
+
+    def raised_m(self, frame: int) -> Floats:
+        """Find by how much refraction raises each landmark seen from a frame, (N, 3)."""
+        count = len(self.landmark_m)
+        if not self.refraction.k:
+            return np.zeros((count, 3))
+        at = self.path.position_m[frame : frame + 1]
+        marks = self.landmarks.position_m
+        lines = sight_lines(at, marks, np.zeros(count, int), np.arange(count), self.refraction)
+        (local,) = lines.axes
+        apparent = at + lines.distance_m[:, None] * (lines.direction @ local)
+        return np.asarray((apparent - marks) @ self.axes.T)
+
+    def late_s(self, pixel: Floats) -> Floats:
+        """Find when the rows of pixels are read after their frame's time, seconds (...)."""
+        assert self.shutter is not None
+        axis = int(self.shutter.way in ("down", "up"))
+        part = pixel[..., axis] / (self.lens.size_px[axis] - 1.0)
+        if self.shutter.way in ("up", "left"):
+            part = 1.0 - part
+        return np.asarray((part - 0.5 * self.shutter.middle) * self.shutter.readout_s)
+
+    def pixels(self, view: View, away: Floats) -> tuple[Floats, Floats]:
+        """Project apparent places relative to the camera on the image.
+
+        Args:
+            view: the frame, the attitude, and how it changes
+            away: (..., 3)
+
+        Returns:
+            u and v, (..., 2), NaN where there is no image, and their derivatives by small turns
+            of the camera about its own axes, (..., 2, 3).
+        """
+        ray = away @ view.rotation.T
+        found = project(self.lens, ray)
+        if self.shutter is not None:
+            moved = view.rotation @ view.velocity_m_s
+            for _ in range(2):
+                late = self.late_s(found.pixel)[..., None]
+                found = project(self.lens, _turned(ray - moved * late, view.rate_rad_s, late))
+        return found.pixel, found.by_turns
+
+    def rays(self, view: View, pixel: Floats) -> tuple[Floats, Floats]:
+        """Trace pixels back: unit vectors (..., 3), and where each starts from the camera, m."""
+        ray = ray_of_pixel(self.lens, pixel)
+        start = np.zeros_like(ray)
+        if self.shutter is not None:
+            late = self.late_s(pixel)[..., None]
+            ray = _turned(ray, -view.rate_rad_s, late)
+            start = view.velocity_m_s * late
+        return ray @ view.rotation, start
+
+    def ground(self, view: View, pixel: Floats, landmark: int) -> Floats:
+        """Intersect the rays of pixels with the ground about a landmark, (..., 3), site axes.
+
+        The ground is the horizontal plane through the landmark; where the line of sight to it
+        grazes that plane, as to a summit or the top of a mast, the plane across the line.
+
+        Args:
+            view: of the frame with the pixels
+            pixel: u, v near the landmark's image, (..., 2)
+            landmark: its index
+        """
+        place = self.camera_m(view.frame, view.rotation)
+        raised = self.raised_m(view.frame)[landmark]
+        away = self.landmark_m[landmark] + raised - place
+        normal = self.up[landmark]
+        if abs(away @ normal) < FLAT * np.linalg.norm(away):
+            normal = away / np.linalg.norm(away)
+        ray, start = self.rays(view, pixel)
+        reach = (away @ normal - start @ normal) / (ray @ normal)
+        reach = np.where(reach > 0.0, reach, np.nan)
+        return np.asarray(place + start + ray * reach[..., None] - raised)
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A frame, the camera's attitude in it, and how fast it turns and moves (rolling shutter)."""
+
+    frame: int
+    rotation: Floats  # (3, 3) from site axes to camera axes
+    rate_rad_s: Floats  # (3,) about the camera's own axes
+    velocity_m_s: Floats  # (3,) site axes
+
+
+def _turned(ray: Floats, rate: Floats, late: Floats) -> Floats:
+    """Turn rays by a rate times a time; the third order, of angles below a degree, is left."""
+    once = np.cross(rate, ray) * late
+    return np.asarray(ray + once + np.cross(rate, once) * (late / 2.0))
+
+
+def turn_between(before: Floats, after: Floats) -> Floats:
+    """Find the rotation vector about the camera's axes that leads from one attitude to another."""
+    turn = after @ before.T
+    out = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    sine = np.linalg.norm(out) / 2.0
+    angle = np.arctan2(sine, (np.trace(turn) - 1.0) / 2.0)
+    return np.asarray(out / 2.0 * (angle / sine if sine > 0.0 else 1.0))
+
+
+def turned_by(vector: Floats, rotation: Floats) -> Floats:
+    """Turn an attitude about the camera's axes by a rotation vector."""
+    return np.asarray(rotation_matrices(np.asarray(vector)[None])[0] @ rotation)
