@@ -19,12 +19,13 @@ PACKAGE = ROOT / "vopd"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
 MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
-    "cli": "video batch pipeline convert solved film flight report figures export attitude check "
-    "synthetic listing stellar cards program geometry base arrays",
+    "cli": "tracking video batch pipeline convert solved film flight report figures export attitude "
+    "check synthetic listing stellar cards program geometry base arrays",
     "batch": "pipeline solved film flight report export attitude listing base",
     "pipeline": "solved flight check cards program stellar geometry base arrays",
     "film": "estimate program geometry base arrays",
     "flight": "video shown attitude export estimate geometry base arrays",
+    "tracking": "video flight geometry base arrays",
     "convert": "flight cards program estimate geometry base arrays",
     "shown": "figures attitude base arrays",
     "solved": "film shown attitude export base arrays",

@@ -26,6 +26,7 @@ GROUPS = {
     "Frames of a camera, and decks": {
         "new": "start a flight project, from your files or as an example",
         "pick": "make a page on which landmarks are clicked in frames",
+        "track": "follow clicked landmarks through a video",
         "punch": "write a flight as a deck of 1974 cards",
         "check": "check flights and decks for errors and doubtful values",
         "attitude": "write the attitude table: CSV, JSON, Parquet, AEM, CZML, KML, ...",

@@ -82,6 +82,7 @@ class Progress:
     Args:
         unit: what is counted
         total: how many there will be, if it is known; the time that is left is shown then
+        rate: show how many there are a second
         stopped: what to say where the process is stopped meanwhile, after the count
     """
 
@@ -93,6 +94,7 @@ class Progress:
         clock: Callable[[], float] = time.monotonic,
         total: int | None = None,
         stopped: str = "",
+        rate: bool = False,
     ) -> None:
         self._stopped = stopped
         self.running.append(self)
@@ -100,7 +102,8 @@ class Progress:
         self._clock = clock
         self._start = clock()
         self._next = self._start + PATIENCE_S
-        self._total = total
+        self.total = total
+        self._rate = rate
         self._count = 0
         self._shown = 0  # characters
 
@@ -119,7 +122,7 @@ class Progress:
         """Say how far the work has come; empty if it has hardly begun."""
         if not self._stopped or self._clock() < self._start + PATIENCE_S:
             return ""
-        done = self._done() if self._total is None else f"{self._count} of {self._total} done"
+        done = self._done() if self.total is None else f"{self._count} of {self.total} done"
         return f"{done}; {self._stopped}"
 
     def _done(self) -> str:
@@ -127,11 +130,13 @@ class Progress:
         return f"{self._count} {unit}"
 
     def _text(self, now: float) -> str:
-        if self._total is None:
+        if self.total is None:
             return self._done()
-        left_s = (now - self._start) / max(self._count, 1) * (self._total - self._count)
+        left_s = (now - self._start) / max(self._count, 1) * (self.total - self._count)
         minutes, seconds = divmod(round(left_s), 60)
-        done = f"{self._count} of {self._total} {self._unit}"
+        done = f"{self._count} of {self.total} {self._unit}"
+        if self._rate:
+            done += f", {self._count / max(now - self._start, 1e-9):.1f} a second"
         return f"{done}, about {minutes} min {seconds:02} s left"
 
     def close(self) -> None:

@@ -131,6 +131,7 @@ class LandmarkSet:
     position_m: Floats  # (N, 3) Earth-centred
     sigma_m: Floats  # (N, 3) east, north, up; 0: exact
     used: tuple[bool, ...] = ()  # false for check landmarks: predicted, not used; empty: all used
+    patch_px: Floats | None = None  # (N,) side of the patch of `vopd track`; NaN: the usual one
 
     @property
     def takes_part(self) -> Bools:

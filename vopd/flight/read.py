@@ -574,7 +574,7 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
     own = RowSigmas(file.name, rows.sigma_m, len(rows.name), rows.line, rows.sigma_by)
     sigma_m = row_sigmas(section, "sigma_m", own, notes)
     used = tuple(name not in check for name in rows.name)
-    return rows, LandmarkSet(tuple(rows.name), position, sigma_m, used)
+    return rows, LandmarkSet(tuple(rows.name), position, sigma_m, used, rows.patch_px)
 
 
 def _refuse_long(file: InputFile, names: Iterable[str]) -> None:

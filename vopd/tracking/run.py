@@ -7,16 +7,18 @@ serves to predict; the attitudes of the result are those of `vopd attitude`, by 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.solve import solve_rotations
 from vopd.tracking.alignment import Alignment, Level, reduced
+from vopd.tracking.journal import ATTITUDE
 from vopd.tracking.patches import (
     GroundedPatch,
     Matches,
@@ -39,10 +41,9 @@ REACH = 70  # frames from a click, before and after
 LIKENESS = 0.6  # of two aligned frames: below it is a cut, or something hides the view
 HIDDEN = 45  # frames whose view may be hidden before it is a cut
 PREDICTED = 300  # frames by the alignment alone before the track is given up
+SURE = 3  # landmarks that agree are enough also where whole frames are not alike
 PAIRS = 200  # of patches that are tried for the turn that most agree with
 PRIOR_RAD = 0.03  # of a turn, where landmarks do not determine it
-FAR_CLICK = 5.0  # standard deviations from where the other clicks of the landmark have it
-FAR_CLICK_PX = 4.0
 
 UNKNOWN, PREDICTED_ONLY, TRACKED = 0, 1, 2
 """How the attitude of a frame is known."""
@@ -110,6 +111,13 @@ class _State(NamedTuple):
     predicted: int = 0  # frames without landmarks up to it
 
 
+class Beginning(NamedTuple):
+    """A frame with clicks at which tracking begins, and the frame from which it was lost, or -1."""
+
+    frame: int
+    cut: int
+
+
 @dataclass(eq=False)
 class Run:
     """One run of the tracker.
@@ -120,7 +128,6 @@ class Run:
         time_s: of the frames, (F,); NaN where not known
         patch_px: side of the patch of each landmark, (N,)
         reach: frames from a click within which all of it are matched
-        tell: is given a sentence about what happens
     """
 
     scene: Scene
@@ -128,13 +135,10 @@ class Run:
     time_s: Floats
     patch_px: Ints
     reach: int = REACH
-    tell: Callable[[str], object] = lambda _: None
     attitudes: Attitudes = field(init=False)
     patches: dict[int, Patch] = field(default_factory=dict)
-    cuts: list[int] = field(default_factory=list)
     grounded: dict[int, GroundedPatch | None] = field(default_factory=dict)
-    starts: list[int] = field(default_factory=list)
-    odd: dict[int, float] = field(default_factory=dict)
+    beginnings: list[Beginning] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         frames = len(self.time_s)
@@ -148,7 +152,7 @@ class Run:
             self._at.setdefault(frame, []).append(k)
         self._first = self._first_rotations()
         self._state: _State | None = None
-        self._segment = -1
+        self._segment, self._lost = -1, -1
 
     # Beginning at a frame with clicks
 
@@ -205,16 +209,20 @@ class Run:
                 break
         return view
 
-    def _begin(self, frame: int, rotation: Floats) -> None:
-        self._segment += 1
-        self._set(frame, rotation, TRACKED)
-        self.starts.append(frame)
-        self._ground(frame)
+    @property
+    def starts(self) -> list[int]:
+        """The frames at which tracking begins."""
+        return [one.frame for one in self.beginnings]
 
     def _set(self, frame: int, rotation: Floats, known: int) -> None:
         self.attitudes.rotation[frame] = rotation
         self.attitudes.known[frame] = known
         self.attitudes.segment[frame] = self._segment
+        self._ground(frame)
+        if self.scene.shutter is not None:
+            for near in (frame - 1, frame + 1):  # which know now how fast they turn
+                if near in self.starts:
+                    self._ground(near)
 
     def _ground(self, frame: int) -> None:
         """Lay the patches of a frame's clicks on the ground."""
@@ -235,27 +243,64 @@ class Run:
 
     # Forward and backward
 
-    def forward(self, pictures: Iterable[tuple[int, Any]]) -> Iterable[int]:
-        """Run through frames in their order; a frame's number is given when it is done."""
+    def forward(
+        self, pictures: Iterable[tuple[int, Any]], done: dict[int, Any]
+    ) -> Iterator[NDArray[Any]]:
+        """Run through frames in their order.
+
+        Args:
+            pictures: of the frames
+            done: what an earlier run wrote down of the first ones
+
+        Yields:
+            A record of each frame, to write down; nothing of a frame that was done.
+        """
         self._state = None
+        resume = done[max(done)] if done else None
         for frame, grey in pictures:
             self._cut_patches(frame, grey)
+            if frame in done:
+                self._replay(done[frame])
+                if resume is not None and frame == resume["state"]:
+                    self._state = _State(
+                        frame, reduced(grey), int(resume["hidden"]), int(resume["predicted"])
+                    )
+                continue
+            count = len(self.beginnings)
             self._step(frame, grey, +1)
-            yield frame
+            yield self._record(frame, len(self.beginnings) > count)
 
-    def backward(self, pictures: Iterable[tuple[int, Any]]) -> Iterable[int]:
+    def _record(self, frame: int, begins: bool) -> NDArray[Any]:
+        own, state = self.attitudes, self._state
+        cut = self.beginnings[-1].cut if begins else -1
+        left = (-1, 0, 0) if state is None else (state.frame, state.hidden, state.predicted)
+        return np.array(
+            [(frame, own.known[frame], own.segment[frame], own.rotation[frame], begins, cut, *left)],
+            ATTITUDE,
+        )
+
+    def _replay(self, one: Any) -> None:
+        """Take a frame as an earlier run left it."""
+        frame = int(one["frame"])
+        if one["begins"]:
+            self.beginnings.append(Beginning(frame, int(one["cut"])))
+        self._lost = frame if one["state"] < 0 <= self._segment and self._lost < 0 else self._lost
+        if one["known"]:
+            self._segment = int(one["segment"])
+            self._lost = -1
+            self._set(frame, one["rotation"], int(one["known"]))
+
+    def backward(self, pictures: Iterable[tuple[int, Any]]) -> Iterator[int]:
         """Run from a frame whose attitude is known back to the last one that it hangs with."""
         self._state = None
         for frame, grey in pictures:
             if self._state is None:
-                if self.attitudes.known[frame] == UNKNOWN:
-                    return
                 self._segment = int(self.attitudes.segment[frame])
                 self._state = _State(frame, reduced(grey))
                 continue
             self._step(frame, grey, -1)
             yield frame
-            if self._state is None or self._state.frame != frame and self._state.hidden > HIDDEN:
+            if self._state is None:
                 return
 
     def gaps(self) -> list[tuple[int, int]]:
@@ -272,32 +317,35 @@ class Run:
     def _step(self, frame: int, grey: Any, way: int) -> None:
         levels = reduced(grey)
         state = self._state
-        found = None
-        if state is not None:
-            found = self._follow(state, frame, grey, levels, way)
-        if found is not None:
-            rotation, known = found
-            self._set(frame, rotation, known)
-            predicted = 0 if known == TRACKED else state.predicted + 1  # type: ignore[union-attr]
-            self._state = _State(frame, levels, 0, predicted)
-            self._ground(frame)
-            if predicted > PREDICTED:
-                self._state = None
-        elif state is not None:
+        found = None if state is None else self._follow(state, frame, grey, levels, way)
+        if state is not None and found is None:
             self._state = state._replace(hidden=state.hidden + 1)
             if state.hidden >= HIDDEN:
-                self._state = None
+                self._lose(state.frame + 1)
+        elif state is not None and found is not None:
+            rotation, known = found
+            predicted = 0 if known == TRACKED else state.predicted + 1
+            self._set(frame, rotation, known)
+            self._state = _State(frame, levels, 0, predicted)
+            if predicted > PREDICTED:
+                self._lose(frame + 1 - predicted)
         if way > 0 and frame in self._first:
             self._begin_if_needed(frame, levels)
+
+    def _lose(self, frame: int) -> None:
+        self._state, self._lost = None, frame
 
     def _begin_if_needed(self, frame: int, levels: tuple[Level, Level]) -> None:
         """Begin anew at a frame with clicks, if it is not tracked or they contradict the track."""
         if self.attitudes.known[frame] == TRACKED and not self._contradicted(frame):
             return
-        if self._state is not None and self._state.frame != frame:
-            self.cuts.append(self._state.frame + 1)
-        self._begin(frame, self._first[frame])
-        self._state = _State(frame, levels)
+        state, lost = self._state, self._lost
+        if state is not None:
+            lost = frame if state.frame == frame else state.frame + 1
+        self._segment += 1
+        self.beginnings.append(Beginning(frame, lost))
+        self._set(frame, self._first[frame], TRACKED)
+        self._state, self._lost = _State(frame, levels), -1
 
     def _contradicted(self, frame: int) -> bool:
         """Tell whether clicks agree with one another, and not with the running attitude."""
@@ -345,13 +393,12 @@ class Run:
             again = self._by_clicks(self.view(state.frame, last, rate), self._at[state.frame])
             attitudes.rotation[state.frame] = again.rotation
             best = best @ last.T @ again.rotation
-            self._rates = {state.frame: rate}
             for click in self._at[state.frame]:
                 if click in self.patches:
                     self.grounded[click] = ground_patch(self.scene, again, self.patches[click])
         near = self._nearest(frame)
         located = self.locate(frame, grey, self.view(frame, best, rate), near)
-        if located is not None:
+        if located is not None and (likeness > LIKENESS or located.landmarks >= SURE):
             return located.view.rotation, TRACKED
         if likeness > LIKENESS:
             return best, PREDICTED_ONLY
@@ -417,7 +464,8 @@ class Run:
                 continue
             turn, inlier, residual = agreed
             final = View(frame, turned_by(turn, view.rotation), view.rate_rad_s, view.velocity_m_s)
-            return Located(final, warps, found, inlier, residual)
+            marks = {one.patch.landmark for one, ok in zip(places, inlier, strict=True) if ok}
+            return Located(final, warps, found, inlier, residual, len(marks))
         return None
 
     def _warps(
@@ -445,7 +493,7 @@ class Run:
 
     def second(
         self, pictures: Iterable[tuple[int, Any]], wanted: Bools
-    ) -> Iterable[FrameRows]:
+    ) -> Iterator[FrameRows]:
         """Match frames with all clicks in reach, all attitudes known.
 
         Args:
@@ -453,14 +501,11 @@ class Run:
             wanted: which of them have rows, (F,)
         """
         for frame in self._at:
-            self._ground_again(frame)
+            if self.attitudes.known[frame] != UNKNOWN:
+                self._ground(frame)
         for frame, grey in pictures:
             if wanted[frame]:
                 yield self._rows(frame, grey)
-
-    def _ground_again(self, frame: int) -> None:
-        if self.attitudes.known[frame] != UNKNOWN:
-            self._ground(frame)
 
     def _in_reach(self, frame: int) -> list[GroundedPatch]:
         """List the patches of all clicks in reach; of a landmark without one, of the nearest."""
@@ -491,9 +536,6 @@ class Run:
         if patches:
             # the frame's own clicks lie where they are: one landmark may still be found by others
             located = self.locate(frame, grey, self.view(frame), patches)
-        if located is not None:
-            self.attitudes.rotation[frame] = located.view.rotation
-            self.attitudes.known[frame] = TRACKED
         rows: list[tuple[Any, ...]] = []
         for click in own:
             rows.append(
@@ -543,6 +585,7 @@ class Located(NamedTuple):
     found: Matches
     inlier: Bools  # (C,) patches that agree with the attitude
     residual: Floats  # (C, 2)
+    landmarks: int  # that agree
 
 
 def _matched(

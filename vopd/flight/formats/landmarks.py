@@ -18,6 +18,7 @@ from vopd.flight.files import (
     GEODETIC,
     PLANE,
     UNEXPECTED,
+    UNKNOWN,
     CsvTable,
     InputFile,
     InputFormat,
@@ -41,6 +42,7 @@ class LandmarkRows:
     line: Sequence[int]
     said: str
     sigma_by: str = ""  # the columns of `sigma_m`
+    patch_px: Floats | None = None  # (N,) side of the patch of `vopd track`; NaN where not given
 
 
 # ODM's and OpenSfM's gcp_list.txt: landmarks and their picks in one file
@@ -118,7 +120,8 @@ def _lines(file: InputFile) -> list[tuple[int, str]]:
 
 SIGMA, SIGMAS = "sigma_m", ("sigma_e_m", "sigma_n_m", "sigma_u_m")
 """Columns of standard deviations of positions: one for all axes, and one for each."""
-COLUMNS = ("landmark", *GEODETIC, *PLANE, SIGMA, *SIGMAS)
+PATCH = "patch_px"
+COLUMNS = ("landmark", *GEODETIC, *PLANE, SIGMA, *SIGMAS, PATCH)
 
 
 def recognises_csv_landmarks(file: InputFile) -> bool:
@@ -148,7 +151,24 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
         table.line,
         f"CSV{table.read_as}",
         sigma_columns(table),
+        _patches(table),
     )
+
+
+LEAST_PATCH, MOST_PATCH = 7.0, 101.0  # pixels
+
+
+def _patches(table: CsvTable) -> Floats | None:
+    """Read the sides of the patches that `vopd track` follows; an empty cell has none."""
+    if not table.has(PATCH):
+        return None
+    found = table.numbers(PATCH, UNKNOWN)
+    wrong = np.flatnonzero((found < LEAST_PATCH) | (found > MOST_PATCH) | (found % 1.0 != 0.0))
+    wrong = wrong[~np.isnan(found[wrong])]
+    if len(wrong):
+        message = f"{found[wrong[0]]:g} is no side of a patch: 7 to 101, whole pixels"
+        raise table.error(message, int(wrong[0]), PATCH)
+    return found
 
 
 def sigma_columns(table: CsvTable) -> str:

@@ -1,0 +1,558 @@
+"""`vopd track`: from a project with clicks and a video to its tracked file."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints
+from vopd.files import whole_file
+from vopd.findings import Finding, VopdError, count_text
+from vopd.flight.adjusted import with_stated_offset
+from vopd.flight.flight import CameraPath, Flight
+from vopd.flight.formats.picks import Names
+from vopd.flight.formats.tracked import (
+    STATUSES,
+    TrackedRows,
+    track_digests,
+    tracked_lines,
+)
+from vopd.flight.project import Project
+from vopd.flight.read import flight_of, read_pick_rows
+from vopd.flight.track import frames_of, read_path
+from vopd.geometry.lenses import Lens
+from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
+from vopd.tracking.patches import PATCH_PX, SIGMA_FACTOR
+from vopd.tracking.run import REACH, TRACKED, UNKNOWN, Clicks, FrameRows, Run
+from vopd.tracking.scene import Scene
+from vopd.version import __version__
+from vopd.video import VideoFrames, grey_frames, grey_frames_backward, open_frames
+
+LEAST_FREEDOM = 30  # of residuals from which the sigma of a match is scaled
+SCALES = (0.4, 5.0)  # of it, at least and at most
+LEAST_MATCH_PX = 0.03  # standard deviation of a match below which it is not believed
+FAR_CLICK, FAR_CLICK_PX = 6.0, 4.0  # standard deviations, and pixels at least
+SHOWN = 3  # stretches of lost frames in a summary
+
+
+class TrackOptions(NamedTuple):
+    """The options of a run.
+
+    Attributes:
+        from_s: time of the first frame, seconds on the frames' clock; None: from the first one
+        to_s: of the last frame
+        every: only each so manieth frame has rows
+        reach: frames from a click within which all are matched with it
+        patch_px: side of a patch, unless a landmark's row has another
+    """
+
+    from_s: float | None = None
+    to_s: float | None = None
+    every: int = 1
+    reach: int = REACH
+    patch_px: int = PATCH_PX
+
+
+@dataclass(frozen=True, eq=False)
+class Footage:
+    """A project's video, and all that is known of its F frames but attitudes."""
+
+    project: Project
+    flight: Flight  # of the frames that are clicked
+    frames: VideoFrames
+    number: Ints  # (F,) of each frame, as it stands in files
+    time_s: Floats  # (F,)
+    scene: Scene
+    clicks: Clicks
+
+
+class Tracked(NamedTuple):
+    """What a run has come to.
+
+    Attributes:
+        output: the file that was written
+        lines: the summary, a line each
+        findings: warnings
+    """
+
+    output: str
+    lines: tuple[str, ...]
+    findings: tuple[Finding, ...]
+
+
+# Read the project
+
+
+def read_footage(project: Project) -> Footage:
+    """Read a project with clicks and a video, and where the camera was in all frames of it.
+
+    Raises:
+        VopdError: where a key is missing, or clicks, images and video do not belong together
+    """
+    section = project.section("picks")
+    for key, example in (("video", "flight.mp4"), ("tracked", "tracked.csv")):
+        if not section.has(key):
+            told = "the video" if key == "video" else "the file that is to be written"
+            raise section.error(key, f'is missing: {told}, as {key} = "{example}"')
+    alone = {k: v for k, v in section.values.items() if k not in ("tracked", "tracked_from")}
+    clicked = replace(
+        project, sections=project.sections | {"picks": replace(section, values=alone)}
+    )
+    if clicked.section("solve").has("frames"):
+        clicked = clicked.changed("solve", "frames", "each")
+    flight = flight_of(clicked)
+    names = section.values["video"]
+    paths = [str(project.folder / str(one)) for one in (names if isinstance(names, list) else [names])]
+    frames = open_frames(paths)
+    rows = read_pick_rows(clicked, flight.lens.size_px)
+    if flight.image_name and not frames.image_name:
+        message = "the clicks name images, and the video is no folder of them"
+        raise section.error("video", message)
+    every: Any = Names(frames.image_name) if flight.image_name else _numbers(project, frames)
+    number, times, index = frames_of(clicked, replace(rows, frame=every))
+    read = read_path(with_stated_offset(clicked), times)
+    path = CameraPath(
+        read.path.position_m[index],
+        velocity_m_s=None if read.path.velocity_m_s is None else read.path.velocity_m_s[index],
+        lever_arm_m=read.path.lever_arm_m,
+    )
+    scene = Scene(
+        flight.lens, path, flight.landmarks, flight.refraction, flight.mount, flight.shutter
+    )
+    own = np.asarray(every) if not flight.image_name else np.array(_image_numbers(project, frames))
+    place = {name: k for k, name in enumerate(frames.image_name or own.tolist())}
+    label = flight.image_name or flight.frame.tolist()
+    missing = [one for one in label if one not in place]
+    if missing:
+        has = f"{frames.source} has {count_text(len(frames), 'frame')}, counted from 0"
+        what = missing[0] if flight.image_name else f"frame {missing[0]}"
+        raise section.error("video", f"{what} is clicked, and {has}")
+    at = np.array([place[one] for one in label])
+    clicks = Clicks(
+        at[flight.picks.frame], flight.picks.landmark, flight.picks.pixel, flight.picks.sigma_px
+    )
+    return Footage(clicked, flight, frames, own, read.times.time_s[index], scene, clicks)
+
+
+def _numbers(project: Project, frames: VideoFrames) -> Ints:
+    """Number the frames: those of a video from 0, images by the numbers in their names."""
+    if not frames.image_name:
+        return np.arange(len(frames))
+    return np.array(_image_numbers(project, frames))
+
+
+def _image_numbers(project: Project, frames: VideoFrames) -> list[int]:
+    import re
+
+    found = []
+    for name in frames.image_name:
+        match = re.search(r"(\d{1,15})\D*$", name.rpartition(".")[0] or name)
+        if match is None:
+            raise project.section("picks").error(
+                "video", f"{name} has no number in its name, as frame_0100.png for frame 100"
+            )
+        found.append(int(match[1]))
+    if len(set(found)) < len(found):
+        raise project.section("picks").error("video", "two images have one number")
+    return found
+
+
+def _range(footage: Footage, options: TrackOptions) -> tuple[int, int]:
+    """Find the first and the last frame of a run."""
+    time_s, last = footage.time_s, len(footage.frames) - 1
+    if options.from_s is None and options.to_s is None:
+        return 0, last
+    if not np.isfinite(time_s).any():
+        raise VopdError(f"{footage.frames.source}: --from and --to: the frames have no times")
+    low = -np.inf if options.from_s is None else options.from_s
+    high = np.inf if options.to_s is None else options.to_s
+    inside = np.flatnonzero((time_s >= low) & (time_s <= high))
+    if not len(inside):
+        between = f"{np.nanmin(time_s):.6g} to {np.nanmax(time_s):.6g} s"
+        raise VopdError(
+            f"{footage.frames.source}: no frame is from {low:g} to {high:g} s; they are from "
+            f"{between}"
+        )
+    return int(inside[0]), int(inside[-1])
+
+
+def _in_range(footage: Footage, first: int, last: int) -> Clicks:
+    """Take the clicks in a range of frames, two landmarks of one frame at least."""
+    own = footage.clicks
+    section = footage.project.section("picks")
+    inside = (own.frame >= first) & (own.frame <= last)
+    inside &= np.isfinite(footage.scene.path.position_m[own.frame, 0])
+    name = section.text("file")
+    if not inside.any():
+        frames = f"frames {footage.number[first]} to {footage.number[last]}"
+        raise section.error("file", f"{name}: no click is in {frames}, or the track is not there")
+    clicks = Clicks(*(one[inside] for one in (own.frame, own.landmark, own.pixel, own.sigma_px)))
+    if np.bincount(clicks.frame).max() < 2:
+        only = len(set(clicks.landmark.tolist())) == 1
+        what = "only one landmark is clicked" if only else "no frame has clicks of two landmarks"
+        raise section.error(
+            "file", f"{name}: {what}: two landmarks in one frame are needed to begin, far apart"
+        )
+    return clicks
+
+
+def _checked(
+    pictures: Iterator[tuple[int, Any]], lens: Lens, footage: Footage, tell: Callable[[], object]
+) -> Iterator[tuple[int, Any]]:
+    """Check the size of frames as they come, and count them."""
+    for frame, grey in pictures:
+        size = grey.shape[1], grey.shape[0]
+        if size != lens.size_px:
+            name = footage.frames.label(frame)
+            what = name if footage.frames.image_name else footage.frames.source
+            raise footage.project.section("camera").error(
+                "image_size_px",
+                f"the lens is for {lens.size_px[0]} x {lens.size_px[1]}, and {what} has "
+                f"{size[0]} x {size[1]}; a calibration serves the pictures that it was made of",
+            )
+        yield frame, grey
+        tell()
+
+
+# The run
+
+
+def follow(
+    project: Project, options: TrackOptions, tell: Callable[[], object] = lambda: None,
+    count: Callable[[int], object] = lambda _: None,
+) -> Tracked:  # fmt: skip
+    """Follow the landmarks of a project through its video, and write its tracked file.
+
+    Args:
+        project: with `[picks] file`, `video` and `tracked`
+        options: of the run
+        tell: is called after each frame that is looked at
+        count: is given how many there will be
+
+    Raises:
+        VopdError: where something is missing or wrong
+    """
+    footage = read_footage(project)
+    first, last = _range(footage, options)
+    clicks = _in_range(footage, first, last)
+    output = str(project.folder / project.section("picks").text("tracked"))
+    digests = track_digests(footage.project)
+    about = digests | options._asdict() | {"version": __version__, "frames": len(footage.number)}
+    journal = Journal(Path(f"{output}.part"), about)
+    sides = np.full(len(footage.flight.landmarks.name), options.patch_px | 1)
+    own_px = footage.flight.landmarks.patch_px
+    if own_px is not None:
+        sides = np.where(np.isfinite(own_px), np.nan_to_num(own_px).astype(int) | 1, sides)
+    run = Run(footage.scene, clicks, footage.time_s, sides, options.reach)
+    count(2 * (last - first + 1))
+
+    def pictures(low: int, high: int) -> Iterator[tuple[int, Any]]:
+        return _checked(grey_frames(footage.frames, low, high), run.scene.lens, footage, tell)
+
+    seen = _forward(run, journal, pictures(first, last))
+    if seen < first:
+        raise VopdError(f"{footage.frames.source}: no frame can be decoded: is the file complete?")
+    _backward(run, journal, footage)
+    wanted = np.zeros(len(footage.number), bool)
+    wanted[first : last + 1 : options.every] = True
+    _second(run, journal, pictures, first, min(seen, last), wanted)
+    scale, by = _scale(journal, clicks)
+    with whole_file(output) as file:
+        for text in _lines(journal, footage, clicks, scale, digests):
+            file.write(text.encode())
+    summary = _summary(journal, footage, run, scale, by)
+    findings = _findings(journal, footage, run, clicks)
+    if seen < last:
+        message = (
+            f"{footage.frames.source}: frame {footage.number[seen] + 1} cannot be decoded, and "
+            "none after it: is the file complete?"
+        )
+        findings.insert(0, Finding(message, project.name, severity="warning"))
+    journal.remove()
+    return Tracked(output, tuple(summary), tuple(findings))
+
+
+def _forward(run: Run, journal: Journal, pictures: Iterator[tuple[int, Any]]) -> int:
+    """Run forward, from where an earlier run stopped; the last frame that was decoded."""
+    blocks = list(journal.blocks("forward"))
+    complete = bool(blocks) and not len(blocks[-1])
+    done = {int(one["frame"]): one for block in blocks for one in block}
+    seen = [-1]
+
+    def noticed() -> Iterator[tuple[int, Any]]:
+        for frame, grey in pictures:
+            seen[0] = frame
+            yield frame, grey
+
+    pending: list[Any] = []
+    for record in run.forward(noticed(), done):
+        pending.append(record)
+        if len(pending) > AT_ONCE + 2:
+            # a beginning is corrected by the frame after it, once it is known how fast it turns
+            _write_attitudes(run, journal, pending[:-2])
+            pending = pending[-2:]
+    if not complete:
+        _write_attitudes(run, journal, pending)
+        journal.add("forward", np.zeros(0, ATTITUDE))
+    return seen[0]
+
+
+def _write_attitudes(run: Run, journal: Journal, records: list[Any]) -> None:
+    if records:
+        block = np.concatenate(records)
+        block["rotation"] = run.attitudes.rotation[block["frame"]]
+        journal.add("forward", block)
+
+
+def _backward(run: Run, journal: Journal, footage: Footage) -> None:
+    """Run backward from each beginning to where the frames are known."""
+    blocks = list(journal.blocks("backward"))
+    if blocks and not len(blocks[-1]):
+        for block in blocks:
+            for one in block:
+                frame = int(one["frame"])
+                run.attitudes.rotation[frame] = one["rotation"]
+                run.attitudes.known[frame] = one["known"]
+                run.attitudes.segment[frame] = one["segment"]
+        return
+    found = []
+    for start, low in run.gaps():
+        found += list(run.backward(grey_frames_backward(footage.frames, start, low)))
+    block = np.zeros(len(found), ATTITUDE)
+    block["frame"] = found
+    for name, values in (
+        ("rotation", run.attitudes.rotation), ("known", run.attitudes.known),
+        ("segment", run.attitudes.segment),
+    ):  # fmt: skip
+        block[name] = values[found]
+    if len(block):
+        journal.add("backward", block)
+    journal.add("backward", np.zeros(0, ATTITUDE))
+
+
+def _second(
+    run: Run, journal: Journal, pictures: Callable[[int, int], Iterator[tuple[int, Any]]],
+    first: int, last: int, wanted: Bools,
+) -> None:  # fmt: skip
+    """Match all frames with all clicks in reach, from where an earlier run stopped."""
+    ended = False
+    for block in journal.blocks("row"):
+        ended = not len(block)
+        first = first if ended else int(block["frame"].max()) + 1
+    if ended or first > last:
+        return
+    pending: list[Any] = []
+    for rows in run.second(pictures(first, last), wanted):
+        pending.append(_records(rows))
+        if len(pending) >= AT_ONCE:
+            journal.add("row", np.concatenate(pending))
+            pending = []
+    if pending:
+        journal.add("row", np.concatenate(pending))
+    journal.add("row", np.zeros(0, ROW))
+
+
+def _records(rows: FrameRows) -> Any:
+    block = np.zeros(len(rows.landmark), ROW)
+    block["frame"] = rows.frame
+    for name in ("landmark", "click", "pixel", "by_click", "correlation", "residual"):
+        block[name] = getattr(rows, name)
+    block["sigma"] = rows.sigma_px
+    block["status"] = [STATUSES.index(one) for one in rows.status]
+    return block
+
+
+# The standard deviation of a match, from the residuals
+
+
+CLICKED_STATUS, TRACKED_STATUS = STATUSES.index("clicked"), STATUSES.index("tracked")
+
+
+def _scale(journal: Journal, clicks: Clicks) -> tuple[float, bool]:
+    """Estimate by how much matches scatter, in their sigmas; and whether residuals tell it.
+
+    The errors of one landmark in one frame are nearly the same from whichever click it is found:
+    they count once.
+    """
+    squares, freedom = 0.0, -2.0 * len(clicks.frame)
+    for block in journal.blocks("row"):
+        own = block[block["status"] == TRACKED_STATUS]
+        if not len(own):
+            continue
+        _, point = np.unique(np.stack([own["frame"], own["landmark"]]), axis=1, return_inverse=True)
+        each = (own["residual"].astype(float) ** 2).sum(axis=1) / own["sigma"] ** 2
+        mean = np.bincount(point, each) / np.bincount(point)
+        pairs = np.unique(np.stack([own["frame"], own["landmark"]]), axis=1)
+        _, count = np.unique(pairs[0], return_counts=True)
+        squares += float(mean.sum())
+        freedom += float((2 * count - 3).sum())
+    if freedom < LEAST_FREEDOM:
+        return 1.0, False
+    return float(np.clip(np.sqrt(squares / freedom), *SCALES)), True
+
+
+def _lines(
+    journal: Journal, footage: Footage, clicks: Clicks, scale: float, digests: dict[str, str]
+) -> Iterator[str]:
+    """Write the lines of the tracked file."""
+    head = 2 + len(digests)
+    names = footage.flight.landmarks.name
+    for index, block in enumerate(_frames_whole(journal)):
+        tracked = block["status"] == TRACKED_STATUS
+        point = np.stack([block["frame"], block["landmark"], ~tracked])
+        _, which, several = np.unique(point, axis=1, return_inverse=True, return_counts=True)
+        # the matches of a landmark in a frame have one error, whichever click they are from
+        match = np.maximum(scale * block["sigma"], LEAST_MATCH_PX) * np.sqrt(several[which])
+        source = np.where(block["click"] < 0, 0, block["click"])
+        rows = TrackedRows(
+            footage.number[block["frame"]],
+            Names(names[k] for k in block["landmark"].tolist()),
+            block["pixel"],
+            np.where(tracked, match, block["sigma"]),
+            np.where(block["click"] < 0, -1, footage.number[clicks.frame[source]]),
+            block["by_click"],
+            block["correlation"].astype(float),
+            block["status"].astype(np.int64),
+            digests,
+        )
+        yield from islice(tracked_lines(rows), head if index else 0, None)
+
+
+def _frames_whole(journal: Journal) -> Iterator[Any]:
+    return (block for block in journal.blocks("row") if len(block))
+
+
+# The summary
+
+
+def _summary(
+    journal: Journal, footage: Footage, run: Run, scale: float, by: bool
+) -> list[str]:
+    """Sum up which landmarks were found in how many frames, where not, and why."""
+    names = footage.flight.landmarks.name
+    found: Counter[tuple[int, int]] = Counter()
+    frames: set[int] = set()
+    lost: list[int] = []
+    sigma: list[Floats] = []
+    for block in _frames_whole(journal):
+        status, mark = block["status"], block["landmark"]
+        taken = np.isin(status, (CLICKED_STATUS, TRACKED_STATUS))
+        sigma.append(block["sigma"][status == TRACKED_STATUS])
+        for frame in np.unique(block["frame"]).tolist():
+            own = block["frame"] == frame
+            seen = set(mark[own & taken].tolist())
+            frames.add(frame)
+            if len(seen) < 2:
+                lost.append(frame)
+            for k in range(len(names)):
+                if k in seen:
+                    found[k, TRACKED_STATUS] += 1
+                else:
+                    others = status[own & (mark == k)]
+                    found[k, int(others[0]) if len(others) else STATUSES.index("lost")] += 1
+    lines = [
+        f"{footage.frames.source}: {count_text(len(frames), 'frame')}, "
+        f"{count_text(len(footage.clicks.frame), 'click')} of "
+        f"{count_text(len(set(footage.clicks.landmark.tolist())), 'landmark')}"
+    ]
+    clicked = set(footage.clicks.landmark.tolist())
+    width = max(len(name) for name in names)
+    for k in sorted(clicked):
+        others = [
+            f"{STATUSES[s]} in {found[k, s]}" for s in range(2, len(STATUSES)) if found[k, s]
+        ]
+        told = f"  {names[k]:{width}}  in {count_text(found[k, TRACKED_STATUS], 'frame')}"
+        lines.append(told + (f"; {', '.join(others)}" if others else ""))
+    every = np.concatenate(sigma) if sigma else np.zeros(0)
+    if len(every):
+        usual = float(np.median(np.maximum(scale * every, LEAST_MATCH_PX)))
+        source = (
+            "from the residuals" if by
+            else f"by the inverse Hessian times {SIGMA_FACTOR:g}: too few residuals to tell"
+        )  # fmt: skip
+        lines.append(f"sigma of a match: {usual:.3f} px, {source}")
+    for one in run.beginnings[1:]:
+        at = footage.number[one.frame]
+        where = f"from frame {footage.number[one.cut]}" if one.cut >= 0 else "before it"
+        lines.append(f"lost {where}: tracking begins anew with the clicks of frame {at}")
+    stretches = _stretches(footage.number[np.array(sorted(lost), int)], footage)
+    if stretches:
+        told = ", ".join(f"{a} to {b}" if a != b else str(a) for a, b in stretches[:SHOWN])
+        more = f" and {len(stretches) - SHOWN} more" if len(stretches) > SHOWN else ""
+        longest = max(stretches, key=lambda one: one[1] - one[0])
+        lines.append(
+            f"fewer than two landmarks in {count_text(len(lost), 'frame')}: {told}{more}; "
+            f"click two in frame {(longest[0] + longest[1]) // 2}"
+        )
+    return lines
+
+
+def _stretches(frames: Ints, footage: Footage) -> list[tuple[int, int]]:
+    """Join frames that follow one another: the first and the last of each stretch."""
+    if not len(frames):
+        return []
+    order = np.searchsorted(footage.number, frames)
+    ends = np.flatnonzero(np.diff(order) > 1)
+    first = np.concatenate([[0], ends + 1])
+    last = np.concatenate([ends, [len(frames) - 1]])
+    return [(int(frames[a]), int(frames[b])) for a, b in zip(first, last, strict=True)]
+
+
+def _findings(
+    journal: Journal, footage: Footage, run: Run, clicks: Clicks
+) -> list[Finding]:
+    """Name clicks that are far from where the other clicks of their landmark have it."""
+    off: dict[int, list[tuple[int, float, bool]]] = {}
+    at = {(f, m): k for k, (f, m) in enumerate(zip(clicks.frame, clicks.landmark, strict=True))}
+    for block in _frames_whole(journal):
+        for one in block[block["status"] == TRACKED_STATUS]:
+            own = at.get((int(one["frame"]), int(one["landmark"])))
+            if own is None:
+                continue
+            other = int(one["click"])
+            away = float(np.hypot(*(clicks.pixel[own] - one["pixel"])))
+            grown = np.linalg.norm(one["by_click"], 2)
+            sigma = float(np.hypot(clicks.sigma_px[own], grown * clicks.sigma_px[other]))
+            far = away > max(FAR_CLICK * sigma, FAR_CLICK_PX)
+            off.setdefault(own, []).append((other, away, far))
+    name, number = footage.flight.landmarks.name, footage.number
+    found = []
+    odd = {k for k, others in off.items() if np.mean([far for _, _, far in others]) > 0.5}
+    # of two clicks that contradict each other the one that contradicts more is named
+    for k in sorted(odd):
+        against = [o for o, _, far in off[k] if far]
+        worse = [o for o in against if o in odd and _share(off, o) > _share(off, k)]
+        if len(worse) == len(against):
+            continue
+        away = max(a for _, a, far in off[k] if far)
+        frames = ", ".join(str(number[clicks.frame[o]]) for o in sorted(against)[:SHOWN])
+        message = (
+            f"frame {number[clicks.frame[k]]}: {name[clicks.landmark[k]]} is clicked {away:.0f} px "
+            f"from where the clicks of frame {frames} have it: is it another point?"
+        )
+        found.append(Finding(message, footage.project.name, severity="warning"))
+    unseen = [k for k in range(len(clicks.frame)) if k not in run.grounded]
+    for k in unseen:
+        frame = int(clicks.frame[k])
+        why = "is too near to the edge for its patch"
+        if run.attitudes.known[frame] == UNKNOWN:
+            why = "is alone in its frame, whose attitude is not known"
+        message = (
+            f"frame {number[frame]}: the click of {name[clicks.landmark[k]]} {why}: nothing is "
+            "tracked from it"
+        )
+        found.append(Finding(message, footage.project.name, severity="warning"))
+    return found
+
+
+def _share(off: dict[int, list[tuple[int, float, bool]]], click: int) -> float:
+    return float(np.mean([far for _, _, far in off[click]]))
+
+
+__all__ = ["TRACKED", "TrackOptions", "Tracked", "follow", "read_footage"]

@@ -1,0 +1,98 @@
+"""What a run has done so far, beside its output: the same command goes on where it stopped.
+
+Blocks are appended while the run goes on, so that nothing but the last frames is lost however the
+process ends, and so that the memory of a run does not grow with the video.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vopd.findings import VopdError
+
+ATTITUDE = np.dtype([
+    ("frame", "i4"), ("known", "i1"), ("segment", "i4"), ("rotation", "f8", (3, 3)),
+    ("begins", "?"), ("cut", "i4"), ("state", "i4"), ("hidden", "i4"), ("predicted", "i4"),
+])  # fmt: skip
+"""A frame of the first run; `state` is the frame that the next one is aligned with."""
+ROW = np.dtype([
+    ("frame", "i4"), ("landmark", "i4"), ("click", "i4"), ("pixel", "f8", (2,)), ("sigma", "f8"),
+    ("by_click", "f8", (2, 2)), ("correlation", "f4"), ("status", "i1"),
+    ("residual", "f4", (2,)),
+])  # fmt: skip
+"""A row of the tracked file, its sigma before it is scaled."""
+KINDS = {"forward": ATTITUDE, "backward": ATTITUDE, "row": ROW}
+AT_ONCE = 40  # frames a block
+
+Block = NDArray[Any]
+
+
+class Journal:
+    """The blocks of a run.
+
+    Args:
+        path: of the file
+        about: on what the run depends; blocks of another run are thrown away
+    """
+
+    def __init__(self, path: Path, about: dict[str, Any]) -> None:
+        self.path = path
+        self._head = (json.dumps(about, sort_keys=True) + "\n").encode()
+        self.resumed = False
+        try:
+            if path.is_file() and path.open("rb").readline() == self._head:
+                self.resumed = True
+                self._cut()
+            else:
+                path.write_bytes(self._head)
+        except OSError as error:
+            raise VopdError(f"{path}: cannot be written: {error.strerror}") from error
+
+    def add(self, kind: str, block: Block) -> None:
+        """Append a block; an empty one ends its kind."""
+        name = kind.encode().ljust(8)
+        size = len(block).to_bytes(8, "little")
+        with self.path.open("ab") as file:
+            file.write(name + size + np.ascontiguousarray(block, KINDS[kind]).tobytes())
+
+    def blocks(self, kind: str) -> Iterator[Block]:
+        """Read the blocks of one kind, the one that ends it included."""
+        for one, place, size in self._scan():
+            if one == kind:
+                with self.path.open("rb") as file:
+                    file.seek(place)
+                    yield np.frombuffer(file.read(size), KINDS[kind])
+
+    def _scan(self) -> Iterator[tuple[str, int, int]]:
+        """Find the kinds of whole blocks, and where they are."""
+        with self.path.open("rb") as file:
+            file.readline()
+            end = self.path.stat().st_size
+            while len(head := file.read(16)) == 16:
+                kind = head[:8].strip().decode("ascii", "replace")
+                if kind not in KINDS:
+                    return
+                size = int.from_bytes(head[8:], "little") * KINDS[kind].itemsize
+                place = file.tell()
+                if place + size > end:
+                    return
+                file.seek(place + size)
+                yield kind, place, size
+
+    def _cut(self) -> None:
+        """Cut off a block that is not whole."""
+        end = len(self._head)
+        for _, place, size in self._scan():
+            end = place + size
+        with self.path.open("r+b") as file:
+            file.truncate(end)
+
+    def remove(self) -> None:
+        """Delete the file: the output is there."""
+        self.path.unlink(missing_ok=True)
