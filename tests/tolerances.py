@@ -21,6 +21,12 @@ TOLERANCES = {
         "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
     ),
     "click on a page": Tolerance("px", 0.05, "what the page promises; two decimals are .005"),
+    "warp of a patch": Tolerance("px", 2e-5, "the Earth's curvature in 20 m of 1000"),
+    "row of a rolling shutter": Tolerance("px", 2e-4, "rows found in two rounds"),
+    "match of a drawn patch": Tolerance("px", 0.02, "sampled between four pixels"),
+    "turn by drawn shifts": Tolerance("rad", 2e-6, "the prior of the turn, .03 rad"),
+    "turn by whole frames": Tolerance("rad", 1e-4, "a tenth of a pixel"),
+    "tracked pick": Tolerance("px", 0.3, "rms, of 10 kB of H.264: 24 frames of 320 x 180"),
     "frame by its grey level": Tolerance("1", 0.4, "five grey levels a frame; coding moves two"),
     "presentation time": Tolerance("s", 1e-9, "whole milliseconds"),
     "place or time as a file has it": Tolerance("deg, m, s", 1e-9, "written in decimals"),

@@ -47,8 +47,8 @@ def test_errata_are_parted_by_an_empty_line_and_json_is_indented() -> None:
     assert_approved(ran.stderr)
     ran = vopd("zzzz")
     names = (
-        "run, cards, diff, errata, demo, new, pick, punch, check, attitude, adjust, plot, "
-        "report, batch, stars, help"
+        "run, cards, diff, errata, demo, new, pick, track, punch, check, attitude, adjust, "
+        "plot, report, batch, stars, help"
     )
     assert_approved(ran.stderr, parts=[names])
 

@@ -23,7 +23,7 @@ GROUPS = {
         "errata": "list the known errata of the originals",
         "demo": "make a deck of a synthetic flight, with its true attitude",
     },
-    "Frames of a camera, and decks": {
+    "Frames of a camera, decks, stars": {
         "new": "start a flight project, from your files or as an example",
         "pick": "make a page on which landmarks are clicked in frames",
         "track": "follow clicked landmarks through a video",
@@ -34,8 +34,6 @@ GROUPS = {
         "plot": "draw attitude, angles of attack, residuals and a frame's image",
         "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
         "batch": "solve many decks and flights into one folder",
-    },
-    "Stars, and help": {
         "stars": "orientation of a camera that sees stars (Rae 1987)",
         "help": "show a page of the documentation",
     },

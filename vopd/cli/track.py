@@ -15,12 +15,26 @@ GOES_ON = "the same command goes on"
 @click.argument("project", type=FILE_NAME, metavar="PROJECT")
 @click.option("--from", "from_s", type=float, metavar="T", help="Time of the first frame, seconds.")
 @click.option("--to", "to_s", type=float, metavar="T", help="Time of the last frame, seconds.")
-@click.option("--every", type=click.IntRange(1), default=1, metavar="N",
-              help="Write only each Nth frame.")
-@click.option("--reach", type=click.IntRange(1, 10_000), default=70, show_default=True,
-              metavar="N", help="Frames from a click in which it is matched beside nearer ones.")
-@click.option("--patch", "patch_px", type=click.IntRange(7, 101), default=25, show_default=True,
-              metavar="PX", help="Side of the patches, pixels.")
+@click.option(
+    "--every", type=click.IntRange(1), default=1, metavar="N", help="Write only each Nth frame."
+)
+@click.option(
+    "--reach",
+    type=click.IntRange(1, 10_000),
+    default=70,
+    show_default=True,
+    metavar="N",
+    help="Frames from a click in which it is matched beside nearer ones.",
+)
+@click.option(
+    "--patch",
+    "patch_px",
+    type=click.IntRange(7, 101),
+    default=25,
+    show_default=True,
+    metavar="PX",
+    help="Side of the patches, pixels.",
+)
 @quiet_option
 @click.pass_context
 def command(

@@ -12,8 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
-from vopd.arrays import Floats
-from vopd.geometry.lenses import ray_of_pixel
+from vopd.arrays import Floats, Ints
+from vopd.geometry.lenses import project, ray_of_pixel
 from vopd.tracking.scene import FAR, Scene, View, turned_by
 
 FINE_PX = 240  # width of a frame that is reduced for the last rounds
@@ -40,7 +40,7 @@ class Level:
     @cached_property
     def slopes(self) -> tuple[Floats, Floats]:
         """The derivatives along u and v, by a reduced pixel."""
-        down, right = np.gradient(self.grey)
+        down, right = (np.asarray(one) for one in np.gradient(self.grey))
         return right, down
 
 
@@ -124,9 +124,7 @@ class Alignment:
         return rays[known], level.grey[row, column][known]
 
     @np.errstate(all="ignore")
-    def _level(
-        self, before: View, old: Level, after: View, new: Level
-    ) -> tuple[Floats, float]:
+    def _level(self, before: View, old: Level, after: View, new: Level) -> tuple[Floats, float]:
         scene = self._scene
         rays, grey = self._points(old)
         place = scene.camera_m(before.frame, before.rotation)
@@ -136,7 +134,8 @@ class Alignment:
         reach = np.where((reach > 0.0) & (reach < far), reach, far)
         away = place + direction * reach[:, None] - scene.camera_m(after.frame, after.rotation)
         ray = away @ after.rotation.T
-        start, by_turns = _projected(scene, ray)
+        found = project(scene.lens, ray)
+        start, by_turns = found.pixel, found.by_turns
         turn, likeness = np.zeros(3), 0.0
         at = (start + 0.5) / new.factor - 0.5
         by = by_turns / new.factor
@@ -151,9 +150,7 @@ class Alignment:
             seen, slope_u, slope_v = (_sampled(one, *weights) for one in (new.grey, right, down))
             own, here = grey[inside], by[inside]
             moves = slope_u[:, None] * here[:, 0] + slope_v[:, None] * here[:, 1]
-            design = np.concatenate(
-                [moves, -own[:, None], -np.ones((len(own), 1))], axis=1
-            )
+            design = np.concatenate([moves, -own[:, None], -np.ones((len(own), 1))], axis=1)
             if not likeness:
                 gain, bias = _line(own, seen)
             misfit = seen - gain * own - bias
@@ -173,20 +170,13 @@ class Alignment:
         return turned_by(turn, after.rotation), likeness
 
 
-def _projected(scene: Scene, ray: Floats) -> tuple[Floats, Floats]:
-    from vopd.geometry.lenses import project
-
-    found = project(scene.lens, ray)
-    return found.pixel, found.by_turns
-
-
-def _corners(x: Floats, y: Floats, width: int) -> tuple[Floats, Floats, Floats]:
+def _corners(x: Floats, y: Floats, width: int) -> tuple[Ints, Floats, Floats]:
     """Split places into the index of the pixel before, and the parts of the way to the next."""
-    left, top = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+    left, top = x.astype(np.int64), y.astype(np.int64)
     return top * width + left, x - left, y - top
 
 
-def _sampled(grey: Floats, index: Floats, right: Floats, down: Floats) -> Floats:
+def _sampled(grey: Floats, index: Ints, right: Floats, down: Floats) -> Floats:
     """Sample a picture between four pixels."""
     flat, width = grey.ravel(), grey.shape[1]
     upper = flat[index] * (1.0 - right) + flat[index + 1] * right
@@ -204,5 +194,5 @@ def _line(x: Floats, y: Floats) -> tuple[float, float]:
 def _correlation(x: Floats, y: Floats, weight: Floats) -> float:
     total = max(float(weight.sum()), 1e-9)
     x, y = x - weight @ x / total, y - weight @ y / total
-    size = np.sqrt(float(weight @ x**2) * float(weight @ y**2))
+    size = float(np.sqrt(float(weight @ x**2) * float(weight @ y**2)))
     return float(weight @ (x * y)) / max(size, 1e-9)

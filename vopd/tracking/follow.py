@@ -29,7 +29,7 @@ from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
 from vopd.tracking.patches import PATCH_PX, SIGMA_FACTOR
-from vopd.tracking.run import REACH, TRACKED, UNKNOWN, Clicks, FrameRows, Run
+from vopd.tracking.run import CLICKED, FOUND, LOST, REACH, ClickedPixels, Tracker
 from vopd.tracking.scene import Scene
 from vopd.version import __version__
 from vopd.video import VideoFrames, grey_frames, grey_frames_backward, open_frames
@@ -69,7 +69,7 @@ class Footage:
     number: Ints  # (F,) of each frame, as it stands in files
     time_s: Floats  # (F,)
     scene: Scene
-    clicks: Clicks
+    clicks: ClickedPixels
 
 
 class Tracked(NamedTuple):
@@ -108,14 +108,14 @@ def read_footage(project: Project) -> Footage:
         clicked = clicked.changed("solve", "frames", "each")
     flight = flight_of(clicked)
     names = section.values["video"]
-    paths = [str(project.folder / str(one)) for one in (names if isinstance(names, list) else [names])]
-    frames = open_frames(paths)
+    several = names if isinstance(names, list) else [names]
+    frames = open_frames([str(project.folder / str(one)) for one in several])
     rows = read_pick_rows(clicked, flight.lens.size_px)
     if flight.image_name and not frames.image_name:
         message = "the clicks name images, and the video is no folder of them"
         raise section.error("video", message)
     every: Any = Names(frames.image_name) if flight.image_name else _numbers(project, frames)
-    number, times, index = frames_of(clicked, replace(rows, frame=every))
+    _, times, index = frames_of(clicked, replace(rows, frame=every))
     read = read_path(with_stated_offset(clicked), times)
     path = CameraPath(
         read.path.position_m[index],
@@ -134,7 +134,7 @@ def read_footage(project: Project) -> Footage:
         what = missing[0] if flight.image_name else f"frame {missing[0]}"
         raise section.error("video", f"{what} is clicked, and {has}")
     at = np.array([place[one] for one in label])
-    clicks = Clicks(
+    clicks = ClickedPixels(
         at[flight.picks.frame], flight.picks.landmark, flight.picks.pixel, flight.picks.sigma_px
     )
     return Footage(clicked, flight, frames, own, read.times.time_s[index], scene, clicks)
@@ -170,29 +170,33 @@ def _range(footage: Footage, options: TrackOptions) -> tuple[int, int]:
         return 0, last
     if not np.isfinite(time_s).any():
         raise VopdError(f"{footage.frames.source}: --from and --to: the frames have no times")
-    low = -np.inf if options.from_s is None else options.from_s
-    high = np.inf if options.to_s is None else options.to_s
+    low = np.nanmin(time_s) if options.from_s is None else options.from_s
+    high = np.nanmax(time_s) if options.to_s is None else options.to_s
     inside = np.flatnonzero((time_s >= low) & (time_s <= high))
     if not len(inside):
-        between = f"{np.nanmin(time_s):.6g} to {np.nanmax(time_s):.6g} s"
         raise VopdError(
-            f"{footage.frames.source}: no frame is from {low:g} to {high:g} s; they are from "
-            f"{between}"
+            f"{footage.frames.source}: no frame is between --from {low:g} and --to {high:g} s; "
+            f"they are from {np.nanmin(time_s):.6g} to {np.nanmax(time_s):.6g} s"
         )
     return int(inside[0]), int(inside[-1])
 
 
-def _in_range(footage: Footage, first: int, last: int) -> Clicks:
+def _in_range(footage: Footage, first: int, last: int) -> ClickedPixels:
     """Take the clicks in a range of frames, two landmarks of one frame at least."""
     own = footage.clicks
     section = footage.project.section("picks")
     inside = (own.frame >= first) & (own.frame <= last)
-    inside &= np.isfinite(footage.scene.path.position_m[own.frame, 0])
     name = section.text("file")
+    where = f"frames {footage.number[first]} to {footage.number[last]}"
     if not inside.any():
-        frames = f"frames {footage.number[first]} to {footage.number[last]}"
-        raise section.error("file", f"{name}: no click is in {frames}, or the track is not there")
-    clicks = Clicks(*(one[inside] for one in (own.frame, own.landmark, own.pixel, own.sigma_px)))
+        clicked = f"frames {footage.number[own.frame.min()]} to {footage.number[own.frame.max()]}"
+        raise section.error("file", f"{name}: no click is in {where}; they are in {clicked}")
+    inside &= np.isfinite(footage.scene.path.position_m[own.frame, 0])
+    if not inside.any():
+        raise section.error("file", f"{name}: the track has no position for any click in {where}")
+    clicks = ClickedPixels(
+        own.frame[inside], own.landmark[inside], own.pixel[inside], own.sigma_px[inside]
+    )
     if np.bincount(clicks.frame).max() < 2:
         only = len(set(clicks.landmark.tolist())) == 1
         what = "only one landmark is clicked" if only else "no frame has clicks of two landmarks"
@@ -249,7 +253,7 @@ def follow(
     own_px = footage.flight.landmarks.patch_px
     if own_px is not None:
         sides = np.where(np.isfinite(own_px), np.nan_to_num(own_px).astype(int) | 1, sides)
-    run = Run(footage.scene, clicks, footage.time_s, sides, options.reach)
+    run = Tracker(footage.scene, clicks, footage.time_s, sides, options.reach)
     count(2 * (last - first + 1))
 
     def pictures(low: int, high: int) -> Iterator[tuple[int, Any]]:
@@ -278,7 +282,7 @@ def follow(
     return Tracked(output, tuple(summary), tuple(findings))
 
 
-def _forward(run: Run, journal: Journal, pictures: Iterator[tuple[int, Any]]) -> int:
+def _forward(run: Tracker, journal: Journal, pictures: Iterator[tuple[int, Any]]) -> int:
     """Run forward, from where an earlier run stopped; the last frame that was decoded."""
     blocks = list(journal.blocks("forward"))
     complete = bool(blocks) and not len(blocks[-1])
@@ -303,14 +307,14 @@ def _forward(run: Run, journal: Journal, pictures: Iterator[tuple[int, Any]]) ->
     return seen[0]
 
 
-def _write_attitudes(run: Run, journal: Journal, records: list[Any]) -> None:
+def _write_attitudes(run: Tracker, journal: Journal, records: list[Any]) -> None:
     if records:
         block = np.concatenate(records)
         block["rotation"] = run.attitudes.rotation[block["frame"]]
         journal.add("forward", block)
 
 
-def _backward(run: Run, journal: Journal, footage: Footage) -> None:
+def _backward(run: Tracker, journal: Journal, footage: Footage) -> None:
     """Run backward from each beginning to where the frames are known."""
     blocks = list(journal.blocks("backward"))
     if blocks and not len(blocks[-1]):
@@ -337,7 +341,7 @@ def _backward(run: Run, journal: Journal, footage: Footage) -> None:
 
 
 def _second(
-    run: Run, journal: Journal, pictures: Callable[[int, int], Iterator[tuple[int, Any]]],
+    run: Tracker, journal: Journal, pictures: Callable[[int, int], Iterator[tuple[int, Any]]],
     first: int, last: int, wanted: Bools,
 ) -> None:  # fmt: skip
     """Match all frames with all clicks in reach, from where an earlier run stopped."""
@@ -349,7 +353,7 @@ def _second(
         return
     pending: list[Any] = []
     for rows in run.second(pictures(first, last), wanted):
-        pending.append(_records(rows))
+        pending.append(rows)
         if len(pending) >= AT_ONCE:
             journal.add("row", np.concatenate(pending))
             pending = []
@@ -358,23 +362,10 @@ def _second(
     journal.add("row", np.zeros(0, ROW))
 
 
-def _records(rows: FrameRows) -> Any:
-    block = np.zeros(len(rows.landmark), ROW)
-    block["frame"] = rows.frame
-    for name in ("landmark", "click", "pixel", "by_click", "correlation", "residual"):
-        block[name] = getattr(rows, name)
-    block["sigma"] = rows.sigma_px
-    block["status"] = [STATUSES.index(one) for one in rows.status]
-    return block
-
-
 # The standard deviation of a match, from the residuals
 
 
-CLICKED_STATUS, TRACKED_STATUS = STATUSES.index("clicked"), STATUSES.index("tracked")
-
-
-def _scale(journal: Journal, clicks: Clicks) -> tuple[float, bool]:
+def _scale(journal: Journal, clicks: ClickedPixels) -> tuple[float, bool]:
     """Estimate by how much matches scatter, in their sigmas; and whether residuals tell it.
 
     The errors of one landmark in one frame are nearly the same from whichever click it is found:
@@ -382,7 +373,7 @@ def _scale(journal: Journal, clicks: Clicks) -> tuple[float, bool]:
     """
     squares, freedom = 0.0, -2.0 * len(clicks.frame)
     for block in journal.blocks("row"):
-        own = block[block["status"] == TRACKED_STATUS]
+        own = block[block["status"] == FOUND]
         if not len(own):
             continue
         _, point = np.unique(np.stack([own["frame"], own["landmark"]]), axis=1, return_inverse=True)
@@ -398,13 +389,13 @@ def _scale(journal: Journal, clicks: Clicks) -> tuple[float, bool]:
 
 
 def _lines(
-    journal: Journal, footage: Footage, clicks: Clicks, scale: float, digests: dict[str, str]
+    journal: Journal, footage: Footage, clicks: ClickedPixels, scale: float, digests: dict[str, str]
 ) -> Iterator[str]:
     """Write the lines of the tracked file."""
     head = 2 + len(digests)
     names = footage.flight.landmarks.name
     for index, block in enumerate(_frames_whole(journal)):
-        tracked = block["status"] == TRACKED_STATUS
+        tracked = block["status"] == FOUND
         point = np.stack([block["frame"], block["landmark"], ~tracked])
         _, which, several = np.unique(point, axis=1, return_inverse=True, return_counts=True)
         # the matches of a landmark in a frame have one error, whichever click they are from
@@ -431,9 +422,7 @@ def _frames_whole(journal: Journal) -> Iterator[Any]:
 # The summary
 
 
-def _summary(
-    journal: Journal, footage: Footage, run: Run, scale: float, by: bool
-) -> list[str]:
+def _summary(journal: Journal, footage: Footage, run: Tracker, scale: float, by: bool) -> list[str]:
     """Sum up which landmarks were found in how many frames, where not, and why."""
     names = footage.flight.landmarks.name
     found: Counter[tuple[int, int]] = Counter()
@@ -442,8 +431,8 @@ def _summary(
     sigma: list[Floats] = []
     for block in _frames_whole(journal):
         status, mark = block["status"], block["landmark"]
-        taken = np.isin(status, (CLICKED_STATUS, TRACKED_STATUS))
-        sigma.append(block["sigma"][status == TRACKED_STATUS])
+        taken = np.isin(status, (CLICKED, FOUND))
+        sigma.append(block["sigma"][status == FOUND])
         for frame in np.unique(block["frame"]).tolist():
             own = block["frame"] == frame
             seen = set(mark[own & taken].tolist())
@@ -452,10 +441,10 @@ def _summary(
                 lost.append(frame)
             for k in range(len(names)):
                 if k in seen:
-                    found[k, TRACKED_STATUS] += 1
+                    found[k, FOUND] += 1
                 else:
                     others = status[own & (mark == k)]
-                    found[k, int(others[0]) if len(others) else STATUSES.index("lost")] += 1
+                    found[k, int(others[0]) if len(others) else LOST] += 1
     lines = [
         f"{footage.frames.source}: {count_text(len(frames), 'frame')}, "
         f"{count_text(len(footage.clicks.frame), 'click')} of "
@@ -464,10 +453,8 @@ def _summary(
     clicked = set(footage.clicks.landmark.tolist())
     width = max(len(name) for name in names)
     for k in sorted(clicked):
-        others = [
-            f"{STATUSES[s]} in {found[k, s]}" for s in range(2, len(STATUSES)) if found[k, s]
-        ]
-        told = f"  {names[k]:{width}}  in {count_text(found[k, TRACKED_STATUS], 'frame')}"
+        others = [f"{STATUSES[s]} in {found[k, s]}" for s in range(2, len(STATUSES)) if found[k, s]]
+        told = f"  {names[k]:{width}}  in {count_text(found[k, FOUND], 'frame')}"
         lines.append(told + (f"; {', '.join(others)}" if others else ""))
     every = np.concatenate(sigma) if sigma else np.zeros(0)
     if len(every):
@@ -481,6 +468,13 @@ def _summary(
         at = footage.number[one.frame]
         where = f"from frame {footage.number[one.cut]}" if one.cut >= 0 else "before it"
         lines.append(f"lost {where}: tracking begins anew with the clicks of frame {at}")
+    for k in range(len(run.clicks.frame)):
+        if k not in run.patches:
+            frame = footage.number[run.clicks.frame[k]]
+            mark = names[run.clicks.landmark[k]]
+            lines.append(
+                f"frame {frame}: {mark} is too near to the edge: nothing is tracked from it"
+            )
     stretches = _stretches(footage.number[np.array(sorted(lost), int)], footage)
     if stretches:
         told = ", ".join(f"{a} to {b}" if a != b else str(a) for a, b in stretches[:SHOWN])
@@ -505,13 +499,13 @@ def _stretches(frames: Ints, footage: Footage) -> list[tuple[int, int]]:
 
 
 def _findings(
-    journal: Journal, footage: Footage, run: Run, clicks: Clicks
+    journal: Journal, footage: Footage, run: Tracker, clicks: ClickedPixels
 ) -> list[Finding]:
     """Name clicks that are far from where the other clicks of their landmark have it."""
     off: dict[int, list[tuple[int, float, bool]]] = {}
     at = {(f, m): k for k, (f, m) in enumerate(zip(clicks.frame, clicks.landmark, strict=True))}
     for block in _frames_whole(journal):
-        for one in block[block["status"] == TRACKED_STATUS]:
+        for one in block[block["status"] == FOUND]:
             own = at.get((int(one["frame"]), int(one["landmark"])))
             if own is None:
                 continue
@@ -537,22 +531,8 @@ def _findings(
             f"from where the clicks of frame {frames} have it: is it another point?"
         )
         found.append(Finding(message, footage.project.name, severity="warning"))
-    unseen = [k for k in range(len(clicks.frame)) if k not in run.grounded]
-    for k in unseen:
-        frame = int(clicks.frame[k])
-        why = "is too near to the edge for its patch"
-        if run.attitudes.known[frame] == UNKNOWN:
-            why = "is alone in its frame, whose attitude is not known"
-        message = (
-            f"frame {number[frame]}: the click of {name[clicks.landmark[k]]} {why}: nothing is "
-            "tracked from it"
-        )
-        found.append(Finding(message, footage.project.name, severity="warning"))
     return found
 
 
 def _share(off: dict[int, list[tuple[int, float, bool]]], click: int) -> float:
     return float(np.mean([far for _, _, far in off[click]]))
-
-
-__all__ = ["TRACKED", "TrackOptions", "Tracked", "follow", "read_footage"]

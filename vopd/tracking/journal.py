@@ -44,22 +44,25 @@ class Journal:
     def __init__(self, path: Path, about: dict[str, Any]) -> None:
         self.path = path
         self._head = (json.dumps(about, sort_keys=True) + "\n").encode()
-        self.resumed = False
-        try:
-            if path.is_file() and path.open("rb").readline() == self._head:
-                self.resumed = True
-                self._cut()
-            else:
-                path.write_bytes(self._head)
-        except OSError as error:
-            raise VopdError(f"{path}: cannot be written: {error.strerror}") from error
+        self._begun = path.is_file() and self._first_line() == self._head
+        if self._begun:
+            self._cut()
+
+    def _first_line(self) -> bytes:
+        with self.path.open("rb") as file:
+            return file.readline()
 
     def add(self, kind: str, block: Block) -> None:
         """Append a block; an empty one ends its kind."""
         name = kind.encode().ljust(8)
         size = len(block).to_bytes(8, "little")
-        with self.path.open("ab") as file:
-            file.write(name + size + np.ascontiguousarray(block, KINDS[kind]).tobytes())
+        head = b"" if self._begun else self._head
+        try:
+            with self.path.open("ab" if self._begun else "wb") as file:
+                file.write(head + name + size + np.ascontiguousarray(block, KINDS[kind]).tobytes())
+        except OSError as error:
+            raise VopdError(f"{self.path}: cannot be written: {error.strerror}") from error
+        self._begun = True
 
     def blocks(self, kind: str) -> Iterator[Block]:
         """Read the blocks of one kind, the one that ends it included."""
@@ -71,6 +74,8 @@ class Journal:
 
     def _scan(self) -> Iterator[tuple[str, int, int]]:
         """Find the kinds of whole blocks, and where they are."""
+        if not self._begun:
+            return
         with self.path.open("rb") as file:
             file.readline()
             end = self.path.stat().st_size

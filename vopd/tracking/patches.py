@@ -8,7 +8,8 @@ the click, so that errors do not add up from frame to frame.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.tracking.scene import Scene, View
 
 PATCH_PX = 25  # side of a patch, if the landmark has no other
+LEAST_PX = 13  # of a patch that is made smaller at the edge of the frame
 MARGIN_PX = 8  # of the clicked frame around a patch that is kept, for blurring
 ROUNDS = 12
 SETTLED_PX = 0.003
@@ -70,10 +72,10 @@ class Patch:
         from scipy.ndimage import gaussian_filter
 
         found = []
-        u, v = (np.round(self.grid - self.corner).astype(int)).T
+        u, v = np.round(self.grid - self.corner).astype(int).T
         for sigma in BLURS:
             grey = gaussian_filter(self.grey, sigma, mode="nearest") if sigma else self.grey
-            down, right = np.gradient(grey)
+            down, right = (np.asarray(one) for one in np.gradient(grey))
             slope = np.stack([right[v, u], down[v, u]], axis=1)
             found.append((grey[v, u], slope))
         return tuple(found)
@@ -87,7 +89,7 @@ class Patch:
 def cut_patch(
     grey: Floats, click: int, landmark: int, frame: int, pixel: Floats, side: int
 ) -> Patch | None:
-    """Cut the patch of a click out of its frame; None where it goes over the edge.
+    """Cut the patch of a click out of its frame: a smaller one near the edge, or none.
 
     Args:
         grey: the frame, (H, W)
@@ -97,14 +99,14 @@ def cut_patch(
         pixel: u, v of the click, (2,)
         side: of the patch, pixels, odd
     """
-    middle, half = np.round(pixel).astype(int), side // 2
-    size = np.array(grey.shape[::-1])
-    if not ((middle - half >= 1) & (middle + half < size - 1)).all():
+    middle, size = np.round(pixel).astype(int), np.array(grey.shape[::-1])
+    half = min(side // 2, int(np.minimum(middle - 1, size - 2 - middle).min()))
+    if half < min(side, LEAST_PX) // 2:
         return None
     low = np.maximum(middle - half - MARGIN_PX, 0)
     high = np.minimum(middle + half + MARGIN_PX + 1, size)
-    part = np.array(grey[low[1] : high[1], low[0] : high[0]], dtype=np.float32)
-    return Patch(click, landmark, frame, np.asarray(pixel, float), low, part, side)
+    part = np.array(grey[low[1] : high[1], low[0] : high[0]], dtype=float)
+    return Patch(click, landmark, frame, np.asarray(pixel, float), low, part, 2 * half + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,6 +219,8 @@ def match(
     slope = slope @ inverse
     design = np.concatenate([slope, own[..., None], np.ones((*own.shape, 1))], axis=2)
     normal = design.swapaxes(1, 2) @ design
+    # what has no slope along an axis has curvature zero there, and is refused for it below
+    normal += np.eye(4) * (1e-9 * np.trace(normal, axis1=1, axis2=2))[:, None, None]
     solver = np.linalg.solve(normal, design.swapaxes(1, 2))  # (C, 4, n)
     picture = _softened(grey, warps, usable, scale[usable])
     shift = start[usable].copy()
@@ -269,7 +273,9 @@ def _as_seen(patches: list[GroundedPatch], scale: Floats, usable: Ints) -> tuple
     return np.stack(grey).astype(float), np.stack(slope).astype(float)
 
 
-def _softened(grey: Floats, warps: Warps, usable: Ints, scale: Floats):  # type: ignore[no-untyped-def]
+def _softened(
+    grey: Floats, warps: Warps, usable: Ints, scale: Floats
+) -> Callable[[Ints, Floats], Floats]:
     """Prepare sampling of a frame; where a patch is seen from nearer by, the frame is blurred."""
     from scipy.ndimage import gaussian_filter
 
@@ -346,7 +352,8 @@ def search(
         own = one.patch.blurred[1 if scale < 0.8 else 0][0].reshape(side, side).astype(float)
         likeness = _correlations(seen, own)
         windows = np.lib.stride_tricks.sliding_window_view(outside, (side, side))
-        likeness = np.where(windows[:, :, :: side - 1, :: side - 1].any(axis=(2, 3)), -1.0, likeness)
+        beyond = windows[:, :, :: side - 1, :: side - 1].any(axis=(2, 3))
+        likeness = np.where(beyond, -1.0, likeness)
         best = np.unravel_index(int(np.argmax(likeness)), likeness.shape)
         if not likeness[best] > LEAST_CORRELATION:
             continue
@@ -380,9 +387,4 @@ def _correlations(seen: Floats, own: Floats) -> Floats:
 
 def subset(warps: Warps, rows: Ints) -> Warps:
     """Take the warps of some patches."""
-    return Warps(*(one[rows] for one in warps))
-
-
-def with_side(patch: Patch, side: int) -> Patch:
-    """Make a patch smaller."""
-    return replace(patch, side=side)
+    return Warps._make(one[rows] for one in warps)

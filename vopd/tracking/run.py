@@ -1,8 +1,8 @@
-"""The run through a video: forward and backward from the clicks, and once more against all of them.
+"""The run through a video: forward and backward from the clicks, and again against all of them.
 
-The attitude of a frame runs along: the whole frame is aligned with the one before, patches of clicks
-are found near where that has them, and those that agree with one turn of the camera correct it. It
-serves to predict; the attitudes of the result are those of `vopd attitude`, by the tracked picks.
+The attitude of a frame runs along: the whole frame is aligned with the one before, patches of
+clicks are found near where that has them, and those that agree with one turn of the camera correct
+it. It serves to predict; the attitudes of the result are those of `vopd attitude`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.flight.formats.tracked import STATUSES
 from vopd.flight.solve import solve_rotations
 from vopd.tracking.alignment import Alignment, Level, reduced
-from vopd.tracking.journal import ATTITUDE
+from vopd.tracking.journal import ATTITUDE, ROW
 from vopd.tracking.patches import (
     GroundedPatch,
     Matches,
@@ -45,12 +46,16 @@ SURE = 3  # landmarks that agree are enough also where whole frames are not alik
 PAIRS = 200  # of patches that are tried for the turn that most agree with
 PRIOR_RAD = 0.03  # of a turn, where landmarks do not determine it
 
+CLICKED, FOUND, OCCLUDED, EDGE, LOST, AMBIGUOUS = map(
+    STATUSES.index, ("clicked", "tracked", "occluded", "edge", "lost", "ambiguous")
+)
+
 UNKNOWN, PREDICTED_ONLY, TRACKED = 0, 1, 2
 """How the attitude of a frame is known."""
 
 
 @dataclass(frozen=True, eq=False)
-class Clicks:
+class ClickedPixels:
     """A person's picks, P of them, each landmark once a frame.
 
     Args:
@@ -66,22 +71,8 @@ class Clicks:
     sigma_px: Floats
 
 
-class FrameRows(NamedTuple):
-    """The rows of the tracked file for one frame, R of them."""
-
-    frame: int
-    landmark: Ints
-    click: Ints  # index of the click; -1: there is none in reach
-    pixel: Floats  # (R, 2) NaN where it is not found
-    sigma_px: Floats
-    by_click: Floats  # (R, 2, 2)
-    correlation: Floats
-    status: list[str]
-    residual: Floats  # (R, 2) against the running attitude
-
-
 @dataclass(eq=False)
-class Attitudes:
+class RunningAttitudes:
     """The running attitudes of F frames."""
 
     rotation: Floats  # (F, 3, 3) NaN where it is not known
@@ -99,7 +90,7 @@ class Attitudes:
         step_s = self.time_s[after] - self.time_s[before]
         if same < 0 or before == after or not step_s > 0.0:
             return np.zeros(3)
-        return turn_between(rotation[before], rotation[after]) / step_s
+        return np.asarray(turn_between(rotation[before], rotation[after]) / step_s)
 
 
 class _State(NamedTuple):
@@ -119,7 +110,7 @@ class Beginning(NamedTuple):
 
 
 @dataclass(eq=False)
-class Run:
+class Tracker:
     """One run of the tracker.
 
     Args:
@@ -131,18 +122,18 @@ class Run:
     """
 
     scene: Scene
-    clicks: Clicks
+    clicks: ClickedPixels
     time_s: Floats
     patch_px: Ints
     reach: int = REACH
-    attitudes: Attitudes = field(init=False)
+    attitudes: RunningAttitudes = field(init=False)
     patches: dict[int, Patch] = field(default_factory=dict)
     grounded: dict[int, GroundedPatch | None] = field(default_factory=dict)
     beginnings: list[Beginning] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         frames = len(self.time_s)
-        self.attitudes = Attitudes(
+        self.attitudes = RunningAttitudes(
             np.full((frames, 3, 3), np.nan), np.zeros(frames, int), np.full(frames, -1),
             self.time_s,
         )  # fmt: skip
@@ -274,10 +265,8 @@ class Run:
         own, state = self.attitudes, self._state
         cut = self.beginnings[-1].cut if begins else -1
         left = (-1, 0, 0) if state is None else (state.frame, state.hidden, state.predicted)
-        return np.array(
-            [(frame, own.known[frame], own.segment[frame], own.rotation[frame], begins, cut, *left)],
-            ATTITUDE,
-        )
+        known = own.known[frame], own.segment[frame], own.rotation[frame]
+        return np.array([(frame, *known, begins, cut, *left)], ATTITUDE)
 
     def _replay(self, one: Any) -> None:
         """Take a frame as an earlier run left it."""
@@ -359,7 +348,8 @@ class Run:
 
         def far(one: View) -> Bools:
             pixel, _ = self.scene.pixels(one, self.scene.landmark_m[mark] - place[mark])
-            return ~(np.hypot(*(self.clicks.pixel[rows] - pixel).T) < limit)
+            off = self.clicks.pixel[rows] - pixel
+            return np.asarray(~(np.hypot(off[:, 0], off[:, 1]) < limit))
 
         own = self._by_clicks(view, rows)
         return bool(far(view).mean() > 0.5 and far(own).mean() < 0.5)
@@ -468,9 +458,7 @@ class Run:
             return Located(final, warps, found, inlier, residual, len(marks))
         return None
 
-    def _warps(
-        self, view: View, patches: list[GroundedPatch]
-    ) -> tuple[Warps, list[GroundedPatch]]:
+    def _warps(self, view: View, patches: list[GroundedPatch]) -> tuple[Warps, list[GroundedPatch]]:
         """Lay patches on a frame: those of one size together, in the order given."""
         sides = sorted({one.patch.side for one in patches})
         if len(sides) == 1:
@@ -491,9 +479,7 @@ class Run:
 
     # Once more, against all clicks in reach
 
-    def second(
-        self, pictures: Iterable[tuple[int, Any]], wanted: Bools
-    ) -> Iterator[FrameRows]:
+    def second(self, pictures: Iterable[tuple[int, Any]], wanted: Bools) -> Iterator[NDArray[Any]]:
         """Match frames with all clicks in reach, all attitudes known.
 
         Args:
@@ -528,53 +514,42 @@ class Run:
         found += [one for mark, (_, one) in best.items() if mark not in near | clicked]
         return sorted(found, key=lambda one: (one.patch.landmark, one.patch.frame))
 
-    def _rows(self, frame: int, grey: Any) -> FrameRows:
+    def _rows(self, frame: int, grey: Any) -> NDArray[Any]:
+        """Match a frame: its rows, by landmark and click."""
         clicks = self.clicks
-        own = self._at.get(frame, [])
         patches = self._in_reach(frame) if self.attitudes.known[frame] != UNKNOWN else []
-        located = None
-        if patches:
-            # the frame's own clicks lie where they are: one landmark may still be found by others
-            located = self.locate(frame, grey, self.view(frame), patches)
-        rows: list[tuple[Any, ...]] = []
-        for click in own:
-            rows.append(
-                (int(clicks.landmark[click]), click, clicks.pixel[click], clicks.sigma_px[click],
-                 np.eye(2), np.nan, "clicked", np.zeros(2))
-            )  # fmt: skip
-        nothing = np.full(2, np.nan)
+        located = self.locate(frame, grey, self.view(frame), patches) if patches else None
+        nothing, one_to_one = np.full(2, np.nan), np.eye(2)
+        rows: list[tuple[Any, ...]] = [
+            (frame, clicks.landmark[k], k, clicks.pixel[k], clicks.sigma_px[k], one_to_one, np.nan,
+             CLICKED, nothing)
+            for k in self._at.get(frame, ())
+        ]  # fmt: skip
         for k, one in enumerate(patches):
             mark, click = one.patch.landmark, one.patch.click
-            if located is None:
-                rows.append((mark, click, nothing, np.nan, np.eye(2), np.nan, "lost", nothing))
-                continue
-            found, warps = located.found, located.warps
-            status = "tracked"
-            if not warps.inside[k]:
-                status = "edge"
-            elif not found.good[k]:
-                status = "occluded"
-            elif not located.inlier[k]:
-                status = "ambiguous"
-            if status != "tracked":
+            status, likeness = LOST, np.nan
+            if located is not None:
+                found, warps = located.found, located.warps
                 likeness = found.correlation[k]
-                rows.append((mark, click, nothing, np.nan, np.eye(2), likeness, status, nothing))
-                continue
-            pixel = warps.clicked[k] + found.shift[k]
+                if located.inlier[k]:
+                    rows.append(
+                        (frame, mark, click, warps.clicked[k] + found.shift[k], found.sigma_px[k],
+                         warps.by_click[k], likeness, FOUND, located.residual[k])
+                    )  # fmt: skip
+                    continue
+                status = OCCLUDED if not found.good[k] else AMBIGUOUS
+                status = status if warps.inside[k] else EDGE
             rows.append(
-                (mark, click, pixel, found.sigma_px[k], warps.by_click[k], found.correlation[k],
-                 status, located.residual[k])
-            )  # fmt: skip
-        there = {row[0] for row in rows}
-        for mark in range(len(self.scene.landmark_m)):
-            if mark not in there:
-                rows.append((mark, -1, nothing, np.nan, np.eye(2), np.nan, "lost", nothing))
-        rows.sort(key=lambda row: (row[0], row[6] != "clicked", row[1]))
-        mark, click, pixel, sigma, by, likeness, status, residual = zip(*rows, strict=True)
-        return FrameRows(
-            frame, np.array(mark), np.array(click), np.stack(pixel), np.array(sigma, float),
-            np.stack(by), np.array(likeness, float), list(status), np.stack(residual),
-        )  # fmt: skip
+                (frame, mark, click, nothing, np.nan, one_to_one, likeness, status, nothing)
+            )
+        there = {int(row[1]) for row in rows}
+        rows += [
+            (frame, mark, -1, nothing, np.nan, one_to_one, np.nan, LOST, nothing)
+            for mark in range(len(self.scene.landmark_m))
+            if mark not in there
+        ]
+        rows.sort(key=lambda row: (row[1], row[7], row[2]))
+        return np.array(rows, ROW)
 
 
 class Located(NamedTuple):

@@ -7,10 +7,11 @@ fixed to the Earth: rotations are from these axes to camera axes (x right, y dow
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
 from vopd.flight.lines_of_sight import sight_lines
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
@@ -41,23 +42,32 @@ class Scene:
     mount: Floats
     shutter: Shutter | None = None
 
-    def __post_init__(self) -> None:
-        origin = self.landmarks.position_m.mean(axis=0)
-        (axes,) = local_axes(origin[None])
-        put = object.__setattr__
-        put(self, "axes", axes)
-        put(self, "landmark_m", (self.landmarks.position_m - origin) @ axes.T)
-        put(self, "up", self.landmarks.axes[:, 2] @ axes.T)
-        put(self, "_antenna_m", (self.path.position_m - origin) @ axes.T)
+    @cached_property
+    def _origin(self) -> Floats:
+        return np.asarray(self.landmarks.position_m.mean(axis=0))
 
-    axes: Floats = None  # type: ignore[assignment]  # (3, 3) rows: east, north, up, Earth-centred
-    landmark_m: Floats = None  # type: ignore[assignment]  # (N, 3)
-    up: Floats = None  # type: ignore[assignment]  # (N, 3) at each landmark
-    _antenna_m: Floats = None  # type: ignore[assignment]
+    @cached_property
+    def axes(self) -> Floats:
+        """East, north, up of the site as rows, Earth-centred, (3, 3)."""
+        return np.asarray(local_axes(self._origin[None])[0])
+
+    @cached_property
+    def landmark_m(self) -> Floats:
+        """Where the landmarks are, (N, 3)."""
+        return (self.landmarks.position_m - self._origin) @ self.axes.T
+
+    @cached_property
+    def up(self) -> Floats:
+        """The vertical at each landmark, (N, 3)."""
+        return self.landmarks.axes[:, 2] @ self.axes.T
+
+    @cached_property
+    def _antenna_m(self) -> Floats:
+        return (self.path.position_m - self._origin) @ self.axes.T
 
     def camera_m(self, frame: int, rotation: Floats) -> Floats:
         """Place the camera in a frame, (3,): the track's position, and the lever arm."""
-        place = self._antenna_m[frame]
+        place = np.asarray(self._antenna_m[frame])
         if self.path.lever_arm_m is None:
             return place
         return np.asarray(place + rotation.T @ (self.mount.T @ self.path.lever_arm_m))

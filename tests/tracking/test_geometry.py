@@ -1,0 +1,172 @@
+"""Warps by hand, matches of drawn patches, the turn that most agree with, frames aligned."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.tolerances import assert_close
+from vopd.arrays import Floats
+from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
+from vopd.geometry.lenses import Lens, LensKind
+from vopd.tracking.alignment import Alignment, reduced
+from vopd.tracking.patches import (
+    GroundedPatch,
+    Warps,
+    cut_patch,
+    ground_patch,
+    match,
+    no_matches,
+    search,
+    warp,
+)
+from vopd.tracking.run import agreement
+from vopd.tracking.scene import Scene, View, turn_between, turned_by
+
+EARTH_M = 6378137.0
+SIZE = (201, 161)
+LENS = Lens(LensKind.BROWN, SIZE, np.full(2, 1000.0), np.array([100.0, 80.0]), np.zeros(12))
+NADIR = np.diag([1.0, -1.0, -1.0])  # right is east, the top of the picture north
+NORTH_RIGHT = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+
+
+def above(*height_m: float, shutter: Shutter | None = None) -> Scene:
+    """A camera above a landmark on the equator, where up is x, east y and north z."""
+    place = np.array([[EARTH_M + one, 0.0, 0.0] for one in height_m])
+    marks = LandmarkSet(("a",), np.array([[EARTH_M, 0.0, 0.0]]), np.zeros((1, 3)))
+    path = CameraPath(place, velocity_m_s=np.tile([0.0, 50.0, 0.0], (len(place), 1)))
+    return Scene(LENS, path, marks, Refraction(0.0, False), np.eye(3), shutter)
+
+
+def view(frame: int, rotation: Floats, rate: Floats | None = None, east_m_s: float = 0.0) -> View:
+    speed = np.array([east_m_s, 0.0, 0.0])
+    return View(frame, rotation, np.zeros(3) if rate is None else rate, speed)
+
+
+def drawn(u: Floats, v: Floats) -> Floats:
+    """A picture without edges, known between its pixels."""
+    waves = np.sin(0.31 * u + 0.11 * v) + np.sin(0.17 * v - 0.07 * u) + np.cos(0.4 * v + 0.3 * u)
+    return np.asarray(120.0 + 25.0 * waves)
+
+
+def picture(
+    shift: tuple[float, float] = (0.0, 0.0), gain: float = 1.0, bias: float = 0.0
+) -> Floats:
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    return gain * drawn(u - shift[0], v - shift[1]) + bias
+
+
+def laid(scene: Scene, grey: Floats, pixel: tuple[float, float]) -> GroundedPatch:
+    patch = cut_patch(grey, 0, 0, 0, np.array(pixel), 25)
+    assert patch is not None
+    found = ground_patch(scene, view(0, NADIR), patch)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(
+    ("rotation", "by_click", "pixel"),
+    [
+        (NADIR, [[0.5, 0.0], [0.0, 0.5]], (110.25, 75.0)),
+        (NORTH_RIGHT, [[0.0, -0.5], [0.5, 0.0]], (105.0, 90.25)),
+    ],
+)
+def test_the_ground_from_twice_as_high(
+    rotation: Floats, by_click: list[list[float]], pixel: tuple[float, float]
+) -> None:
+    """At 1000 m and a focal length of 1000 px a pixel is a metre; 20.5 m east, 10 m south."""
+    scene = above(1000.0, 2000.0)
+    found = warp(scene, view(1, rotation), [laid(scene, picture(), (120.5, 70.0))])
+    assert_close("warp of a patch", found.clicked[0], pixel)
+    assert_close("warp of a patch", found.by_click[0], by_click)
+    assert found.inside.all()
+
+
+def test_rows_of_a_rolling_shutter() -> None:
+    """The row 80 of 160 is read at half of .1 s, in which 50 m/s east are 2.5 m; 1 deg/s of yaw."""
+    scene = above(1000.0, 1000.0, shutter=Shutter(0.1, "down", False))
+    pixel, _ = scene.pixels(view(0, NADIR, east_m_s=50.0), np.array([0.0, 0.0, -1000.0]))
+    assert_close("row of a rolling shutter", pixel, [97.5, 80.0])
+    rate = np.array([0.0, 0.0, np.radians(1.0)])
+    pixel, _ = scene.pixels(view(0, NADIR, rate), np.array([50.0, 0.0, -1000.0]))
+    turned = np.radians(0.05 * (1.0 + 50.0 * np.radians(0.05) / 80.0))
+    expected = [100.0 + 50.0 * np.cos(turned), 80.0 + 50.0 * np.sin(turned)]
+    assert_close("row of a rolling shutter", pixel, expected)
+    back, start = scene.rays(view(0, NADIR, rate, 50.0), pixel)
+    moved = view(0, NADIR, rate, 50.0)
+    again, _ = scene.pixels(moved, start + back * 1000.0)
+    assert_close("row of a rolling shutter", again, pixel)
+
+
+def test_a_patch_moved_brighter_and_flatter() -> None:
+    scene = above(1000.0, 1000.0)
+    patch = laid(scene, picture(), (120.3, 70.8))
+    warps = warp(scene, view(1, NADIR), [patch])
+    found = match(picture((1.37, -0.64), 0.7, 30.0), warps, [patch], np.zeros((1, 2)), 4.0)
+    assert found.good.all() and found.correlation[0] > 0.99
+    assert_close("match of a drawn patch", found.shift[0], [1.37, -0.64])
+    far = match(picture((6.3, 0.0)), warps, [patch], np.zeros((1, 2)), 4.0)
+    assert not far.good.any()  # beyond its reach
+    shift, several = search(picture((11.0, -9.0)), warps, [patch], 12.0)
+    assert not several.any()
+    assert shift[0].tolist() == [11.0, -9.0]
+
+
+def test_what_is_no_match() -> None:
+    """Another picture, a flat one, an edge, a patch at the edge of the frame."""
+    scene = above(1000.0, 1000.0)
+    patch = laid(scene, picture(), (120.0, 70.0))
+    warps = warp(scene, view(1, NADIR), [patch])
+    noise = np.random.default_rng(3).normal(120.0, 30.0, SIZE[::-1])
+    v, _ = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    edge = 120.0 + 40.0 * np.tanh((v - 70.0) / 3.0)
+    for other in (noise, np.full(SIZE[::-1], 99.0)):
+        assert not match(other, warps, [patch], np.zeros((1, 2)), 4.0).good.any()
+    along = laid(scene, edge, (120.0, 70.0))
+    assert not match(edge, warps, [along], np.zeros((1, 2)), 4.0).good.any()
+    turned = turned_by([0.0, 0.07, 0.0], NADIR)
+    assert not warp(scene, view(1, turned), [patch]).inside.any()
+    assert cut_patch(picture(), 0, 0, 0, np.array([3.0, 70.0]), 25) is None
+    near = cut_patch(picture(), 0, 0, 0, np.array([9.0, 70.0]), 25)
+    assert near is not None and near.side == 17
+
+
+def test_most_landmarks_outvote_one() -> None:
+    """Five landmarks, one of which has jumped by 9 px; of two that contradict none is believed."""
+    rng = np.random.default_rng(5)
+    by_turns = rng.normal(0.0, 800.0, (5, 2, 3))
+    turn = np.array([1e-3, -2e-3, 5e-4])
+    shift = by_turns @ turn
+    shift[3] += [9.0, 0.0]
+    scene = above(1000.0)
+    one = laid(scene, picture(), (120.0, 70.0))
+    patches = [replace(one, patch=replace(one.patch, landmark=k)) for k in range(5)]
+    eye = np.tile(np.eye(2), (5, 1, 1))
+    warps = Warps(np.zeros((5, 625, 2)), np.zeros((5, 2)), eye, by_turns, np.ones(5, bool))
+    found = no_matches(5)._replace(shift=shift, good=np.ones(5, bool), sigma_px=np.full(5, 0.05))
+    agreed = agreement(warps, found, patches)
+    assert agreed is not None
+    assert agreed[1].tolist() == [True, True, True, False, True]
+    assert_close("turn by drawn shifts", agreed[0], turn)
+    same = np.tile(by_turns[:1], (5, 1, 1))
+    apart = found._replace(shift=np.array([[0.0, 0.0], [7.0, 0.0]] + [[0.0, 0.0]] * 3))
+    apart.good[2:] = False
+    assert agreement(warps._replace(by_turns=same), apart, patches) is None
+
+
+def test_a_frame_that_has_turned() -> None:
+    """The picture of a camera that has turned by .4 degree, aligned from no turn at all."""
+    scene = above(1000.0, 1000.0)
+    turn = np.array([0.0015, -0.001, 0.006])
+    after = turned_by(turn, NADIR)
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    ray, _ = scene.rays(view(1, after), np.stack([u, v], axis=-1))
+    at, _ = scene.pixels(view(0, NADIR), ray)
+    turned = drawn(at[..., 0], at[..., 1])
+    found, likeness = Alignment(scene).turn(
+        view(0, NADIR), reduced(picture()), view(1, NADIR), reduced(turned)
+    )
+    assert likeness > 0.95
+    assert_close("turn by whole frames", turn_between(NADIR, found), turn)
