@@ -449,7 +449,6 @@ def spread(frames: VideoFrames, count: int) -> list[int]:
 # Frames one after the other, as grey pictures
 
 BACKWARD_BYTES = 100_000_000  # of pictures that are held at once where frames are read backward
-LUMINANCE_FIRST = ("yuv", "nv12", "nv21", "gray8", "gray")
 
 
 def grey_frames(frames: VideoFrames, first: int, last: int) -> Iterator[tuple[int, Any]]:
@@ -461,32 +460,25 @@ def grey_frames(frames: VideoFrames, first: int, last: int) -> Iterator[tuple[in
         last: index of the last one
 
     Yields:
-        The index of a frame and its grey levels, 0 to 255, (H, W), upright. A video that ends too
-        early ends the iteration.
+        The index of a frame and its grey levels, 0 to 255, (H, W), upright. A video that cannot
+        be decoded to its end ends the iteration.
+
+    Raises:
+        VopdError: if the first one cannot be decoded
     """
-    if frames.path is None:
-        for k, picture in zip(
-            range(first, last + 1), frames.pictures(range(first, last + 1)), strict=True
-        ):
+    seen = False
+    if not frames.chapters:
+        wanted = range(first, last + 1)
+        for k, picture in zip(wanted, frames.pictures(wanted), strict=True):
             yield k, np.asarray(picture.convert("L"))
         return
-    assert frames.tick is not None
-    ticks = frames.tick
-    with opened(frames.path) as (container, stream):
-        container.seek(int(ticks[first]), stream=stream)
-        before = -1
-        for frame in container.decode(stream):
-            if frame.pts is None:
-                continue
-            k = int(np.searchsorted(ticks, frame.pts))
-            k = max(k, before + 1) if before >= 0 else k  # two may be shown at one time
-            if k >= len(ticks) or ticks[k] != frame.pts:
-                continue
-            before = k
-            if k > last:
-                return
-            if k >= first:
-                yield k, _grey(frame)
+    try:
+        for k, grey in frames.decoded(first, last, grey=True):
+            seen = True
+            yield k, grey
+    except VopdError:
+        if not seen:
+            raise
 
 
 def grey_frames_backward(frames: VideoFrames, last: int, first: int) -> Iterator[tuple[int, Any]]:
@@ -497,24 +489,10 @@ def grey_frames_backward(frames: VideoFrames, last: int, first: int) -> Iterator
         last: index of the frame that comes first
         first: index of the frame that comes last
     """
-    end = last
-    held = 1
+    end, held = last, 1
     while end >= first:
         start = max(end - held + 1, first)
         some = list(grey_frames(frames, start, end))
-        if some:
-            held = max(int(BACKWARD_BYTES // max(some[0][1].nbytes, 1)), 1)
+        held = max(int(BACKWARD_BYTES // max(some[0][1].nbytes, 1)), 1)
         yield from reversed(some)
         end = start - 1
-
-
-def _grey(frame: Any) -> Any:
-    """Convert a decoded frame to grey, upright; eight bits of luminance are taken as they are."""
-    name = frame.format.name
-    if name.startswith(LUMINANCE_FIRST) and frame.format.components[0].bits == 8 and "420" in name:
-        plane = frame.planes[0]
-        picture = np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)
-        picture = picture[: frame.height, : frame.width].copy()
-    else:
-        picture = frame.to_ndarray(format="gray")
-    return np.rot90(picture, frame.rotation // 90) if frame.rotation else picture

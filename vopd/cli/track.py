@@ -84,8 +84,9 @@ def command(
         output = read.folder / section.text("tracked")
         inputs = tuple(
             str(read.folder / value)
-            for name, one in read.sections.items() for key, value in one.values.items()
+            for name, one in read.sections.items() for key in one.values
             if read.names_file(name, key) and (name, key) != ("picks", "tracked")
+            for value in (one.files(key) if key == "video" else (one.text(key),))
         )  # fmt: skip
         refuse_to_overwrite(inputs, str(output))
         if output.exists() and output.samefile(project):

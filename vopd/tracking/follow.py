@@ -107,9 +107,7 @@ def read_footage(project: Project) -> Footage:
     if clicked.section("solve").has("frames"):
         clicked = clicked.changed("solve", "frames", "each")
     flight = flight_of(clicked)
-    names = section.values["video"]
-    several = names if isinstance(names, list) else [names]
-    frames = open_frames([str(project.folder / str(one)) for one in several])
+    frames = open_frames([str(project.folder / one) for one in section.files("video")])
     rows = read_pick_rows(clicked, flight.lens.size_px)
     if flight.image_name and not frames.image_name:
         message = "the clicks name images, and the video is no folder of them"
@@ -260,8 +258,6 @@ def follow(
         return _checked(grey_frames(footage.frames, low, high), run.scene.lens, footage, tell)
 
     seen = _forward(run, journal, pictures(first, last))
-    if seen < first:
-        raise VopdError(f"{footage.frames.source}: no frame can be decoded: is the file complete?")
     _backward(run, journal, footage)
     wanted = np.zeros(len(footage.number), bool)
     wanted[first : last + 1 : options.every] = True
