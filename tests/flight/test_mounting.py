@@ -53,6 +53,18 @@ def test_the_mount_is_within_its_standard_deviations(tmp_path: Path, keys: str) 
     assert (np.abs(off) < 4.0 * sigma).all()
 
 
+def test_a_stated_mount_counts_by_its_standard_deviation(tmp_path: Path) -> None:
+    """Known as well as by the file, it is met half way, and both together know it better."""
+    alone, sigma_deg = solved(tmp_path, 1).parameters, SENSOR_DEG / np.sqrt(20.0)
+    with (tmp_path / "flight.toml").open("a", encoding="utf-8") as file:
+        file.write(f"mount_sigma_deg = {sigma_deg}\n")
+    both = adjust(tmp_path / "flight.toml", ["mount"]).parameters
+    for one, own in zip(both, alone, strict=True):
+        assert one.sigma_before == sigma_deg
+        assert_close("mount", one.after, own.after / 2.0)
+        assert_close("mount", one.sigma_after, sigma_deg / np.sqrt(2.0))
+
+
 def test_the_adjusted_project_has_the_mount(tmp_path: Path) -> None:
     joint = solved(tmp_path, 1)
     project, new = read_project(str(tmp_path / "flight.toml")), tmp_path / "new"

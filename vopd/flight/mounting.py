@@ -68,7 +68,7 @@ def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes:
 
 
 def mounted(estimates: FlightEstimates) -> FlightEstimates:
-    """Solve for the mount of a flight, and turn its vehicle by it.
+    """Solve for the mount of a flight, under its prior if stated, and turn its vehicle by it.
 
     Args:
         estimates: of a flight whose camera has been solved
@@ -97,6 +97,11 @@ def mounted(estimates: FlightEstimates) -> FlightEstimates:
     by_vehicle = ((weight * np.where(known, sigma_rad, 0.0)) ** 2).sum() * np.eye(3)
     covariance = np.degrees(np.degrees(sum(by_camera.values(), by_vehicle)))
     turned = np.degrees(_rotation_vectors((mount @ flight.mount.T)[None])[0])
+    if flight.mount_sigma_deg > 0.0:  # the stated mount is one more reading of it
+        prior = flight.mount_sigma_deg**2 * np.eye(3)
+        gain = prior @ np.linalg.inv(prior + covariance)
+        turned, covariance = gain @ turned, gain @ covariance
+        now = replace(now, mount=rotation_matrices(np.radians(turned)[None])[0] @ flight.mount)
     attitudes = flight.vehicle._replace(turned_deg=turned, covariance_deg2=covariance)
     sigma_deg = float(np.sqrt(np.trace(covariance) / 3.0))
     now = replace(now, vehicle=attitudes, mount_sigma_deg=sigma_deg)
