@@ -488,6 +488,8 @@ def _variance_without(
     chance, variance = chdtrc(free, gain), 1.0
     if np.isfinite(reading.freedom):  # which the landmark has enlarged
         least = (_least_sigma(estimates) / reading.test_sigma) ** 2
+        if estimates.flight.picks.clicks is not None:  # squares are not those of the matches alone
+            least = 1.0
         variance = max((1.0 - gain / sums.squares) * reading.freedom / left, least)
         chance = fdtrc(free, left, gain / free / variance)
     if not chance < LANDMARK_SIGNIFICANCE / max(tested, 1):

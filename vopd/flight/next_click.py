@@ -19,9 +19,9 @@ from vopd.flight.lines_of_sight import sight_lines
 from vopd.flight.normal import RightSide
 from vopd.geometry.lenses import project
 
-FRAMES_TRIED = 60
-MOST_CLICKS = 400
-MOST_NUMBERS = 20_000_000  # of the changes of all turns by these
+FRAMES_TRIED = 30
+MOST_CLICKS = 160
+MOST_NUMBERS = 8_000_000  # of the changes of all turns by these
 LEAST_GAIN = 0.02  # of the sigma: less is not worth a click
 
 

@@ -366,11 +366,13 @@ class Factored:
         normal, k = self.normal, right.turn.shape[2]
         place, taken = right.place.copy(), np.zeros((normal.size + 3, k))
         for one in normal.parts:
-            own = one.mixed.swapaxes(1, 2) @ (one.inverse @ right.turn[one.frames])
+            some = np.flatnonzero(right.turn[one.frames].any(axis=(1, 2)))
+            frames, mixed = one.frames[some], one.mixed[some]
+            own = mixed.swapaxes(1, 2) @ (one.inverse[some] @ right.turn[frames])
             if self.fixes is not None:
-                place[one.frames] -= own[:, :3]
+                place[frames] -= own[:, :3]
                 own = own[:, 3:]
-            _add(taken, one.column[..., None] * k + np.arange(k), own)
+            _add(taken, one.column[some][..., None] * k + np.arange(k), own)
         fix = right.fix if self.fixes is None else right.fix + self._handed(place)
         fix, common = self.solve_further(fix, right.common - taken[:-3])
         return self.turns(right.turn, fix, common), fix, common
