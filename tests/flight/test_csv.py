@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
+from tests.kit.flight_project import read_text
 from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
@@ -437,8 +438,8 @@ def test_labels_of_tools_on_windows(tmp_path: Path) -> None:
     (tmp_path / "labels").mkdir()
     for name, one in (("a", label), ("b", other)):
         (tmp_path / "labels" / f"{name}.json").write_text(json.dumps(one))
-    with refused(VopdError):
-        read_by_content(PICK_FORMATS, open_input("labels", tmp_path))
+    both = read_by_content(PICK_FORMATS, open_input("labels", tmp_path))
+    assert both.size_px == {"a.png": (40, 30), "b.png": (41, 30)}
 
 
 def cvat(*images: str, tracks: str = "", size: str = "") -> str:
@@ -498,3 +499,13 @@ def test_zones_of_images_have_hours_and_minutes(zone: str, seconds: float, tmp_p
     tags = read_tags(tmp_path / "a.jpg")
     assert tags.clock_s == NOON + 0.125 and not tags.whole_second
     assert tags.zone_s == seconds or np.isnan([tags.zone_s, seconds]).all()
+
+
+@pytest.mark.parametrize("header", ["date,time_utc", "UTC date,time", "Date,Time (UTC)"])
+def test_a_date_and_a_time_in_two_columns(header: str) -> None:
+    rows = f"{header},lat,lon,alt\n2026/05/01,9:58:42.5,48,15,300\n2026-05-02,00:00:00,48,15,300\n"
+    found = read_text(TRACK_FORMATS, "track", rows)
+    first = datetime(2026, 5, 1, 9, 58, 42, 500000, UTC).timestamp()
+    assert_close("time", found.time_s - first, [0.0, 50477.5])
+    with refused(VopdError):
+        read_text(TRACK_FORMATS, "track", rows.replace(header, "date,time"))

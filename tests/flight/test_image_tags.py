@@ -33,6 +33,7 @@ from vopd.flight.image_tags import (
     xmp_text,
     zone_of_tags,
 )
+from vopd.flight.new import NewProject, look_at_focal
 from vopd.flight.project import Section
 from vopd.flight.track import times_of_images
 from vopd.geometry.earth import geodetic
@@ -533,3 +534,36 @@ def test_a_track_of_images_with_times_gives_positions_times_and_velocity(tmp_pat
     )
     fixes = flight.flight.path.fixes
     assert fixes is not None and fixes.sigma_m.tolist() == [[0.5, 0.5, 0.5]] * 5
+
+
+@pytest.mark.parametrize(
+    ("lens", "focal_px"),
+    [
+        ({0xA405: 27}, 48.0),  # 27 of 36 mm, of 64 px
+        ({0x920A: Rational(45, 10), 0xA20E: Rational(2540, 1), 0xA210: 2}, 450.0),  # 100 px a mm
+        ({0x920A: Rational(45, 10), 0xA20E: Rational(200, 1), 0xA210: 3}, 90.0),
+        ({0xA405: 0, 0x920A: Rational(45, 10)}, np.nan),
+        ({}, np.nan),
+    ],
+)
+def test_focal_lengths_by_tags(lens: dict[int, object], focal_px: float, tmp_path: Path) -> None:
+    tagged_image(tmp_path / "a.jpg", lens=lens)
+    assert_close("ratio", read_tags(tmp_path / "a.jpg").focal_px, focal_px)
+
+
+def test_a_new_project_begins_with_the_focal_length_of_the_tags(tmp_path: Path) -> None:
+    new, values = NewProject(needed={("camera", "lens"): "", ("camera", "image_size_px"): ""}), {}
+    for name in ("a.jpg", "b.jpg"):
+        tagged_image(tmp_path / name, lens={0xA405: 27})
+    look_at_focal(new, values, tmp_path)
+    assert values == {
+        ("camera", "lens"): '{ model = "brown", fx_px = 48 }',
+        ("camera", "image_size_px"): "[64, 48]",
+        ("uncertainty", "focal_rel"): "0.05",
+    }
+    assert not new.needed and len(new.said) == 1
+    assert_approved(new.said[0])
+    tagged_image(tmp_path / "c.jpg", lens={0xA405: 28})
+    other = NewProject()
+    look_at_focal(other, {}, tmp_path)
+    assert_approved(other.said[0].removeprefix(str(tmp_path)))

@@ -20,6 +20,7 @@ def tagged_image(
     taken: str = "",
     part: str = "",
     zone: str = "",
+    lens: dict[int, object] | None = None,
 ) -> None:
     """Write an image of 64 x 48 pixels; XMP is in an APP1 segment of its own, as in files."""
     exif = Image.Exif()
@@ -30,8 +31,8 @@ def tagged_image(
         gps[5], gps[6] = b"\x01" if below else b"\x00", Rational(round(altitude_m * 1000), 1000)
         exif[0x8825] = gps
     taken_tags = {0x9003: taken, 0x9291: part, 0x9011: zone}
-    if any(taken_tags.values()):  # DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal
-        exif[0x8769] = {tag: text for tag, text in taken_tags.items() if text}
+    if lens or any(taken_tags.values()):  # DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal
+        exif[0x8769] = {tag: text for tag, text in taken_tags.items() if text} | (lens or {})
     Image.new("RGB", (64, 48)).save(path, exif=exif)
     if xmp:
         packet = (

@@ -14,7 +14,7 @@ from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.result import FlightResult
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
-from vopd.geometry.lenses import Lens, distort_radial_table, project, ray_of_pixel
+from vopd.geometry.lenses import Lens, Lenses, distort_radial_table, project, ray_of_pixel
 from vopd.geometry.rotations import FORWARD, partials_by_turns
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 from vopd.program.constants import factor, ftpkm
@@ -41,6 +41,9 @@ def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
         VopdError: where it has more landmarks or frames than the cards have numbers for
     """
     flight, estimate = result.flight, result.estimate
+    if isinstance(flight.lens, Lenses):
+        message = "[camera] of_images: the cards have one lens: write a project for each camera"
+        raise VopdError(f"{flight.source}: {message}")
     solved = solve(flight)
     film = card_film(flight, solved)
     slots = FrameSlots.of(flight.picks.frame, len(flight.frame))

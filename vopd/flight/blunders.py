@@ -165,7 +165,8 @@ def suspected_frames(solved: SolvedFlight) -> Bools:
     size = np.zeros(len(flight.frame))
     np.maximum.at(size, flight.picks.frame, np.nan_to_num(off_px / flight.picks.sigma_px))
     usual = np.quantile(size[size > 0.0], USUAL) if (size > 0.0).any() else 0.0
-    far = off_px > LARGE * flight.lens.focal_px.mean()
+    focal_px = flight.lens.of(flight.picks.frame).by_rows("focal_px")
+    far = off_px > LARGE * focal_px.mean(axis=-1)
     suspected = size > ENLARGED * max(usual, 1.0)
     suspected[flight.picks.frame[far]] = True
     return suspected
@@ -731,5 +732,5 @@ def pick_distances_px(solved: SolvedFlight) -> Floats:
     flight = solved.flight
     rotation = solved.attitudes.rotation[flight.picks.frame]
     ray = np.einsum("pij,pj->pi", rotation, solved.lines.direction)
-    away = flight.picks.pixel - project(flight.lens, ray).pixel
+    away = flight.picks.pixel - project(flight.lens.of(flight.picks.frame), ray).pixel
     return np.asarray(np.hypot(*away.T))

@@ -66,15 +66,16 @@ def messages_of_files(flight: Flight) -> Iterator[str]:
         yield f"never picked: {', '.join(names[k] for k in never[:10])}" + (
             f" and {len(never) - 10} more" if len(never) > 10 else ""
         )
-    width, height = flight.lens.size_px
+    width, height = flight.lens.of(picks.frame).by_rows("size_px").T
     u, v = picks.pixel.T
     outside = (u < -0.5) | (u > width - 0.5) | (v < -0.5) | (v > height - 0.5)
     if outside.any():
         count = int(outside.sum())
         first = int(np.flatnonzero(outside)[0])
+        wide, high = (int(np.broadcast_to(one, u.shape)[first]) for one in (width, height))
         hint = '; does v point up? then give [picks] v = "up"' if (v < 0).mean() > 0.5 else ""
         yield (
-            f"{count_text(count, 'pick')} outside the image of {width} x {height}, the first "
+            f"{count_text(count, 'pick')} outside the image of {wide} x {high}, the first "
             f"{names[picks.landmark[first]]} in {frame_label(flight, int(picks.frame[first]))} "
             f"at {u[first]:g}, {v[first]:g}{hint}"
         )

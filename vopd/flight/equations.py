@@ -18,7 +18,7 @@ from vopd.flight.lines_of_sight import apparent, vertical_by_position
 from vopd.flight.readout import row_parts
 from vopd.flight.solve import LOSSES, Loss
 from vopd.geometry.earth import NED_FROM_ENU, Geodetic, axes_at, geodetic
-from vopd.geometry.lenses import Lens, LensKind, Projection, project
+from vopd.geometry.lenses import Lens, Lenses, LensKind, Projection, project
 from vopd.geometry.linear import crossing
 from vopd.geometry.rotations import rotation_matrices
 
@@ -123,11 +123,16 @@ class State(NamedTuple):
 def with_parameters(lens: Lens, names: tuple[str, ...], values: Floats) -> Lens:
     """Change a lens by parameters: pixels of focal length and centre, and coefficients.
 
+    Of several lenses all are changed, their focal lengths in proportion.
+
     Args:
         lens: the lens as it is stated
         names: of the parameters, those of other things among them
         values: what is to be added, (M,)
     """
+    if isinstance(lens, Lenses):
+        each = (with_parameters(*own) for own in _own_values(lens, names, values))
+        return Lenses.join(tuple(each), lens.which)
     focal, centre, k = lens.focal_px.copy(), lens.centre_px.copy(), lens.k.copy()
     coefficients = LENS_COEFFICIENTS[lens.kind]
     for name, value in zip(names, values.tolist(), strict=True):
@@ -140,6 +145,18 @@ def with_parameters(lens: Lens, names: tuple[str, ...], values: Floats) -> Lens:
         elif name in coefficients:
             k[coefficients.index(name)] += value
     return replace(lens, focal_px=focal, centre_px=centre, k=k)
+
+
+def _own_values(
+    lens: Lenses, names: tuple[str, ...], values: Floats
+) -> list[tuple[Lens, tuple[str, ...], Floats]]:
+    """Write parameters for each of several lenses: the focal length counts by the first one's."""
+    focal = np.array([name == "focal" for name in names], dtype=bool)
+    first = lens.focal_px.mean()
+    return [
+        (one, names, np.where(focal, values * (one.focal_px.mean() / first), values))
+        for one in lens.each
+    ]
 
 
 OTHER_STEP = 1e-4  # of a coefficient
@@ -162,6 +179,13 @@ def by_lens_parameters(
         seen: its images
     """
     out = np.zeros((*ray.shape[:-1], 2, len(names)))
+    if isinstance(lens, Lenses):
+        unit = _own_values(lens, names, np.ones(len(names)))
+        for k, (one, _, own) in enumerate(_own_values(lens, names, values)):
+            rows = lens.which == k
+            part = Projection._make(of_all[rows] for of_all in seen)
+            out[rows] = by_lens_parameters(one, names, own, ray[rows], part) * unit[k][2]
+        return out
     coefficients, table = LENS_COEFFICIENTS[lens.kind], lens.table is not None
     x, y = (ray[..., k] / ray[..., 2] for k in (0, 1))
     for column, name in enumerate(names):
@@ -410,7 +434,8 @@ class Model:
             away_m += landmark_by[landmark] - camera_by[frames, None]
             camera = geodetic(flight.path.position_m[frames] + camera_by[frames])
             yield self._linearised(
-                state, lens, frames, picks, away_m, camera, height_m[landmark], shift_px
+                state, lens.of(frames), frames, picks, away_m, camera, height_m[landmark],
+                shift_px,
             )  # fmt: skip
 
     def further(self, rows: LinearisedPicks) -> tuple[Floats, Ints]:
@@ -486,7 +511,9 @@ class Model:
         if len(self.free):
             own_axes = flight.landmarks.axes[self.landmark[picks]].swapaxes(2, 3)
             by_landmark = _of_frames(by_away, axes) @ own_axes
-        by_parameter = by_lens_parameters(flight.lens, self.names, state.parameter, ray, seen)
+        by_parameter = by_lens_parameters(
+            flight.lens.of(frames), self.names, state.parameter, ray, seen
+        )
         by_refraction = by_direction @ line.by_refraction[..., None]
         self._by_others(by_parameter, state, frames, picks, by_place, by_refraction, seen.by_turns)
         scale = self.scale[picks][..., None]

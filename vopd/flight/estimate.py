@@ -45,7 +45,7 @@ from vopd.flight.solve import (
     SolvedFlight,
 )
 from vopd.geometry.earth import NED_FROM_ENU, geodetic, local_axes
-from vopd.geometry.lenses import LensKind, Projection, project, ray_of_pixel
+from vopd.geometry.lenses import Lenses, LensKind, Projection, project, ray_of_pixel
 from vopd.geometry.linear import FAR_FROM_SINGULAR, crossing, inverse
 from vopd.geometry.rotations import (
     FORWARD,
@@ -145,7 +145,8 @@ def pick_responses(
     velocity = np.zeros((len(flight.frame), 3))
     if flight.path.velocity_m_s is not None:
         velocity = flight.path.velocity_m_s @ NED_FROM_ENU
-    focal = (seen.pixel - flight.lens.centre_px) / flight.lens.focal_px.mean()
+    centre_px = flight.lens.of(picks.frame).by_rows("centre_px")
+    focal = (seen.pixel - centre_px) / flight.lens.focal_px.mean()
 
     def of_frames(values: Floats) -> Floats:
         return slots.coordinates(np.where(used.reshape(-1, *[1] * (values.ndim - 1)), values, 0.0))
@@ -682,7 +683,8 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
 
     camera_deg, vehicle_deg = camera_angles(solved), vehicle_angles(solved)
     attack, radians = attack_angles(solved), np.radians(camera_deg)
-    seen = project(flight.lens, _of_frames(rotation[picks.frame], solved.lines.direction))
+    lens = flight.lens.of(picks.frame)
+    seen = project(lens, _of_frames(rotation[picks.frame], solved.lines.direction))
     residual = -(picks.pixel - seen.pixel)
     by_turns = _part(used, seen.by_turns) @ IMAGE_FROM_CAMERA  # of the image, by turns of the axes
     partials = slots.coordinates(by_turns)
@@ -725,7 +727,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         direction=slots.spread(_part(used, solved.lines.direction)),
         image=slots.spread(_part(used, _ideal(flight))),
         image_by_ray=slots.spread(_part(used, _image_by_ray(flight)))
-        if flight.lens.kind is LensKind.FISHEYE
+        if flight.lens.kind is LensKind.FISHEYE or isinstance(flight.lens, Lenses)
         else None,
         focal_length=float(flight.lens.focal_px.mean()),
         residual=slots.coordinates(_part(used, residual)),
@@ -766,14 +768,15 @@ def _part(used: Bools, values: Floats) -> Floats:
 
 def _ideal(flight: Flight) -> Floats:
     """Remove the lens's distortion from picks: image coordinates (P, 2)."""
-    ray = ray_of_pixel(flight.lens, flight.picks.pixel)
+    ray = ray_of_pixel(flight.lens.of(flight.picks.frame), flight.picks.pixel)
     return np.asarray(-flight.lens.focal_px.mean() * ray[:, :2] / ray[:, 2:])
 
 
 def _image_by_ray(flight: Flight) -> Floats:
     """Differentiate image coordinates of picks by their rays in image axes, (P, 2, 3)."""
-    ray = ray_of_pixel(flight.lens, flight.picks.pixel)
-    by_ray = project(flight.lens, ray).by_turns @ crossing(ray)
+    lens = flight.lens.of(flight.picks.frame)
+    ray = ray_of_pixel(lens, flight.picks.pixel)
+    by_ray = project(lens, ray).by_turns @ crossing(ray)
     return np.asarray(-by_ray @ IMAGE_FROM_CAMERA.T)
 
 

@@ -276,8 +276,9 @@ def _copies(flight: Flight, trials: list[_Trial]) -> tuple[Flight, Bools]:
         part=None if flight.picks.part is None else flight.picks.part[picks],
     )
     copies = replace(
-        flight, frame=np.arange(len(trials)), image_name=(), time_s=flight.time_s[frames],
-        picks=own, path=replace(path_part(flight.path, frames), fixes=None), grid=None,
+        flight, lens=flight.lens.of(frames), frame=np.arange(len(trials)), image_name=(),
+        time_s=flight.time_s[frames], picks=own,
+        path=replace(path_part(flight.path, frames), fixes=None), grid=None,
     )  # fmt: skip
     return copies, np.concatenate([one.used for one in trials])
 

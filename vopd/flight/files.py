@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 import re
+import zlib
 from array import array
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,6 +29,7 @@ from vopd.inputs import (
     MOST_BYTES,
     MOST_COLUMNS,
     MOST_NUMBER,
+    MOST_SETTINGS,
     is_number,
     no_file,
     plain_digits,
@@ -39,6 +41,7 @@ from vopd.inputs import (
 
 R = TypeVar("R")
 ENCODING = "utf-8-sig"
+MATLAB = b"MATLAB "  # the first bytes of a .mat
 TEXT_AT_ONCE = 20_000  # characters
 UNEXPECTED = (
     ValueError, TypeError, KeyError, IndexError, AttributeError, ArithmeticError, RecursionError,
@@ -103,7 +106,7 @@ class InputFile:
         Raises:
             VopdError: where it is not text
         """
-        if self.given is None and (self.path.is_dir() or self.is_video):
+        if self.given is None and (self.path.is_dir() or self.is_video or self.is_matlab):
             return
         try:
             with self._open() as text:
@@ -114,6 +117,33 @@ class InputFile:
         except UnicodeDecodeError as error:
             at = _first_wrong_byte(self.path, error)
             raise VopdError(f"{self.name}: not a text file in UTF-8, at byte {at}") from error
+
+    @cached_property
+    def is_matlab(self) -> bool:
+        """Whether it is a file of MATLAB's variables, which has no text."""
+        if self.given is not None or self.path.is_dir():
+            return False
+        with self.path.open("rb") as file:
+            return file.read(len(MATLAB)) == MATLAB
+
+    def matlab(self, *names: str) -> dict[str, Any]:
+        """Read variables of a file of MATLAB's, those of these names that are there.
+
+        Raises:
+            VopdError: where it cannot be read
+        """
+        from scipy.io import loadmat
+        from scipy.io.matlab import MatReadError
+
+        if self.path.stat().st_size > MOST_SETTINGS:
+            raise self.error(too_many_bytes(MOST_SETTINGS))
+        try:
+            found = loadmat(self.path, simplify_cells=True, variable_names=names)
+        except NotImplementedError as error:
+            raise self.error("MATLAB's format 7.3 is not read: save it with -v7") from error
+        except (*UNEXPECTED, MatReadError, OSError, MemoryError, zlib.error) as error:
+            raise self.error("a file of MATLAB's that is damaged: save it again") from error
+        return {name: found[name] for name in names if name in found}
 
     def _open(self) -> TextIO:
         return self.path.open(encoding=ENCODING) if self.given is None else StringIO(self.given)
@@ -243,9 +273,10 @@ SYNONYMS = {
     for name, others in {
         "frame": "frame_number frame_no frame_id frame_index",
         "image": "image_name filename file_name file photo picture img",
-        "landmark": "name label point point_name landmark_name marker target gcp id point_id",
-        "u_px": "u x px x_px pixel_x image_x im_x col column",
-        "v_px": "v y py y_px pixel_y image_y im_y row",
+        "landmark": "name label point point_name landmark_name marker target gcp gcp_name id "
+        "point_id",
+        "u_px": "u x px x_px pixel_x image_x image_u im_x col column",
+        "v_px": "v y py y_px pixel_y image_y image_v im_y row",
         "lat_deg": "lat latitude latitude_deg gps_lat gps_latitude",
         "lon_deg": "lon lng long longitude longitude_deg lng_deg gps_lon gps_long gps_longitude",
         "h_m": "h alt altitude height elevation elev ele alt_m altitude_m height_m elevation_m "
@@ -268,6 +299,9 @@ TIMES = (
     "t_sec", "seconds", "sec", "elapsed", "elapsed_s", "unix", "unix_time", "unix_s", "posix_time",
 )  # fmt: skip
 """Other names of a time: dates are `t_utc`, numbers `t_s`, or seconds since 1970."""
+DATES = ("date", "gps_date", "utc_date", "date_utc", "day")
+"""Names of a column of dates beside one of times of day."""
+TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 HEIGHTS = ("h_m", "z_m")
@@ -527,9 +561,20 @@ class CsvTable:
 
     def times(self, name: str) -> Floats:
         """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset."""
-        return np.array([self._time(name, k, text) for k, text in enumerate(self.column(name))])
+        texts, own = self.column(name), ""
+        date = [k for k, one in enumerate(self.header) if plain_name(one) in DATES]
+        if date and texts and TIME_OF_DAY.match(texts[0]):
+            at, names = date[0], self.own or self.header
+            own = f"{names[at]} {names[self.header.index(name)]}"
+            pairs = zip(self.column(self.header[at]), texts, strict=True)
+            texts = [
+                f"{day.replace('/', '-')}T{'0' * (text[1:2] == ':')}{text}" for day, text in pairs
+            ]
+            if "utc" in plain_name(own).split("_"):
+                texts = [text if text.endswith("Z") else f"{text}Z" for text in texts]
+        return np.array([self._time(name, k, text, own) for k, text in enumerate(texts)])
 
-    def _time(self, name: str, row: int, text: str) -> float:
+    def _time(self, name: str, row: int, text: str, columns: str = "") -> float:
         try:
             moment = datetime.fromisoformat(text)
             if moment.tzinfo is not None:
@@ -539,7 +584,8 @@ class CsvTable:
             raise self.error(
                 f"{shown(text)} is not a date and time as {example}", row, name
             ) from error
-        raise self.error(f"{text} does not say its zone: add Z for UTC", row, name)
+        rename = f", or rename a column: {columns.split()[-1]}_utc" if columns else ""
+        raise self.error(f"{text} does not say its zone: add Z for UTC{rename}", row, name)
 
     def error(self, message: str, row: int, column: str = "") -> VopdError:
         """Make an error about a row, by its index."""

@@ -14,6 +14,7 @@ from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, with_parameters
 from vopd.flight.files import did_you_mean
 from vopd.flight.flight import Flight, NotHeld
 from vopd.flight.readout import row_shifts_px
+from vopd.geometry.lenses import Lenses
 
 if TYPE_CHECKING:
     from vopd.flight.joint import JointSolution
@@ -45,6 +46,9 @@ FREE = {
     "track-offset": FreeName(SHIFT, "[track] sigma_bias_m", "of the whole track, m"),
 }
 """By name. Landmarks are no rows: they are solved for in any case, and only reported."""
+
+OF_A_LENS = ("focal", "aspect", "centre", "k1", "k2", "p1p2")
+"""Those of them that are of the lens."""
 
 SHOWN_NAME = {"clock_rate": "clock-rate"} | {axis: f"track-offset {axis}" for axis in SHIFT}
 """Parameters that a table names otherwise."""
@@ -136,6 +140,11 @@ def _refused(flight: Flight, name: str) -> str:
         known = (*FREE, LANDMARKS, MOUNT, f"{LANDMARK}NAME")
         return f"there is no such parameter{did_you_mean(name, known)}"
     row, path = FREE[name], flight.path
+    if isinstance(flight.lens, Lenses) and name in OF_A_LENS:
+        return (
+            f"the images have {len(flight.lens.each)} lenses ([camera] of_images), and one is "
+            "solved for at a time: leave it out, or write a project for the images of each camera"
+        )
     coefficients = LENS_COEFFICIENTS[flight.lens.kind]
     if name in ("k1", "k2", "p1p2") and row.parameters[0] not in coefficients:
         has = f"its coefficients are {', '.join(coefficients)}" if coefficients else "it has none"

@@ -38,6 +38,7 @@ from vopd.flight.sizes import (
 )
 from vopd.flight.solve import FlightBlocks, FlightPart
 from vopd.geometry.earth import NED_FROM_ENU
+from vopd.geometry.lenses import Lenses
 
 REJECTED = 1.5  # times the stated standard deviation of a pick
 FEW = 0.1  # of the frames: more of them that misfit are the flight's misfit
@@ -374,8 +375,9 @@ def input_errors(joint: JointSolution, path: CameraPath) -> tuple[list[TriedErro
     """
     model, flight = joint.model, joint.model.flight
     timed = flight.path.velocity_m_s is not None and flight.path.acceleration_m_s2 is not None
-    names = [*SHIFT, "focal"]
-    names += ["k1"] if "k1" in LENS_COEFFICIENTS[flight.lens.kind] else []
+    names, one_lens = list(SHIFT), not isinstance(flight.lens, Lenses)
+    names += ["focal"] if one_lens else []
+    names += ["k1"] if one_lens and "k1" in LENS_COEFFICIENTS[flight.lens.kind] else []
     names += ["refraction"] if flight.refraction.k else []
     names += ["clock", "clock_rate"] if timed else []
     readout = _readout(joint) if timed else None
@@ -480,10 +482,9 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
             ("clock",),
         )
         yield TriedError(at("clock_rate"), _rate_text(flight), ("clock_rate",))
-    focal = float(lens.focal_px.mean())
-    yield TriedError(
-        at("focal"), keyed("focal", focal, "[camera] lens: a focal length of "), ("focal",)
-    )
+    if "focal" in names:
+        focal = keyed("focal", float(lens.focal_px.mean()), "[camera] lens: a focal length of ")
+        yield TriedError(at("focal"), focal, ("focal",))
     if "k1" in names:
         yield TriedError(at("k1"), keyed("", float(lens.k[0]), "[camera] lens: k1 = "), ("k1",))
     if "refraction" in names:

@@ -159,7 +159,9 @@ Corrected = Iterator[tuple[Flight, tuple[object, ...]]]
 
 def _turned_over(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
     """Count v of all pixels the other way than the project says."""
-    upward = flight.picks.pixel * [1.0, -1.0] + [0.0, flight.lens.size_px[1] - 1.0]
+    rows = flight.lens.of(flight.picks.frame).by_rows("size_px")[..., 1]
+    upward = flight.picks.pixel * [1.0, -1.0]
+    upward[:, 1] += rows - 1.0
     values = ("downward", "down") if flight.picks.v_up else ("upward", "up")
     yield replace(flight, picks=replace(flight.picks, pixel=upward)), values
 

@@ -112,6 +112,40 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
     new.said.append(found.said)
 
 
+FOCAL_REL = 0.05
+"""Standard deviation of a focal length by EXIF, as a part of it: whole millimetres of film, and
+two ways to count them that differ by 4 %."""
+
+
+def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
+    """Take the focal length from the tags of images, where there is no lens.
+
+    Args:
+        new: what is said and asked, to be added to
+        values: the keys that are known, to be added to
+        images: their folder
+    """
+    tags = [read_tags(path) for path in images_in(images)]
+    found = {(round(one.focal_px, 1), one.size_px, one.focal_by) for one in tags if one.focal_by}
+    if len(found) != 1 or not all(one.focal_by for one in tags):
+        if found:
+            message = (
+                "the tags of the images have several focal lengths or sizes, or some have none"
+            )
+            new.said.append(f"{images}: {message}: name the lens of each in [camera] of_images")
+        return
+    ((focal_px, size_px, by),) = found
+    values["camera", "lens"] = f'{{ model = "brown", fx_px = {focal_px:g} }}'
+    values["camera", "image_size_px"] = toml_numbers(*size_px)
+    values["uncertainty", "focal_rel"] = f"{FOCAL_REL:g}"
+    for key in ("lens", "image_size_px"):
+        new.needed.pop(("camera", key), None)
+    new.said.append(
+        f"focal length {focal_px:g} px by {by}, uncertain by {100 * FOCAL_REL:g} %; the distortion "
+        "is not known: calibrate, or free focal and k1 in vopd adjust"
+    )
+
+
 def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> bool:
     """Say what the picks are, and ask what they leave open.
 
@@ -130,7 +164,7 @@ def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | 
     file, rows = _read(new, values, folder, "picks", name, PICK_FORMATS)
     if rows.grid is None:
         new.needed["picks", "pixel_grid"] = "the file does not say it"
-    if rows.size_px is not None and ("camera", "image_size_px") not in values:
+    if isinstance(rows.size_px, tuple) and ("camera", "image_size_px") not in values:
         values["camera", "image_size_px"] = toml_numbers(*rows.size_px)
         new.needed.pop(("camera", "image_size_px"), None)
     frames = count_text(len(set(rows.frame)), "frame")
@@ -460,6 +494,9 @@ def look_at_files(
         named["track"] = images
     if ("camera", "lens") not in values or "lens" in named:
         look_at_lens(new, values, folder, named.get("lens"))
+        tagged = Path(images or named.get("track") or "")
+        if "lens" not in named and images_in(tagged):
+            look_at_focal(new, values, tagged)
     if video:
         look_at_video(new, values, folder, video, named)
         new.needed.pop(("camera", "image_size_px"), None)

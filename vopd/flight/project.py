@@ -105,6 +105,10 @@ KEYS: tuple[Key, ...] = (
         "where a file has four coefficients and does not say which model they are of",
         choices=tuple(dict.fromkeys(MODELS_OPENCV.values()))),
     Key("camera", "camera", "text", '"1"', "which camera, where the file has several"),
+    Key("camera", "of_images", "file", "", "the lens of each image",
+        "for images of several cameras: a CSV with `image` (or `frame`) and `lens`, a file of "
+        "`lens`'s formats, or `camera`, one of the cameras in the file of `lens`; or OpenSfM's "
+        "reconstruction.json"),
     Key("camera", "image_size_px", "numbers", "[1920, 1080]", "width and height of the images",
         "width and height of the images; needed where the lens file has none, and compared with it "
         "where it has one", size=2),
@@ -255,7 +259,8 @@ KEYS: tuple[Key, ...] = (
     Key("solve", "position", "text", '"solve"', "solve (within its sigma_m) or fixed",
         "`solve` finds positions within their standard deviations, `fixed` holds them",
         default="solve", choices=("solve", "fixed")),
-    Key("solve", "free", "texts", '[]', 'solved for too: ["focal", "k1", "clock"], docs/adjust.md',
+    Key("solve", "free", "texts", '[]',
+        'solved for too: ["focal", "k1", "clock"], vopd help adjust',
         "parameters that all frames are solved for together, by the names of "
         "[`vopd adjust`](adjust.md): `[\"focal\", \"clock\"]`"),
     Key("uncertainty", "focal_rel", "sigma", "0.001", "of the focal length, as a part of it",

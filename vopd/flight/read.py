@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from vopd.flight.flight import (
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import (
     GRID_TO_CENTRE,
+    IMAGE_LENS_FORMATS,
     LENS_FORMATS,
     LensQuestion,
     LensRead,
@@ -54,7 +56,7 @@ from vopd.flight.stated import (
 )
 from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
-from vopd.geometry.lenses import MODELS, Lens, LensKind
+from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 from vopd.inputs import LONGEST_NAME, MOST_NUMBER
 
@@ -218,6 +220,83 @@ def _radial_table(
     )
 
 
+# Images of several cameras
+
+
+class CameraLens(NamedTuple):
+    """The lens of a flight, or those of its images."""
+
+    read: LensRead  # of all images, or the first of several
+    table: InputFile | None = None  # which lens each image has; None: all have one
+    each: tuple[Lens, ...] = ()
+    of_image: Mapping[str, int] = {}  # which of them
+
+    def of_names(self, names: Sequence[str]) -> Lens:
+        """Look up the lenses of images.
+
+        Args:
+            names: of images, or numbers of frames
+
+        Raises:
+            VopdError: where the table does not have one
+        """
+        if self.table is None:
+            return self.read.lens
+        missing = [name for name in names if name not in self.of_image]
+        if missing:
+            more = f" and {len(missing) - 1} more of the picks' images" if missing[1:] else ""
+            first = f"frame {missing[0]}" if missing[0].isdigit() else missing[0]
+            raise self.table.error(f"no row for {first}{more}: add its name and its lens")
+        return Lenses.join(self.each, np.array([self.of_image[name] for name in names], np.int64))
+
+
+def read_camera(project: Project) -> CameraLens:
+    """Read the lens of a project, or the lenses of its images.
+
+    Raises:
+        VopdError: where one is missing, or its image size is not that of the project
+    """
+    section = project.section("camera")
+    if not section.has("of_images"):
+        return CameraLens(read_lens(project))
+    if project.section("solve").text("frames") == "one":
+        raise section.error("of_images", 'several cameras: [solve] frames = "one" is of one')
+    table = project.open("camera", "of_images")
+    rows = read_by_content(IMAGE_LENS_FORMATS, table)
+    found: dict[tuple[str, str], LensRead] = {}
+    of_image: dict[str, int] = {}
+    for image, file, camera in zip(rows.image, rows.file, rows.camera, strict=True):
+        own = file, camera
+        if own not in found:
+            lens = (Path(table.name).parent / file).as_posix() if file else ""
+            of_this = project
+            for key, one in (("lens", lens), ("camera", camera)):
+                of_this = of_this.changed("camera", key, one) if one else of_this
+            found[own] = read_lens(of_this)
+        if of_image.setdefault(image, [*found].index(own)) != [*found].index(own):
+            raise table.error(f"{shown(image)} has two lenses")
+    if not found:
+        raise table.error("no image is in the file")
+    first, *others = found.values()
+    said = f"{table.name}: {rows.said}, {count_text(len(of_image), 'image')}, " + (
+        f"{count_text(len(found), 'lens', 'lenses')}; the first: {first.said}"
+    )
+    sigma = {
+        name: max(_by_first(one, first).get(name, 0.0) for one in found.values())
+        for name in dict.fromkeys(name for one in found.values() for name in one.sigma)
+    }
+    read = LensRead(first.lens, said, sigma)
+    if not others:
+        return CameraLens(read)
+    return CameraLens(read, table, tuple(one.lens for one in found.values()), of_image)
+
+
+def _by_first(read: LensRead, first: LensRead) -> dict[str, float]:
+    """Write standard deviations of a lens for the first one: focal lengths in proportion."""
+    ratio = float(first.lens.focal_px.mean() / read.lens.focal_px.mean())
+    return {name: one * (ratio if name == "focal" else 1.0) for name, one in read.sigma.items()}
+
+
 # Picks: on one grid, and each landmark once a frame
 
 APART = 20.0  # standard deviations between picks of one point that cannot both be right
@@ -226,7 +305,7 @@ APART = 20.0  # standard deviations between picks of one point that cannot both 
 POINTS_AT_ONCE = 100_000
 
 
-def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
+def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     """Read all picks of a project, with their standard deviations and how pixels are counted.
 
     Raises:
@@ -239,7 +318,10 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
     if section.has("tracked") and section.text("tracked_from") == "clicks":
         from vopd.flight.tracked_picks import read_tracked_picks  # of few flights
 
-        return read_tracked_picks(project, size_px)
+        if camera.table is not None:
+            message = "picks tracked from clicks are of one camera's video: give [camera] lens"
+            raise project.section("camera").error("of_images", message)
+        return read_tracked_picks(project, camera.read.lens.size_px)
     file = project.open("picks", "tracked" if section.has("tracked") else "file")
     rows = project.read("picks", file, PICK_FORMATS)
     frames = rows.frame.known if isinstance(rows.frame, Names) else []
@@ -256,22 +338,51 @@ def read_pick_rows(project: Project, size_px: tuple[int, int]) -> PickRows:
     if (far > MOST_NUMBER).any():
         k = int(np.argmax(far))
         raise file.error(f"{rows.landmark[k]} in {rows.frame[k]}: {far[k]:g} px is too large")
-    if rows.size_px is not None and rows.size_px != size_px:
-        (w, h), (width, height) = rows.size_px, size_px
-        turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""
-        message = f"{file.name} has images of {w} x {h}, the lens is for {width} x {height}{turned}"
-        raise section.error("file", message)
+    size_px = _sizes_px(section, file, rows, camera)
+    if rows.by_size:
+        long = size_px.max(axis=-1, keepdims=True)
+        rows = replace(rows, pixel=rows.pixel * long + (size_px - 1.0) / 2.0)
     grid = rows.grid or section.text("pixel_grid")
     if section.has("pixel_grid") and section.text("pixel_grid") != grid:
         raise section.error("pixel_grid", f"{rows.said} has the {grid} grid: leave the key out")
     way = section.text("v")
-    up_from = size_px[1] - 1.0 if way == "up" else None
+    up_from = size_px[..., 1] - 1.0 if way == "up" else None
     stated = section.number("sigma_px")
     own = np.isfinite(rows.sigma_px)
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {count_text(len(sigma), 'pick')}, {grid} grid, v {way}"
     known = section.has("sigma_px") or bool(own.any())
     return replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
+
+
+def _sizes_px(section: Section, file: InputFile, rows: PickRows, camera: CameraLens) -> Floats:
+    """Look up the size of the picks' image by its lens, (2,), or of each pick's (P, 2).
+
+    Raises:
+        VopdError: where an image has another size than its lens
+    """
+    if camera.table is None:
+        if isinstance(rows.size_px, dict):
+            message = "the images are not all of one size: name the lens of each image in "
+            raise file.error(f"{message}[camera] of_images")
+        own, size = rows.size_px, camera.read.lens.size_px
+        _check_size(section, own or size, size, f"{file.name} has images of")
+        return camera.read.lens.by_rows("size_px")
+    names = rows.frame if isinstance(rows.frame, Names) else Names(map(str, rows.frame.tolist()))
+    every = camera.of_names(names.known).by_rows("size_px")
+    for name, (width, height) in zip(names.known, every.astype(int).tolist(), strict=True):
+        own = rows.size_px.get(name) if isinstance(rows.size_px, dict) else rows.size_px
+        _check_size(section, own or (width, height), (width, height), f"{file.name}: {name} has")
+    return np.asarray(every[names.which])
+
+
+def _check_size(section: Section, own: tuple[int, int], size: tuple[int, int], where: str) -> None:
+    """Compare the size of an image with that of its lens."""
+    (w, h), (width, height) = own, size
+    turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""
+    if own != size:
+        message = f"{where} {w} x {h}, the lens is for {width} x {height}{turned}"
+        raise section.error("file", message)
 
 
 def join_picks(
@@ -469,8 +580,8 @@ def flight_of(project: Project) -> Flight:
 @np.errstate(all="ignore")
 def _flight_of(project: Project) -> Flight:
     name = project.name
-    lens = read_lens(project)
-    picks = read_pick_rows(project, lens.lens.size_px)
+    camera_lens = read_camera(project)
+    lens, picks = camera_lens.read, read_pick_rows(project, camera_lens)
     number, times, index = frames_of(project, picks)
     one = _all_as_one(project)
     if one:
@@ -505,7 +616,7 @@ def _flight_of(project: Project) -> Flight:
     flight = Flight(
         name=_name(project.section("flight")),
         source=name,
-        lens=lens.lens,
+        lens=camera_lens.of_names(times.image or [str(one) for one in number.tolist()]),
         frame=number,
         image_name=times.image,
         time_s=times.time_s,

@@ -31,7 +31,8 @@ def row_parts(flight: Flight) -> Floats:
     if flight.picks.part is not None:
         return flight.picks.part
     axis = int(shutter.way in ("down", "up"))
-    part = pixel[:, axis] / (flight.lens.size_px[axis] - 1.0)
+    size_px = flight.lens.of(flight.picks.frame).by_rows("size_px")
+    part = pixel[:, axis] / (size_px[..., axis] - 1.0)
     if shutter.way in ("up", "left"):
         part = 1.0 - part
     return np.asarray(part - 0.5 if shutter.middle else part)
@@ -103,10 +104,11 @@ def row_shifts_px(flight: Flight, rotation: Floats, rates: Floats, distance_m: F
     # what the camera moves, and the landmark's line at the row's time, in the frame's axes
     moved = np.einsum("pij,pj->pi", rotation[picks.frame], speed[picks.frame] * late_s)
     turn = rotation_matrices(np.nan_to_num(rates)[picks.frame] * late_s)
-    late = np.einsum("pji,pj->pi", turn, ray_of_pixel(flight.lens, picks.pixel))
+    lens = flight.lens.of(picks.frame)
+    late = np.einsum("pji,pj->pi", turn, ray_of_pixel(lens, picks.pixel))
     nearer = distance_m - (late * moved).sum(axis=1)
     ray = late * nearer[:, None] + moved
-    shift = picks.pixel - project(flight.lens, ray).pixel
+    shift = picks.pixel - project(lens, ray).pixel
     return np.where(np.isfinite(shift), shift, 0.0)
 
 

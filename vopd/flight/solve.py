@@ -80,7 +80,10 @@ class PickBlock(NamedTuple):
     def of(self, rows: Bools) -> PickBlock:
         """Take some of the frames, (B,)."""
         return self._replace(
-            pixel=self.pixel[rows], direction=self.direction[rows], sigma=self.sigma[rows]
+            lens=self.lens.of(rows),
+            pixel=self.pixel[rows],
+            direction=self.direction[rows],
+            sigma=self.sigma[rows],
         )
 
 
@@ -241,7 +244,7 @@ def solve_rotations(
     out = no_attitudes(frames, len(frame))
     work = WORK_A_PICK + WORK / max(picks or len(frame), 1)
     usable = used & np.isfinite(direction).all(axis=1) & np.isfinite(pixel).all(axis=1)
-    ray = ray_of_pixel(lens, pixel)
+    ray = ray_of_pixel(lens.of(frame), pixel)
     outside = usable & ~np.isfinite(ray).all(axis=1)
     out.set_aside[outside] = Unseen.OUTSIDE_FIELD
     usable &= ~outside
@@ -250,7 +253,8 @@ def solve_rotations(
         for index, rows in blocks_by_count(
             frames, frame, usable & np.isnan(out.rotation[frame, 0, 0])
         ):
-            block = PickBlock(lens, pixel[rows], direction[rows], sigma_px[rows], LOSSES[loss])
+            own = lens.of(index)
+            block = PickBlock(own, pixel[rows], direction[rows], sigma_px[rows], LOSSES[loss])
             rotation, determined = first_attitude(ray[rows], block.direction, block.sigma**-2.0)
             state = equations_at(block, rotation)
             lost = np.isinf(state.cost)
@@ -435,6 +439,7 @@ class FlightBlocks:
         )
         part = replace(
             flight,
+            lens=flight.lens.of(frames),
             frame=flight.frame[frames],
             image_name=tuple(flight.image_name[k] for k in frames) if flight.image_name else (),
             time_s=flight.time_s[frames],

@@ -7,16 +7,16 @@ row for each; a new model is its three functions, a member of `LensKind` and a r
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from enum import Enum, IntEnum
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import polynomial
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Bools, Floats, Ints
 from vopd.geometry.rotations import partials_by_turns
 
 # Brown: a rational radial part, tangential and thin prism terms, in OpenCV's order
@@ -398,6 +398,47 @@ class Lens:
         """The widest angle from the optical axis that the model can invert, as its tangent."""
         return self.model.field_radius(self.coefficients)
 
+    def of(self, rows: Any) -> Lens:
+        """Take the lenses of some rows, by index or mask; one lens is that of all."""
+        return self
+
+    def by_rows(self, name: str) -> Floats:
+        """Look up `size_px`, `focal_px` or `centre_px`, (2,), or of each row (..., 2)."""
+        return np.asarray(getattr(self, name), dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Lenses(Lens):
+    """The lenses of rows that are not all of one camera; as one lens it is the first of them.
+
+    Args:
+        each: the lenses
+        which: the index of each row's lens, (R,); rays and pixels have R rows or R rows of rows
+    """
+
+    each: tuple[Lens, ...] = ()
+    which: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+
+    @classmethod
+    def join(cls, each: tuple[Lens, ...], which: Ints) -> Lenses:
+        """Join lenses, of which the first is that by which focal lengths are counted."""
+        first = each[0]
+        return cls(
+            first.kind, first.size_px, first.focal_px, first.centre_px, first.k, first.skew_px,
+            first.table, each, which,
+        )  # fmt: skip
+
+    def of(self, rows: Any) -> Lens:
+        return replace(self, which=self.which[rows])
+
+    def by_rows(self, name: str) -> Floats:
+        return np.array([getattr(one, name) for one in self.each], dtype=np.float64)[self.which]
+
+    def parts(self) -> Iterator[tuple[Lens, Bools]]:
+        """Iterate over the lenses with their rows, (R,)."""
+        for k in np.unique(self.which).tolist():
+            yield self.each[k], self.which == k
+
 
 class Projection(NamedTuple):
     """Where rays meet the image; `pixel` and `by_turns` are NaN where `unseen` is not 0."""
@@ -416,6 +457,14 @@ def project(lens: Lens, ray: Floats) -> Projection:
         lens: the lens
         ray: in camera axes, of any length, (..., 3)
     """
+    if isinstance(lens, Lenses):
+        shape = ray.shape[:-1]
+        pixel, distorted = np.empty((2, *shape, 2))
+        whole = Projection(pixel, np.empty((*shape, 2, 3)), distorted, np.empty(shape, np.int64))
+        for one, rows in lens.parts():
+            for out, part in zip(whole, project(one, ray[rows]), strict=True):
+                out[rows] = part
+        return whole
     behind = ~(ray[..., 2] > 0.0)
     x, y = (np.where(behind, np.nan, ray[..., k] / ray[..., 2]) for k in (0, 1))
     (xd, yd), by_xy = lens.model.distort(lens.coefficients, x, y)
@@ -455,6 +504,11 @@ def ray_of_pixel(lens: Lens, pixel: Floats) -> Floats:
         lens: the lens
         pixel: u, v, (..., 2)
     """
+    if isinstance(lens, Lenses):
+        rays = np.empty((*pixel.shape[:-1], 3))
+        for one, rows in lens.parts():
+            rays[rows] = ray_of_pixel(one, pixel[rows])
+        return rays
     distorted = np.linalg.solve(
         lens.pixels_by_distorted, np.moveaxis(pixel - lens.centre_px, -1, 0).reshape(2, -1)
     )

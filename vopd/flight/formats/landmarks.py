@@ -1,4 +1,4 @@
-"""Files of landmarks: CSV, GeoJSON, GPX, KML, gcp_list.txt."""
+"""Files of landmarks: CSV, GeoJSON, GPX, KML, gcp_list.txt, OpenSfM, Metashape, CIRN."""
 
 from __future__ import annotations
 
@@ -314,6 +314,123 @@ def read_gcp_landmarks(file: InputFile) -> LandmarkRows:
     )  # fmt: skip
 
 
+# OpenSfM's ground_control_points.json: landmarks and their picks in one file
+
+
+def recognises_control(file: InputFile) -> bool:
+    """Tell whether it is JSON of points with observations."""
+    text = file.text
+    return text.lstrip().startswith("{") and '"points"' in text and '"observations"' in text
+
+
+def control_points(file: InputFile) -> list[dict[str, Any]]:
+    """Read the points of a ground_control_points.json.
+
+    Raises:
+        VopdError: where it is not such a file
+    """
+    try:
+        found = parse_json(file.text)["points"]
+    except (ValueError, RecursionError) as error:
+        raise file.error(f"not valid JSON: {reason(error)}") from error
+    if not found:
+        raise file.error("no point is in the file")
+    return list(found)
+
+
+def read_control_landmarks(file: InputFile) -> LandmarkRows:
+    """Read the landmarks: latitude, longitude and altitude on WGS 84."""
+    points = [
+        (str(one["id"]), *(one.get("position", {}).get(key) for key in LATITUDE_FIRST))
+        for one in control_points(file)
+    ]
+    named = [(name, longitude, latitude, h) for name, latitude, longitude, h in points]
+    for name, longitude, latitude, _ in named:
+        if longitude is None or latitude is None:
+            raise file.error(f"{name} has no latitude and longitude")
+    return _named_points(file, named, "point", "OpenSfM ground control")
+
+
+LATITUDE_FIRST = ("latitude", "longitude", "altitude")
+
+
+# Metashape's XML of markers: landmarks and their picks in one file, a name for each by its id
+
+EPSG = re.compile(r'AUTHORITY\["EPSG","(\d+)"\]\]\s*$')
+
+
+def recognises_markers(file: InputFile) -> bool:
+    """Tell whether it is XML with markers."""
+    return file.head.lstrip().startswith("<") and "<marker " in file.text
+
+
+def marker_tree(file: InputFile) -> tuple[ElementTree.Element, dict[str, str]]:
+    """Parse an XML of markers: its root, and the names of the markers by their ids.
+
+    Raises:
+        VopdError: where it is no XML, or has no marker
+    """
+    try:
+        root = parse_xml(file.text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise file.error(f"not valid XML: {reason(error)}") from error
+    every = root.findall(".//marker[@label]")
+    names = {one.get("id", ""): one.get("label", "") for one in every}
+    if not names:
+        raise file.error("no marker has a label")
+    if len({*names.values()}) < len(every):
+        raise file.error("two markers have one label: it is the name of the landmark")
+    return root, names
+
+
+def read_marker_landmarks(file: InputFile) -> LandmarkRows:
+    """Read the markers that have reference coordinates, x the easting or longitude."""
+    root, _ = marker_tree(file)
+    names, places = list[str](), []
+    for one in root.findall(".//marker[@label]"):
+        place = one.find("reference")
+        texts = [] if place is None else [place.get("x"), place.get("y"), place.get("z")]
+        if place is not None and all(texts) and place.get("enabled") != "false":
+            places.append([plain_number(text or "") for text in texts])
+            names.append(one.get("label", ""))
+    if not names:
+        raise file.error("no marker has reference coordinates x, y, z: give landmarks in a CSV")
+    coordinate = np.array(places)
+    if not np.isfinite(coordinate).all():
+        raise file.error("a coordinate of a marker is not finite")
+    said = "Metashape markers, x east or longitude"
+    code = next(filter(None, (EPSG.search(one.text or "") for one in root.iter("reference"))), None)
+    return LandmarkRows(
+        names, coordinate, False, code and f"EPSG:{code[1]}", None, [0] * len(names), said,
+    )  # fmt: skip
+
+
+# The list of control points that CIRN's toolbox takes: number, x, y, z, without a header
+
+CIRN_ROW = re.compile(r"\s*\d+\.0+\s*(,\s*[-+\d.eE]+\s*){3}$")
+
+
+def recognises_cirn(file: InputFile) -> bool:
+    """Tell whether a row is as MATLAB writes it: `1.000000,902062.638000,...`, four numbers."""
+    return file.columns is None and bool(CIRN_ROW.match(file.head.split("\n", 1)[0].rstrip("\r")))
+
+
+def read_cirn(file: InputFile) -> LandmarkRows:
+    """Read the rows; a landmark's name is its number without decimals."""
+    rows, lines = [], []
+    for line, text in enumerate(file.text.splitlines(), 1):
+        if not text.strip():
+            continue
+        values = [plain_number(cell) for cell in text.split(",")]
+        if len(values) != 4 or not np.isfinite(values).all() or values[0] % 1:
+            raise file.error("a row is number, x, y, z", line)
+        rows.append(values)
+        lines.append(line)
+    names = [f"{one[0]:.0f}" for one in rows]
+    coordinate = np.array([one[1:] for one in rows])
+    return LandmarkRows(names, coordinate, False, None, None, lines, "CIRN's list, x before y")
+
+
 # Formats of files of landmarks, one row each; the next format is one more row
 
 LANDMARK_FORMATS: tuple[InputFormat[LandmarkRows], ...] = (
@@ -321,6 +438,9 @@ LANDMARK_FORMATS: tuple[InputFormat[LandmarkRows], ...] = (
     InputFormat("KML placemarks", recognises_kml, read_kml),
     InputFormat("GeoJSON", recognises_geojson, read_geojson),
     InputFormat("gcp_list.txt", recognises_gcp_landmarks, read_gcp_landmarks),
+    InputFormat("OpenSfM ground_control_points.json", recognises_control, read_control_landmarks),
+    InputFormat("Metashape XML of markers", recognises_markers, read_marker_landmarks),
+    InputFormat("CIRN's list (number,x,y,z)", recognises_cirn, read_cirn),
     InputFormat(
         "CSV (landmark,lat_deg,lon_deg,h_m or landmark,x_m,y_m,z_m)",
         recognises_csv_landmarks,

@@ -1,4 +1,4 @@
-"""Lens files: mrcal, Metashape, OpenSfM, OpenCV, COLMAP."""
+"""Lens files: mrcal, Metashape, OpenSfM, OpenCV, COLMAP, MATLAB; the lens of each image."""
 
 from __future__ import annotations
 
@@ -12,7 +12,14 @@ import numpy as np
 
 from vopd.files import optional_package, reason
 from vopd.findings import count_text
-from vopd.flight.files import UNEXPECTED, InputFile, InputFormat, shown
+from vopd.flight.files import (
+    UNEXPECTED,
+    InputFile,
+    InputFormat,
+    has_columns,
+    read_csv,
+    shown,
+)
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.inputs import (
     MOST_SETTINGS,
@@ -261,9 +268,10 @@ def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
         found = parse_json(file.text)
     except (ValueError, RecursionError) as error:
         raise file.error(f"not valid JSON: {reason(error)}") from error
-    if isinstance(found, list):
-        found = found[0]
-    cameras = found.get("cameras", found)
+    parts = found if isinstance(found, list) else [found]
+    if question.camera is None:
+        parts = parts[:1]
+    cameras = {name: one for part in parts for name, one in part.get("cameras", part).items()}
     if question.camera is not None:
         cameras = {name: one for name, one in cameras.items() if name == question.camera}
     if len(cameras) != 1:
@@ -531,6 +539,114 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
     return LensRead(checked(file, lens), said)
 
 
+# MATLAB files of the Caltech calibration toolbox and of CIRN's, which begins from it
+#
+# Caltech's manual counts the principal point from the first pixel's centre, (0, 0). CIRN's
+# equations take the same number beside clicks that MATLAB counts from (1, 1): its own results
+# come out if both are counted so.
+
+CALTECH = ("fc", "cc", "kc", "alpha_c", "nx", "ny")
+CIRN = "intrinsics"
+
+
+def recognises_matlab_lens(file: InputFile) -> bool:
+    """Tell whether it is a file of MATLAB's."""
+    return file.is_matlab
+
+
+def read_matlab_lens(file: InputFile, question: LensQuestion) -> LensRead:
+    """Read CIRN's 11 intrinsics, NU NV c0U c0V fx fy d1 d2 d3 t1 t2, or Caltech's fc, cc, kc."""
+    found = file.matlab(CIRN, *CALTECH)
+    if CIRN in found:
+        said, shift, corner = "CIRN's intrinsics", GRID_TO_CENTRE["one-based"], "(1, 1)"
+        values = np.asarray(found[CIRN], dtype=np.float64).ravel()
+        if len(values) != 11:
+            raise file.error(f"{CIRN} has {len(values)} numbers, not 11")
+        (width, height), centre, focal = values[:2], values[2:4], values[4:6]
+        (k1, k2, k3), (p1, p2), skew = values[6:9], values[9:11], 0.0
+    elif {*CALTECH} - {"alpha_c"} <= {*found}:
+        said, shift, corner = "Caltech's calibration", 0.0, "(0, 0)"
+        width, height = float(found["nx"]), float(found["ny"])
+        focal, centre, kc = (np.asarray(found[one], float).ravel() for one in ("fc", "cc", "kc"))
+        k1, k2, p1, p2, k3 = kc.tolist()
+        skew = float(found.get("alpha_c", 0.0)) * float(focal[0])
+    else:
+        raise file.error(f"it has neither {CIRN} nor {', '.join(CALTECH)}")
+    k = [float(one) for one in (k1, k2, p1, p2, k3)]
+    size = int(width), int(height)
+    lens = make_lens("brown", size, focal.tolist(), (centre + shift).tolist(), k, skew)
+    said = f"{file.name}: {said}, 5 coefficients, principal point from {corner}"
+    return LensRead(checked(file, lens), said)
+
+
+# The lens of each image: a CSV, or the shots of OpenSfM's reconstruction.json
+
+
+class ImageLenses(NamedTuple):
+    """The lens of each of R images, by the file and the name in it."""
+
+    image: list[str]  # or the number of a frame
+    file: list[str]  # empty: that of `[camera] lens`
+    camera: list[str]  # which camera of the file; empty: that of `[camera] camera`
+    said: str
+
+
+OF_IMAGE = ("image", "frame", "lens", "camera")
+
+
+def recognises_csv_lenses(file: InputFile) -> bool:
+    """Tell whether the header names an image or a frame, and a lens or a camera."""
+    ways = [(one, other) for one in ("image", "frame") for other in ("lens", "camera")]
+    return has_columns(file, OF_IMAGE, *ways)
+
+
+def read_csv_lenses(file: InputFile) -> ImageLenses:
+    """Read the table: `lens` is a file, from its own folder; `camera` one of that file's."""
+    table = read_csv(file, OF_IMAGE)
+    name = table.column("image" if table.has("image") else "frame")
+    lens, camera = (
+        table.column(one) if table.has(one) else [""] * len(name) for one in ("lens", "camera")
+    )
+    return ImageLenses(name, lens, camera, f"CSV{table.read_as}")
+
+
+def recognises_reconstruction(file: InputFile) -> bool:
+    """Tell whether it is a list in JSON whose elements have shots."""
+    return file.head.lstrip().startswith("[") and '"shots"' in file.text
+
+
+def read_shots(file: InputFile) -> list[dict[str, Any]]:
+    """Read the reconstructions of a reconstruction.json.
+
+    Raises:
+        VopdError: where it is no JSON of that kind
+    """
+    try:
+        found = parse_json(file.text)
+    except (ValueError, RecursionError) as error:
+        raise file.error(f"not valid JSON: {reason(error)}") from error
+    if not all(isinstance(one, dict) and isinstance(one.get("shots"), dict) for one in found):
+        raise file.error("not a list of reconstructions with shots")
+    return list(found)
+
+
+def read_reconstruction_lenses(file: InputFile) -> ImageLenses:
+    """Read which camera took each shot; the cameras are those of the same file."""
+    shots = {name: one for part in read_shots(file) for name, one in part["shots"].items()}
+    camera = [str(one["camera"]) for one in shots.values()]
+    return ImageLenses([*shots], [file.path.name] * len(shots), camera, "OpenSfM reconstruction")
+
+
+IMAGE_LENS_FORMATS: tuple[InputFormat[ImageLenses], ...] = (
+    InputFormat(
+        "OpenSfM reconstruction.json", recognises_reconstruction, read_reconstruction_lenses
+    ),
+    InputFormat(
+        "a CSV with image (or frame) and lens (or camera)", recognises_csv_lenses, read_csv_lenses
+    ),
+)
+
+
 # Formats of lens files, one row each; the next format is one more row
 
 LENS_FORMATS: tuple[InputFormat[LensRead], ...] = (
@@ -539,4 +655,5 @@ LENS_FORMATS: tuple[InputFormat[LensRead], ...] = (
     InputFormat("OpenSfM or ODM cameras.json", recognises_opensfm, read_opensfm),
     InputFormat("OpenCV yml, xml or json", recognises_opencv, read_opencv),
     InputFormat("COLMAP cameras.txt", recognises_colmap, read_colmap),
+    InputFormat("MATLAB file of Caltech or CIRN", recognises_matlab_lens, read_matlab_lens),
 )

@@ -1,4 +1,4 @@
-"""Files of picks: CSV, CVAT, LabelMe, gcp_list.txt."""
+"""Files of picks: CSV, CVAT, LabelMe, gcp_list.txt, OpenSfM, Metashape, CIRN."""
 
 from __future__ import annotations
 
@@ -27,7 +27,14 @@ from vopd.flight.files import (
     shown,
     whole_numbers,
 )
-from vopd.flight.formats.landmarks import is_gcp_list, read_gcp_list
+from vopd.flight.formats.landmarks import (
+    control_points,
+    is_gcp_list,
+    marker_tree,
+    read_gcp_list,
+    recognises_control,
+    recognises_markers,
+)
 from vopd.flight.formats.lens import GRID_TO_CENTRE
 from vopd.inputs import parse_json, parse_xml, plain_number, whole_number
 
@@ -35,6 +42,9 @@ if TYPE_CHECKING:
     from vopd.flight.formats.tracked import TrackedRows
 
 # Picks as read
+
+Sizes = dict[str, tuple[int, int]]
+"""Widths and heights of images by their names."""
 
 
 class Names(Sequence[str]):
@@ -82,12 +92,16 @@ class PickRows:
     pixel: Floats  # (P, 2) u, v on the file's grid
     sigma_px: Floats  # (P,) NaN where not given
     grid: str | None  # where the file counts pixels from; None where the project says it
-    size_px: tuple[int, int] | None  # of the images, where the file says
+    size_px: tuple[int, int] | Sizes | None
+    # of the images, where the file says; by their names where they are of several sizes
     said: str  # the format, for a sentence
-    up_from: float | None = None  # the v of the last row, where v counts upward
+    up_from: Floats | None = (
+        None  # the v of the last row, or (P,) of each pick's, where v counts upward
+    )
     stated: bool = False  # whether the project or the file states `sigma_px`
     interpolated: Bools | None = None  # (P,) by the program that wrote the file; None: unknown
     tracks: TrackedRows | None = None  # the same picks with the clicks that they are from
+    by_size: bool = False  # pixels are from the image's middle, by its longer side
 
     def where(self, kept: Bools) -> PickRows:
         """Take some of the picks of numbered frames, (P,)."""
@@ -106,7 +120,8 @@ class PickRows:
         assert self.grid is not None
         found = self.pixel[picks] + GRID_TO_CENTRE[self.grid]
         if self.up_from is not None:
-            found[:, 1] = self.up_from - found[:, 1]
+            last = np.broadcast_to(self.up_from, len(self.pixel))
+            found[:, 1] = last[picks] - found[:, 1]
         return np.asarray(found)
 
 
@@ -213,14 +228,12 @@ def read_cvat(file: InputFile) -> PickRows:
         raise file.error("some points have no label: the label is the name of the landmark")
     if images and any(isinstance(one[0], int) for one in found):
         raise file.error("images and video tracks are in one file: give them one by one")
-    sizes = {_size(i.get("width", "0"), i.get("height", "0")) for i in images}
-    if not images:
-        sizes = {
-            _size(s.findtext("width", "0"), s.findtext("height", "0"))
-            for s in root.iter("original_size")
-        }
-    if len(sizes) > 1:
-        raise file.error("the images are not all of one size: one project is one camera")
+    sizes = {
+        i.get("name", ""): _size(i.get("width", "0"), i.get("height", "0")) for i in images
+    } or {
+        f"task {k}": _size(s.findtext("width", "0"), s.findtext("height", "0"))
+        for k, s in enumerate(root.iter("original_size"))
+    }
     frames: list[Any] = [one[0] for one in found]
     by_image = isinstance(frames[0], str)
     landmark = Names(one[1] for one in found)
@@ -231,13 +244,19 @@ def read_cvat(file: InputFile) -> PickRows:
     said += f", {len(found) - count} clicked, {count} interpolated" if count else ""
     return PickRows(
         Names(frames) if by_image else np.array(frames), landmark, pixel, unknown, "corner",
-        sizes.pop() if sizes else None, said,
+        _one_size(sizes), said,
         interpolated=np.array(between) if count else None,
     )  # fmt: skip
 
 
 def _size(width: str, height: str) -> tuple[int, int]:
     return whole_number(width), whole_number(height)
+
+
+def _one_size(sizes: Sizes) -> tuple[int, int] | Sizes | None:
+    """Take the size of images that are all of one; their sizes by name where they are not."""
+    different = {*sizes.values()}
+    return sizes if len(different) > 1 else different.pop() if different else None
 
 
 def _pixels(file: InputFile, text: str) -> list[tuple[float, float]]:
@@ -262,12 +281,12 @@ def read_labelme(file: InputFile) -> PickRows:
     """Read the points of one or more LabelMe files."""
     paths = sorted(file.path.glob("*.json")) if file.path.is_dir() else [file.path]
     found: list[tuple[str, str, float, float]] = []
-    sizes = set()
+    sizes: Sizes = {}
     for path in paths:
         try:
             label = parse_json(open_input(path.name, path.parent).text)
-            sizes.add((int(label["imageWidth"]), int(label["imageHeight"])))
             image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
+            sizes[image] = (int(label["imageWidth"]), int(label["imageHeight"]))
             found += [
                 (image, _label(shape["label"]), float(point[0]), float(point[1]))
                 for shape in label["shapes"]
@@ -280,13 +299,7 @@ def read_labelme(file: InputFile) -> PickRows:
         raise file.error("some points have no label: the label is the name of the landmark")
     if not found:
         raise file.error("no shape is a point: landmarks are drawn as points")
-    if len(sizes) > 1:
-        raise file.error("the images are not all of one size: one project is one camera")
-    image_names, landmark, u, v = (list(column) for column in zip(*found, strict=True))
-    return PickRows(
-        Names(image_names), Names(landmark), np.array([u, v]).T, np.full(len(u), np.nan),
-        "corner", sizes.pop(), "LabelMe",
-    )  # fmt: skip
+    return _rows(found, "corner", _one_size(sizes), "LabelMe")
 
 
 def _label(value: object) -> str:
@@ -309,12 +322,90 @@ def read_gcp_picks(file: InputFile) -> PickRows:
     )  # fmt: skip
 
 
+# The picks in OpenSfM's ground_control_points.json, by the image's longer side from its middle
+
+
+def read_control_picks(file: InputFile) -> PickRows:
+    """Read the observations of the points."""
+    found = [
+        (str(one["shot_id"]), str(point["id"]), *map(float, one["projection"]))
+        for point in control_points(file)
+        for one in point.get("observations", [])
+    ]
+    if not found:
+        raise file.error("no point has observations")
+    rows = _rows(found, "centre", None, "OpenSfM ground control")
+    return replace(rows, by_size=True)
+
+
+def _rows(
+    found: list[Any], grid: str, size_px: tuple[int, int] | Sizes | None, said: str
+) -> PickRows:
+    """Make the rows of picks by image, landmark, u and v."""
+    image, landmark, u, v = zip(*found, strict=True)
+    unknown = np.full(len(u), np.nan)
+    return PickRows(Names(image), Names(landmark), np.array([u, v]).T, unknown, grid, size_px, said)
+
+
+# The picks in Metashape's XML of markers; pixels are counted from the corner
+
+
+def read_marker_picks(file: InputFile) -> PickRows:
+    """Read the projections that a person has set, which are pinned."""
+    root, names = marker_tree(file)
+    images = {
+        one.get("id", one.get("camera_id", "")): one.get("label", "")
+        for one in root.findall(".//camera[@label]")
+    }
+    found, own = list[Any](), 0
+    for marker in root.findall(".//marker[@marker_id]"):
+        for place in marker.findall("location"):
+            if place.get("pinned") == "false" or place.get("valid") == "false":
+                own += 1
+                continue
+            camera, name = place.get("camera_id", ""), names.get(marker.get("marker_id", ""))
+            if camera not in images or name is None:
+                raise file.error(f"camera {camera} or marker {name} has no label in the file")
+            found.append((images[camera], name, *(plain_number(place.get(a, "")) for a in "xy")))
+    if not found:
+        raise file.error("no marker has a pinned projection")
+    said = "Metashape markers" + (f", {own} that are not pinned left out" if own else "")
+    return _rows(found, "corner", None, said)
+
+
+# Clicks of CIRN's toolbox: gcp in a MATLAB file, UVd from (1, 1)
+
+
+def recognises_cirn_picks(file: InputFile) -> bool:
+    """Tell whether it is a file of MATLAB's."""
+    return file.is_matlab
+
+
+def read_cirn_picks(file: InputFile) -> PickRows:
+    """Read the clicks of one image; a landmark's name is its number."""
+    points = file.matlab("gcp").get("gcp")
+    if points is None:
+        raise file.error("it has no variable gcp, the clicks of CIRN's toolbox")
+    found = [
+        (
+            str(one["imagePath"]).replace("\\", "/").rpartition("/")[2],
+            f"{float(one['num']):g}",
+            *map(float, one["UVd"]),
+        )
+        for one in (points if isinstance(points, list) else [points])
+    ]
+    return _rows(found, "one-based", None, "CIRN's clicks")
+
+
 # Formats of files of picks, one row each; the next format is one more row
 
 PICK_FORMATS: tuple[InputFormat[PickRows], ...] = (
     InputFormat("CVAT XML", recognises_cvat, read_cvat),
     InputFormat("LabelMe JSON or a folder of it", recognises_labelme, read_labelme),
     InputFormat("gcp_list.txt", recognises_gcp_picks, read_gcp_picks),
+    InputFormat("OpenSfM ground_control_points.json", recognises_control, read_control_picks),
+    InputFormat("Metashape XML of markers", recognises_markers, read_marker_picks),
+    InputFormat("MATLAB file of CIRN's clicks", recognises_cirn_picks, read_cirn_picks),
     InputFormat("CSV (frame,landmark,u_px,v_px)", recognises_csv_picks, read_csv_picks),
 )
 

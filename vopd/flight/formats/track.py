@@ -1,4 +1,4 @@
-"""Files of tracks: CSV, .MRK, GPX, geo.txt, a folder of images, a video or its subtitles."""
+"""Files of tracks: CSV, .MRK, GPX, geo.txt, OpenSfM, ODM, images, a video or its subtitles."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Floats
 from vopd.files import reason
@@ -23,14 +24,18 @@ from vopd.flight.files import (
 )
 from vopd.flight.formats.landmarks import (
     CRS,
+    LATITUDE_FIRST,
     SIGMA,
     SIGMAS,
     parse_gpx,
+    recognises_geojson,
     recognises_gpx,
     sigma_columns,
 )
+from vopd.flight.formats.lens import read_shots, recognises_reconstruction
 from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, read_tags
-from vopd.inputs import plain_number, whole_number
+from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+from vopd.inputs import parse_json, plain_number, whole_number
 
 # Positions of a receiver, of which nothing better is known: 3 m, and upward 5 m, each times
 # the dilution of precision if the file has it
@@ -282,6 +287,55 @@ def _accuracies(file: InputFile, number: int, fields: list[str]) -> tuple[float,
     return horizontal, vertical
 
 
+# Places of images by a bundle adjustment: OpenSfM's reconstruction.json and ODM's shots.geojson
+
+BUNDLE = "; the places are of a bundle adjustment"
+
+
+def read_reconstruction(file: InputFile) -> TrackRows:
+    """Read the places of shots: -R't east, north, up of `reference_lla`."""
+    images, places = list[str](), []
+    for part in read_shots(file):
+        reference = part.get("reference_lla")
+        if reference is None:
+            raise file.error("it has no reference_lla, from which its metres count: give geo.txt")
+        origin = earth_centred_m(*(float(reference[key]) for key in LATITUDE_FIRST))
+        for name, shot in part["shots"].items():
+            turn, shift = (np.array(shot[key], float) for key in ("rotation", "translation"))
+            if turn.shape != (3,) or shift.shape != (3,) or not np.isfinite([turn, shift]).all():
+                raise file.error(f"{name}: rotation and translation are three numbers each")
+            away = -Rotation.from_rotvec(turn).inv().apply(shift)
+            places.append(origin + away @ local_axes(origin))
+            images.append(str(name))
+    if not images:
+        raise file.error("no shot is in the file")
+    where = geodetic(np.array(places))
+    coordinate = np.stack([where.longitude_deg, where.latitude_deg, where.height_m], axis=1)
+    said = f"OpenSfM reconstruction, {count_text(len(images), 'shot')}{BUNDLE}"
+    return TrackRows(coordinate, True, "EPSG:4326", None, None, said, images)
+
+
+def recognises_shots(file: InputFile) -> bool:
+    """Tell whether it is GeoJSON whose features name files of images and their rotation."""
+    return recognises_geojson(file) and '"filename"' in file.text and '"rotation"' in file.text
+
+
+def read_shots_geojson(file: InputFile) -> TrackRows:
+    """Read the places of a shots.geojson: longitude, latitude, height."""
+    try:
+        features = parse_json(file.text)["features"]
+    except (ValueError, RecursionError) as error:
+        raise file.error(f"not valid JSON: {reason(error)}") from error
+    images = [str(one["properties"]["filename"]) for one in features]
+    coordinate = np.array([one["geometry"]["coordinates"] for one in features], float)
+    if not images or coordinate.shape != (len(images), 3) or not np.isfinite(coordinate).all():
+        raise file.error("a shot needs longitude, latitude and height")
+    if (abs(coordinate[:, 1]) > 90.0).any():
+        raise file.error("a shot has no latitude: longitude comes first")
+    said = f"ODM shots, {count_text(len(images), 'shot')}{BUNDLE}"
+    return TrackRows(coordinate, True, "EPSG:4326", None, None, said, images)
+
+
 # A folder of images as a track: the positions in their tags, and times where they say a zone
 
 
@@ -358,6 +412,8 @@ TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
         read_csv_track,
     ),
     InputFormat("MRK of a drone", recognises_mrk, read_mrk),
+    InputFormat("OpenSfM reconstruction.json", recognises_reconstruction, read_reconstruction),
+    InputFormat("ODM shots.geojson", recognises_shots, read_shots_geojson),
     InputFormat("a folder of images", recognises_image_folder, read_image_folder),
     InputFormat("a video with GoPro's GPMF", lambda file: file.is_video, _read_gpmf),
     InputFormat("SRT of a DJI drone", lambda file: bool(SUBTITLE.match(file.head)), _read_srt),

@@ -1,0 +1,179 @@
+"""Files of other programs: OpenSfM, ODM, Metashape, MATLAB of Caltech and CIRN."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from tests.approved.texts import refused
+from tests.kit.flight_project import read_text
+from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.files import open_input, read_by_content
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS
+from vopd.flight.formats.lens import (
+    IMAGE_LENS_FORMATS,
+    LENS_FORMATS,
+    LensQuestion,
+    LensRead,
+    make_lens,
+)
+from vopd.flight.formats.picks import PICK_FORMATS
+from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.project import Project, Section
+from vopd.flight.read import CameraLens, read_pick_rows
+from vopd.geometry.earth import earth_centred_m, local_axes
+
+PLACE = {"latitude": 48.0, "longitude": 15.0, "altitude": 300.0}
+CONTROL = {
+    "points": [
+        {
+            "id": "1",
+            "position": PLACE,
+            "observations": [{"shot_id": "a", "projection": [0.1, -0.2]}],
+        },
+        {"id": "2", "position": PLACE | {"latitude": 48.5}, "observations": []},
+    ]
+}
+SHOTS = [
+    {
+        "cameras": {},
+        "reference_lla": PLACE,
+        "shots": {
+            "a.jpg": {
+                "camera": "x",
+                "rotation": [0.0, 0.0, np.pi / 2],
+                "translation": [1.0, 2.0, 3.0],
+            },
+            "b.jpg": {"camera": "y", "rotation": [0.0, 0.0, 0.0], "translation": [0.0, 0.0, 0.0]},
+        },
+    }
+]
+
+
+def feature(name: str, *place: float) -> dict[str, Any]:
+    keys = {"filename": name, "camera": "x", "translation": [1, 2, 3], "rotation": [0, 0, 0]}
+    return {
+        "type": "Feature",
+        "properties": keys,
+        "geometry": {"type": "Point", "coordinates": place},
+    }
+
+
+SHOTS_GEOJSON = {"type": "FeatureCollection", "features": [feature("a.jpg", 15.0, 48.0, 300.0)]}
+MARKERS = """<document version="1.2.0"><chunk><cameras><camera id="4" label="A.JPG"/></cameras>
+<markers><marker id="0" label="church"><reference x="512345.5" y="5312345.25" z="310.5"/></marker>
+<marker id="3" label="mast"/></markers>
+<frames><frame id="0"><markers>
+<marker marker_id="0"><location camera_id="4" pinned="true" x="100.5" y="50.25"/></marker>
+<marker marker_id="3"><location camera_id="4" pinned="true" x="10.5" y="5.5"/></marker>
+<marker marker_id="3"><location camera_id="4" pinned="false" x="1" y="2"/></marker>
+</markers></frame></frames>
+<reference>PROJCS["x",GEOGCS["y",AUTHORITY["EPSG","4326"]],AUTHORITY["EPSG","32633"]]</reference>
+</chunk></document>"""
+
+
+def test_ground_control_of_opensfm(tmp_path: Path) -> None:
+    """By the longer side from the middle: .1 of 64 px right of 31.5, .2 above 23.5."""
+    text = json.dumps(CONTROL)
+    marks = read_text(LANDMARK_FORMATS, "m", text)
+    assert (marks.name, marks.geodetic) == (["1", "2"], True)
+    assert marks.coordinate.tolist() == [[15.0, 48.0, 300.0], [15.0, 48.5, 300.0]]
+    (tmp_path / "p").write_text(text)
+    project = Project("p.toml", tmp_path, {"picks": Section("p.toml", "picks", {"file": "p"})})
+    lens = make_lens("brown", (64, 48), (50.0, 50.0), (31.5, 23.5))
+    rows = read_pick_rows(project, CameraLens(LensRead(lens, "")))
+    assert ([*rows.frame], [*rows.landmark], rows.grid) == (["a"], ["1"], "centre")
+    assert_close("ratio", rows.pixel, [[31.5 + 6.4, 23.5 - 12.8]])
+
+
+def test_places_of_opensfm_and_odm() -> None:
+    """-R't: a quarter turn about z brings (1, 2, 3) to (2, -1, 3), and so (-2, 1, -3)."""
+    text = json.dumps(SHOTS)
+    track = read_text(TRACK_FORMATS, "t", text)
+    origin = earth_centred_m(48.0, 15.0, 300.0)
+    longitude, latitude, height = track.coordinate.T
+    away = (earth_centred_m(latitude, longitude, height) - origin) @ local_axes(origin).T
+    assert_close("place of a solve", away, [[-2.0, 1.0, -3.0], [0.0, 0.0, 0.0]])
+    assert track.image == ["a.jpg", "b.jpg"] and track.time_s is None
+    lenses = read_text(IMAGE_LENS_FORMATS, "r.json", text)
+    assert (lenses.image, lenses.file, lenses.camera) == (track.image, ["r.json"] * 2, ["x", "y"])
+    shots = read_text(TRACK_FORMATS, "t", json.dumps(SHOTS_GEOJSON))
+    assert (shots.image, shots.coordinate.tolist()) == (["a.jpg"], [[15.0, 48.0, 300.0]])
+
+
+def test_markers_of_metashape() -> None:
+    marks, picks = (read_text(one, "m", MARKERS) for one in (LANDMARK_FORMATS, PICK_FORMATS))
+    assert (marks.name, marks.crs, marks.geodetic) == (["church"], "EPSG:32633", False)
+    assert marks.coordinate.tolist() == [[512345.5, 5312345.25, 310.5]]
+    assert ([*picks.frame], [*picks.landmark], picks.grid) == (
+        ["A.JPG"] * 2,
+        ["church", "mast"],
+        "corner",
+    )
+    assert picks.pixel.tolist() == [[100.5, 50.25], [10.5, 5.5]]
+
+
+def test_files_of_cirn_and_caltech(tmp_path: Path) -> None:
+    """d3 is third in CIRN's intrinsics and fifth in Caltech's kc; cc from (1, 1) and (0, 0)."""
+    calib = {"fc": [9.0, 8.0], "cc": [5.0, 4.0], "kc": [0.1, 0.2, 0.3, 0.4, 0.5], "nx": 11, "ny": 9}
+    savemat(tmp_path / "c.mat", calib)
+    savemat(tmp_path / "i.mat", {"intrinsics": [11, 9, 5, 4, 9, 8, 0.1, 0.2, 0.5, 0.3, 0.4]})
+    for name, centre in (("c.mat", [5.0, 4.0]), ("i.mat", [4.0, 3.0])):
+        lens = read_by_content(LENS_FORMATS, open_input(name, tmp_path), LensQuestion()).lens
+        assert (lens.size_px, lens.focal_px.tolist()) == ((11, 9), [9.0, 8.0])
+        assert lens.centre_px.tolist() == centre and lens.k[:5].tolist() == [
+            0.1,
+            0.2,
+            0.3,
+            0.4,
+            0.5,
+        ]
+    clicks = [{"UVd": [5.5, 6.5], "num": 1.0, "imagePath": ".\\x\\a.tif"},
+              {"UVd": [7.5, 8.5], "num": 2.0, "imagePath": ".\\x\\a.tif"}]  # fmt: skip
+    savemat(tmp_path / "g.mat", {"gcp": clicks})
+    picks = read_by_content(PICK_FORMATS, open_input("g.mat", tmp_path))
+    assert ([*picks.frame], [*picks.landmark], picks.grid) == (
+        ["a.tif"] * 2,
+        ["1", "2"],
+        "one-based",
+    )
+    assert picks.pixel.tolist() == [[5.5, 6.5], [7.5, 8.5]]
+    marks = read_text(LANDMARK_FORMATS, "m", "1.000000,902062.638,274683.639,7.432\n2.000000,1,2,3")
+    assert marks.name == ["1", "2"] and marks.coordinate[1].tolist() == [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("formats", "text"),
+    [
+        (LANDMARK_FORMATS, json.dumps(CONTROL).replace('"altitude"', '"height"')),
+        (PICK_FORMATS, '{"points": [{"id": "1", "observations": []}]}'),
+        (TRACK_FORMATS, json.dumps(SHOTS).replace("reference_lla", "reference")),
+        (TRACK_FORMATS, json.dumps(SHOTS).replace("[0.0, 0.0, 0.0]", "[0.0]")),
+        (TRACK_FORMATS, json.dumps(SHOTS_GEOJSON).replace("300.0", "null")),
+        (LANDMARK_FORMATS, MARKERS.replace("<reference x", "<place x")),
+        (PICK_FORMATS, MARKERS.replace('"true"', '"false"')),
+        (PICK_FORMATS, MARKERS.replace('id="4"', 'id="5"', 1)),
+        (PICK_FORMATS, MARKERS.replace('label="mast"', 'label="church"')),
+        (LANDMARK_FORMATS, "1.000000,2,3,4\n2.5,3,4,5\n"),
+    ],
+)  # fmt: skip
+def test_files_that_are_refused(formats: Any, text: str) -> None:
+    with refused(VopdError):
+        read_text(formats, "file", text)
+
+
+def test_files_of_matlab_that_are_refused(tmp_path: Path) -> None:
+    savemat(tmp_path / "a.mat", {"other": 1})
+    (tmp_path / "b.mat").write_bytes(b"MATLAB 5.0 MAT-file")
+    (tmp_path / "c.mat").write_bytes(
+        b"MATLAB 7.3 MAT-file, Platform".ljust(124) + b"\0\2IM" + b"\0" * 64
+    )
+    for name in "abc":
+        with refused(VopdError):
+            read_by_content(PICK_FORMATS, open_input(f"{name}.mat", tmp_path))

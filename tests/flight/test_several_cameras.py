@@ -1,0 +1,115 @@
+"""Images of several cameras in one flight, each with the lens of its own."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.approved.texts import refused
+from tests.kit.flight_project import FRAMES, LENS, MARKS, TOML, pixels, truth_deg, write_project
+from tests.tolerances import assert_close
+from vopd.arrays import Floats
+from vopd.findings import VopdError
+from vopd.flight.formats.lens import make_lens
+from vopd.flight.read import read_flight
+from vopd.flight.result import solve_flight
+from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
+
+OTHER = make_lens("fisheye", (1280, 960), (700.0, 700.0), (641.2, 476.4), (0.03, -0.01))
+INLINE = next(line for line in TOML.splitlines() if line.startswith("lens = "))
+SIZE_KEY = "image_size_px = [1920, 1080]\n"
+STATED = "[uncertainty]\nfocal_rel = 0.002\nprincipal_px = 2.0\n"
+
+
+def camera_file(lens: Lens, model: str) -> str:
+    """The lens as OpenCV writes it in JSON."""
+    (fx, fy), (cx, cy) = lens.focal_px.tolist(), lens.centre_px.tolist()
+    k = lens.k[:5].tolist() if model == "brown" else lens.k.tolist()
+    return json.dumps({
+        "image_width": lens.size_px[0], "image_height": lens.size_px[1],
+        "camera_matrix": [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], "distortion_coefficients": k,
+        **({"fisheye_model": 1} if model == "fisheye" else {}),
+    })  # fmt: skip
+
+
+def two_cameras(folder: Path, more: str = "", noise_px: float = 0.0) -> Path:
+    """A project whose frames 1 and 3 were taken by a fisheye of another size."""
+    toml = TOML.replace(INLINE, 'of_images = "cameras/lenses.csv"').replace(SIZE_KEY, "")
+    toml = toml.replace('pixel_grid = "centre"\n', "", 1)
+    path = write_project(folder, toml + more, noise_px)
+    seen = pixels(noise_px)
+    for frame in (1, 3):
+        seen[frame] = project(OTHER, ray_of_pixel(LENS, seen[frame])).pixel
+    write_picks(folder, seen, range(FRAMES))
+    (folder / "cameras").mkdir(exist_ok=True)
+    (folder / "cameras" / "a.json").write_text(camera_file(LENS, "brown"))
+    (folder / "cameras" / "b.json").write_text(camera_file(OTHER, "fisheye"))
+    rows = [f"{frame},{'ab'[frame % 2]}.json" for frame in range(FRAMES)]
+    (folder / "cameras" / "lenses.csv").write_text("\n".join(["frame,lens", *rows, ""]))
+    return path
+
+
+def write_picks(folder: Path, seen: Floats, frames: range) -> None:
+    rows = [
+        f"{frame},{name},{u:.12f},{v:.12f}"
+        for frame in frames
+        for name, (u, v) in zip(MARKS, seen[frame], strict=True)
+    ]
+    (folder / "picks.csv").write_text("\n".join(["frame,landmark,u_px,v_px", *rows, ""]))
+
+
+def test_each_frame_is_solved_with_its_own_lens(tmp_path: Path) -> None:
+    result = solve_flight(str(two_cameras(tmp_path)))
+    assert_close("solved angle", result.camera_deg, truth_deg())
+    assert isinstance(result.flight.lens, Lenses) and result.flight.lens.which.tolist() == [
+        0,
+        1,
+    ] * 2 + [0]
+
+
+@pytest.mark.parametrize("camera", ["a", "b"])
+def test_frames_of_one_camera_have_the_uncertainty_that_they_have_alone(
+    camera: str, tmp_path: Path
+) -> None:
+    """Angles, sigmas by focal length and centre: as in a project of that camera's frames."""
+    toml = (
+        two_cameras(tmp_path / "both", STATED, 0.5)
+        .read_text()
+        .replace("first_frame_t_s", "sigma_px = 0.5\nfirst_frame_t_s")
+    )
+    both = tmp_path / "both" / "flight.toml"
+    both.write_text(toml)
+    lens = f'lens = "../both/cameras/{camera}.json"'
+    alone = write_project(
+        tmp_path / "alone", toml.replace('of_images = "cameras/lenses.csv"', lens)
+    )
+    text = (tmp_path / "both" / "picks.csv").read_text().splitlines()
+    mine = [row for row in text[1:] if int(row[0]) % 2 == "ab".index(camera)]
+    (tmp_path / "alone" / "picks.csv").write_text("\n".join([text[0], *mine, ""]))
+    one, all_frames = (solve_flight(str(path)).to_dataframe() for path in (alone, both))
+    here = all_frames[all_frames["frame"] % 2 == "ab".index(camera)].reset_index(drop=True)
+    for column in (
+        "camera_yaw_deg",
+        "camera_roll_deg",
+        "sigma_camera_yaw_deg",
+        "sigma_camera_pitch_deg",
+    ):
+        assert_close("solved angle", here[column], one[column])
+
+
+def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:
+    path = two_cameras(tmp_path)
+    toml, table = path.read_text(), tmp_path / "cameras" / "lenses.csv"
+    rows = table.read_text()
+    for text, keys in (
+        (rows.replace("3,b.json\n", ""), ""),
+        (rows + "3,a.json\n", ""),
+        ("frame,lens\n", ""),
+        (rows, '[solve]\nfree = ["focal"]\n'),
+    ):
+        table.write_text(text)
+        path.write_text(toml + keys)
+        with refused(VopdError):
+            read_flight(str(path))
