@@ -24,7 +24,7 @@ from vopd.flight.formats.tracked import (
     tracked_lines,
 )
 from vopd.flight.project import Project
-from vopd.flight.read import flight_of, read_pick_rows
+from vopd.flight.read import flight_of, read_camera, read_pick_rows
 from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
@@ -108,7 +108,11 @@ def read_footage(project: Project) -> Footage:
         clicked = clicked.changed("solve", "frames", "each")
     flight = flight_of(clicked)
     frames = open_frames([str(project.folder / one) for one in section.files("video")])
-    rows = read_pick_rows(clicked, flight.lens.size_px)
+    camera = read_camera(clicked)
+    if camera.table is not None:
+        message = "a video is of one camera: give [camera] lens"
+        raise project.section("camera").error("of_images", message)
+    rows = read_pick_rows(clicked, camera)
     if flight.image_name and not frames.image_name:
         message = "the clicks name images, and the video is no folder of them"
         raise section.error("video", message)
