@@ -309,19 +309,24 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
 def _by_pyav(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[Any]:
     """Decode frames of a file from one to another, by PyAV; it ends where one is not there."""
     k = first
-    with opened(chapter.path) as (container, stream):
-        container.seek(int(chapter.tick[first]), stream=stream)
-        for number, frame in enumerate(container.decode(stream)):
-            wanted = chapter.tick[k]
-            if frame.pts is None or frame.pts > wanted or number > AT_MOST_DECODED + k - first:
-                return
-            if frame.pts < wanted:
-                continue
-            picture = _luma(frame) if grey else frame.to_ndarray(format="rgb24")
-            yield np.rot90(picture, frame.rotation // 90) if frame.rotation else picture
-            k += 1
-            if k > last:
-                return
+    for sooner_s in (0.0, SOONER_S, np.inf):  # some files are sought with errors
+        with opened(chapter.path) as (container, stream):
+            if np.isfinite(sooner_s):
+                start = int(chapter.tick[first] - sooner_s / chapter.unit_s)
+                container.seek(start, stream=stream)
+            for number, frame in enumerate(container.decode(stream)):
+                wanted = chapter.tick[k]
+                if frame.pts is None or frame.pts > wanted or number > AT_MOST_DECODED + k - first:
+                    break
+                if frame.pts < wanted:
+                    continue
+                picture = _luma(frame) if grey else frame.to_ndarray(format="rgb24")
+                yield np.rot90(picture, frame.rotation // 90) if frame.rotation else picture
+                k += 1
+                if k > last:
+                    return
+        if k > first:
+            return
 
 
 def _luma(frame: Any) -> Any:
@@ -331,7 +336,8 @@ def _luma(frame: Any) -> Any:
     return plane[: frame.height, : frame.width].copy()
 
 
-FRAMECRC = re.compile(r"\d+,\s*-?\d+,\s*(-?\d+),")
+FRAMECRC = re.compile(r"\d+,\s*-?\d+,\s*(-?\d+),[^F]*(?:F=0x([0-9A-F]+))?")
+DISCARD = 4  # a packet's flag: its frame is not shown
 
 
 def _packets_by_ffmpeg(path: Path) -> tuple[list[int], float]:
@@ -340,7 +346,8 @@ def _packets_by_ffmpeg(path: Path) -> tuple[list[int], float]:
         lines = output.read().decode("ascii", "replace").splitlines()
     base = next((line.split()[-1] for line in lines if line.startswith("#tb 0:")), "1/1")
     above, _, below = base.partition("/")
-    shown = [int(found[1]) for line in lines if (found := FRAMECRC.match(line))]
+    packets = [found for line in lines if (found := FRAMECRC.match(line))]
+    shown = [int(found[1]) for found in packets if not int(found[2] or "0", 16) & DISCARD]
     return shown, int(above) / int(below)
 
 
