@@ -30,7 +30,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "shown": "figures attitude base arrays",
     "solved": "film shown attitude export base arrays",
     "report": "video figures attitude export estimate base arrays",
-    "figures": "attitude estimate base arrays",
+    "figures": "attitude estimate geometry base arrays",
     "export": "attitude estimate geometry base arrays",
     "attitude": "geometry estimate base arrays",
     "check": "cards program geometry base arrays",
@@ -47,6 +47,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
 }
 BASE = {"job", "records", "landmark_layout", "results", "errata", "findings", "version"} | {
     "mistakes",
+    "scene",
     "files",
     "inputs",
     "screen",

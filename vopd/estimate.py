@@ -7,16 +7,19 @@ solved. The parts that depend on the kind of source, such as units and wording, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from datetime import datetime
 from enum import IntEnum, StrEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.records import Rows
+
+if TYPE_CHECKING:
+    from vopd.scene import Scene
 
 
 class FrameStatus(IntEnum):
@@ -214,6 +217,8 @@ class FrameEstimate(Rows):
     gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
     rate_unknown: Bools | None = None
     """(F,) with a rolling shutter: no other frame says how fast the camera turns in this one."""
+    scene: Callable[[], Scene] | None = field(default=None, repr=False, compare=False)
+    """Makes the surroundings of all frames of the job, for figures."""
     moved: Floats | None = None  # (F, 3) east, north, up from the stated to the solved position
     position_sigma: Floats | None = None  # (F, 3) of the position as solved, east, north, up
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -34,7 +35,7 @@ from vopd.geometry.earth import (
 from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.geometry.film_lens import radial_factor
 from vopd.geometry.linear import inverse, singular_values
-from vopd.geometry.rotations import turns_by_body_angles
+from vopd.geometry.rotations import camera_axes, turns_by_body_angles
 from vopd.job import Job
 from vopd.program.alpbet import alpbet
 from vopd.program.constants import factor, ftpkm, rad
@@ -44,6 +45,9 @@ from vopd.program.orient import Sight, equations
 from vopd.program.positions import TRAJECTORY_TIMES, directions, earth_fixed, origin_of
 from vopd.program.vopd import run_jobs
 from vopd.results import Outcome, Results, SolvedJob
+
+if TYPE_CHECKING:
+    from vopd.scene import Scene
 
 DOWN_1974 = "toward the Earth's centre (as in 1974)"
 TOGETHER = 4000  # frames
@@ -194,7 +198,7 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
         reading_floor=np.nan,
     )
     noises = reading_noises([whole for _, whole in parts])
-    return [
+    estimates = [
         replace(
             together.take(frames),
             about=_about(one),
@@ -207,6 +211,55 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
             parts, joined.frames, noises, strict=True
         )
     ]
+    return [
+        replace(one, scene=partial(deck_scene, one, job))
+        for one, (_, job) in zip(estimates, parts, strict=True)
+    ]
+
+
+def deck_scene(estimate: Estimate, job: Job) -> Scene:
+    """Describe the surroundings of a job's frames, for figures.
+
+    Positions are drawn on WGS 84: their latitudes, longitudes and altitudes are those of the
+    cards.
+
+    Args:
+        estimate: of the job
+        job: its cards
+    """
+    marks, where = job.landmarks, estimate.position
+    metres = estimate.units.metres_per_length
+    number = marks.number.tolist()
+    index = {one: k for k, one in enumerate(number)}
+
+    def index_of(frame: int, _: str) -> int:
+        return int(np.flatnonzero(estimate.frame == frame)[0])
+
+    def sight(frame: int, _: str) -> tuple[Ints, Floats]:
+        k = index_of(frame, "")
+        here = np.flatnonzero(estimate.used[k])
+        axes = camera_axes(np.radians(estimate.camera_deg[[k]]))[0]
+        focal = np.full((len(here), 1), estimate.focal_length)
+        ray = np.hstack([estimate.image[k, here], focal])
+        ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+        north, east, down = where.north_east_down[k]
+        own = np.array([index[one] for one in estimate.landmark[k, here].tolist()], dtype=np.int64)
+        return own, ray @ axes @ np.stack([east, north, -down])
+
+    from vopd.scene import Scene
+
+    return Scene(
+        tuple(map(str, number)),
+        earth_centred_m(
+            marks.latitude_deg + marks.latitude_min / 60.0,
+            marks.longitude_deg + marks.longitude_min / 60.0,
+            marks.altitude_ft * metres,
+        ),
+        np.zeros(len(number), bool),
+        earth_centred_m(where.latitude_deg, where.longitude_deg, where.altitude * metres),
+        index_of,
+        sight,
+    )
 
 
 def _about(one: SolvedJob) -> About:

@@ -43,8 +43,8 @@ class Shown:
         """Draw a figure.
 
         Args:
-            name: "attitude", "attack", "residuals", "image" or "all"
-            frame: number or name of the frame whose image is drawn; None takes the one with the
+            name: "attitude", "attack", "residuals", "image", "map" or "all"
+            frame: number or name of the frame of image and map; None takes the one with the
                 most landmarks
 
         Raises:

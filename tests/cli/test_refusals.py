@@ -486,6 +486,7 @@ def test_jobs_that_are_not_drawn_are_told(
 ) -> None:
     monkeypatch.setattr(plot, "collect_histories", lambda *_: ([job(1)], 0))
     monkeypatch.setattr(plot, "left_out_text", lambda _: "20 of 30 jobs, with the worst")
+    monkeypatch.setattr(plot, "figure_names", lambda names, _: names)
     monkeypatch.setattr(plot, "draw", lambda *_: None)
     monkeypatch.setattr(plot, "save", lambda *_: b"saved")
     ran = vopd("plot", "a.dat", "-o", tmp_path / "f.svg", *options.split())

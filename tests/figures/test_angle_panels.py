@@ -28,11 +28,11 @@ from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
 from vopd.figures.attitude import (
-    attack,
-    attitude,
     broken,
+    draw_attack,
+    draw_attitude,
+    draw_flags,
     draw_legend,
-    draw_marks,
     from_cut,
     in_time,
     picked,
@@ -44,7 +44,7 @@ MARKS = ["-", "--", ":"]
 
 
 @cache
-def usual(which: Any = attack) -> list[Any]:
+def usual(which: Any = draw_attack) -> list[Any]:
     """The panels of the film, which several tests look at."""
     return panels([film()], which)
 
@@ -70,7 +70,7 @@ def ends(axis: Any) -> dict[float, list[float]]:
 @pytest.mark.parametrize("k", range(9))
 def test_a_panel(k: int) -> None:
     """A line in order of time with a break, its band, and a bar at the frame that is alone."""
-    figure = usual(attack if k > 5 else attitude)
+    figure = usual(draw_attack if k > 5 else draw_attitude)
     axis = figure[k - 6] if k > 5 else figure[2 * (k % 3) + k // 3]
     low, high = -HALF[[1, 2, 3, 0, 4], k], HALF[[1, 2, 3, 0, 4], k]
     if k == 8:  # eta has an interval of two ends
@@ -92,7 +92,7 @@ def test_a_panel(k: int) -> None:
 
 def test_labels_of_the_panels() -> None:
     """The camera's column and the vehicle's; times below the lowest panels only."""
-    axes = np.array(usual(attitude)).reshape(4, 2)
+    axes = np.array(usual(draw_attitude)).reshape(4, 2)
     assert [one.get_title() for one in axes.flat] == ["camera", "vehicle", *[""] * 6]
     for column in axes.T:
         labels = [one.get_ylabel() for one in column]
@@ -111,15 +111,15 @@ def test_labels_of_the_panels() -> None:
     assert [x for x, _ in points(axes[0].lines[0])] == [1.0, 2.0, 3.0, 4.0, 5.0]
 
 
-@pytest.mark.parametrize("which", [attack, attitude])
+@pytest.mark.parametrize("which", [draw_attack, draw_attitude])
 def test_panels_share_their_times_and_their_heights(which: Any) -> None:
     axes = usual(which)
     assert all(axes[0].get_shared_x_axes().joined(axes[0], one) for one in axes)
     heights = axes[0].get_gridspec().get_height_ratios()
-    assert heights == (1, 1, 1, 0.7)
+    assert list(heights) == [1.0, 1.0, 1.0, 0.7]
 
 
-@pytest.mark.parametrize(("which", "columns"), [(attack, 1), (attitude, 2)])
+@pytest.mark.parametrize(("which", "columns"), [(draw_attack, 1), (draw_attitude, 2)])
 def test_the_caption_and_the_legend(which: Any, columns: int) -> None:
     figure = Figure()
     assert which(figure, [film()], None) == "hand.toml, job 1: a flight by hand"
@@ -127,7 +127,7 @@ def test_the_caption_and_the_legend(which: Any, columns: int) -> None:
     assert texts(figure.legends[0]) == ["95 % interval"]
 
 
-TICKS = {  # by the angle that is drawn: yaw and roll from 0 to 360, all others from -180 to 180
+TICKS = {  # by the angle that is drawn: yaw from 0 to 360, all others from -180 to 180
     -10.0: ("350", "-10"),
     370.0: ("10", "10"),
     190.0: ("190", "-170"),
@@ -142,10 +142,10 @@ TICKS = {  # by the angle that is drawn: yaw and roll from 0 to 360, all others 
 
 @pytest.mark.parametrize("value", TICKS)
 def test_ticks_are_angles_in_their_range(value: float) -> None:
-    axes = [*usual(attitude)[:6], *usual()[:3]]
+    axes = [*usual(draw_attitude)[:6], *usual()[:3]]
     circle, half = TICKS[value]
     said = [axis.yaxis.get_major_formatter()(value, None) for axis in axes]
-    assert said == [circle] * 2 + [half] * 2 + [circle] * 2 + [half] * 3
+    assert said == [circle] * 2 + [half] * 7
 
 
 def test_all_jobs_are_cut_at_the_same_direction() -> None:
@@ -202,8 +202,29 @@ def test_frames_without_a_neighbour_have_a_bar() -> None:
 
 def test_a_frame_alone_without_an_interval_has_no_bar() -> None:
     """But its point."""
-    (bar,) = panels([by_hand(1, half_deg=[[np.inf] * 9])])[0].containers
+    angles = np.zeros((3, 9))
+    angles[1] = np.nan
+    (bar,) = panels([by_hand(3, angles_deg=angles, half_deg=np.full((3, 9), np.inf))])[0].containers
     assert np.ptp(bar[2][0].get_segments()[0], axis=0).tolist() == [0.0, 0.0]
+
+
+def test_one_frame_is_a_table() -> None:
+    """Of several jobs a row for each."""
+    angles, half = np.arange(9.0)[None], np.full((1, 9), 0.5)
+    one = by_hand(1, angles_deg=angles, half_deg=half, flags={"jump": [0]})
+    for jobs, rows, columns in (([one], 9, 2), ([one, one], 3, 9)):
+        (axis,) = panels(jobs, draw_attitude)
+        (table,) = axis.tables
+        cells = {place: cell.get_text().get_text() for place, cell in table.get_celld().items()}
+        assert max(cells) == (rows - 1, columns - 1)
+        assert {"0.0000 ± 0.5", "5.0000 ± 0.5", "jump"} <= set(cells.values())
+
+
+def test_a_camera_that_is_not_turned_has_no_panels_of_its_own() -> None:
+    angles = np.tile([10.0, 20.0, 30.0, 370.0, 20.0, 30.0, 0.0, 0.0, 0.0], (3, 1))
+    one = by_hand(3, angles_deg=angles)
+    assert len(panels([one], draw_attitude)) == 4
+    assert draw_attitude(Figure(), [one]).endswith("no mount turns them apart")
 
 
 # The lowest panel
@@ -256,8 +277,6 @@ def test_the_scale_of_half_widths(least_and_most: tuple[float, float]) -> None:
     assert [one.get_linestyle() for one in legend.get_lines()] == MARKS
     assert {one.get_color() for one in legend.get_lines()} == {"0.3"}
     assert legend._ncols == 3
-    anchor, dpi = legend.get_bbox_to_anchor(), axis.figure.dpi
-    assert_close("flight pixel", [anchor.x0, axis.bbox.y0 - anchor.y0], [axis.bbox.x0, 0.42 * dpi])
 
 
 def test_without_half_widths_there_is_no_logarithmic_scale() -> None:
@@ -323,67 +342,42 @@ def test_frames_of_equal_times_stay_in_their_order() -> None:
 # Marks, legend and look
 
 TIMES = np.array([3.0, 1.0, 2.0, 0.0])
-ORDER = np.array([3, 1, 2, 0])
-ANGLE = np.array([10.0, 11.0, 12.0, 13.0])  # in order of time
-
-OTHERS = (
-    "not_converged", "undetermined", "out_of_range", "behind_camera", "two_landmarks",
-    "weak_geometry", "second_solution", "pitch_near_90", "outlier", "jump",
-)  # fmt: skip
-MARKED = {  # flags by index of the frame: marker, points
-    **{name: ({name: [1]}, {"o": [[1.0, 11.0]]}) for name in OTHERS},
-    "two flags": ({"outlier": [1], "jump": [0, 1]}, {"o": [[1.0, 11.0], [3.0, 13.0]]}),
-    "misfit": ({"misfit": [0, 2]}, {"X": [[2.0, 12.0], [3.0, 13.0]]}),
-    "model error": ({"model_error": [0, 3]}, {"|": [[0.0, 0.03], [3.0, 0.03]]}),
-    "all": (
-        {"misfit": [0], "model_error": [2], "jump": [1]},
-        {"o": [[1.0, 11.0]], "X": [[3.0, 13.0]], "|": [[2.0, 0.03]]},
-    ),
-}
 
 
-def drawn(one: History, known: Any = True) -> Any:
+def rows(*histories: History) -> tuple[list[str], list[list[list[float]]]]:
+    """The rows of flags: their texts, and the times and heights of their marks."""
     axis = Figure().subplots()
-    draw_marks(axis, one, ORDER, ANGLE, np.full(4, known) if known is True else known)
-    return axis
+    draw_flags(axis, list(histories))
+    labels = [one.get_text() for one in axis.get_yticklabels()]
+    return labels, [points(line) for line in axis.lines]
 
 
-@pytest.mark.parametrize("name", MARKED)
-def test_marks(name: str) -> None:
-    """At the angle of the frame; those of the errata at the bottom, at .03 of the height."""
-    flags, expected = MARKED[name]
-    axis = drawn(by_hand(4, time_s=TIMES, flags=flags))
-    assert {line.get_marker(): points(line) for line in axis.lines} == expected
-    for line in axis.lines:
-        assert line.get_linestyle() == "None"
-        bottom = axis.get_xaxis_transform() if line.get_marker() == "|" else axis.transData
-        assert line.get_transform() == bottom
+def test_a_flag_is_a_row_of_marks() -> None:
+    one = by_hand(4, time_s=TIMES, flags={"misfit": [2], "jump": [1, 0]})
+    labels, marks = rows(one)
+    assert labels == ["misfit\n1 of 4", "jump\n2 of 4"]
+    assert marks == [[[2.0, 0.0]], [[3.0, 1.0], [1.0, 1.0]]]
+    other = by_hand(4, time_s=TIMES, flags={"jump": [3]})
+    assert rows(one, other)[0] == ["misfit\n1 of 8", "jump\n3 of 8"]
 
 
-def test_frames_without_an_angle_are_not_marked() -> None:
-    flags = {"misfit": [0, 1], "model_error": [0], "jump": [0]}
-    known = np.array([True, True, True, False])  # in order of time: frame 0 is the last
-    axis = drawn(by_hand(4, time_s=TIMES, flags=flags), known)
-    assert [points(line) for line in axis.lines] == [[[1.0, 11.0]]]
+def test_a_fact_has_one_flag() -> None:
+    """Two landmarks always have a second solution, which is not drawn beside them."""
+    flags = {"two_landmarks": [0, 1], "second_solution": [0, 1, 3]}
+    assert rows(by_hand(4, flags=flags))[0] == ["two landmarks\n2 of 4", "second solution\n1 of 4"]
 
 
-def test_the_look_of_the_marks() -> None:
-    """Red rings and crosses; the errata's in orange, behind the angles, and not so loud."""
-    one = by_hand(4, time_s=TIMES, flags={"misfit": [0], "model_error": [2], "jump": [1]})
-    axis, figure = drawn(one), Figure()
-    draw_legend(figure, [one])
-    ring, cross, bar = axis.lines
-    in_legend = figure.legends[0].get_lines()
-    for k, lines in enumerate(zip(axis.lines, in_legend, strict=True)):
-        for line in lines:
-            assert line.get_marker() == "oX|"[k] and line.get_linestyle() == "None"
-            assert line.get_markersize() == (5.0, 8.0, 9.0)[k]
-            edge, face = line.get_markeredgecolor(), line.get_markerfacecolor()
-            assert (edge, face)[: 2 if k < 2 else 1] == (
-                (DARK_RED, "none"), ("white", DARK_RED), (OKABE_ITO[5],)
-            )[k]  # fmt: skip
-    assert (ring.get_markeredgewidth(), bar.get_markeredgewidth()) == (0.6, 1.2)
-    assert bar.get_zorder() < ring.get_zorder() == cross.get_zorder()
+def test_flags_of_frames_without_an_attitude_are_not_drawn() -> None:
+    angles = np.zeros((4, 3))
+    angles[1] = np.nan
+    assert rows(by_hand(4, vehicle_deg=angles, flags={"misfit": [1]}))[0] == []
+
+
+def test_flags_stand_below_the_angles() -> None:
+    """In a panel of their own, which shares the times."""
+    axes = panels([film(flags={"misfit": [2]})])
+    assert len(axes) == 5 and axes[0].get_shared_x_axes().joined(axes[0], axes[4])
+    assert [one.get_xlabel() for one in axes] == ["", "", "", "", "time, s"]
 
 
 def legend(*histories: History) -> Any:
@@ -397,15 +391,14 @@ def of(source: str, job: int, **changes: Any) -> History:
 
 
 def test_the_legend() -> None:
-    """Jobs by their colour where there are several; the band; and the marks that any job has."""
-    last = of("b", 3, flags={"misfit": [1], "outlier": [0], "model_error": [0]})
-    marks = ["flagged", "misfit", "model error"]
+    """Jobs by their colour where there are several, and the band."""
+    last = of("b", 3)
     one = legend(last)
-    assert texts(one) == ["95 % interval", *marks]
+    assert texts(one) == ["95 % interval"]
     (band,) = one.get_patches()
     assert (to_hex(band.get_facecolor()), band.get_alpha()) == (OKABE_ITO[0], 0.3)
     two = legend(of("a", 1), last)
-    assert texts(two) == ["a, job 1", "b, job 3", "95 % interval", *marks]
+    assert texts(two) == ["a, job 1", "b, job 3", "95 % interval"]
     assert [line.get_color() for line in two.get_lines()[:2]] == list(OKABE_ITO[:2])
     (band,) = two.get_patches()
     assert to_hex(band.get_facecolor()) == to_hex("0.5")
@@ -419,13 +412,6 @@ def test_the_legend_is_outside_the_panels() -> None:
     """Below them, in the middle, in four columns; so that the layout leaves room for it."""
     made = legend(of("a", 1), of("a", 2))
     assert (made._outside_loc, made._loc, made._ncols) == ("lower", 8, 4)
-
-
-def test_flags_of_frames_without_an_attitude_are_not_in_the_legend() -> None:
-    angles = np.zeros((4, 3))
-    angles[1] = np.nan
-    one = of("a", 1, vehicle_deg=angles, flags={"misfit": [1]})
-    assert texts(legend(one)) == ["95 % interval"]
 
 
 SETTINGS = {

@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, ClassVar
 from xml.etree import ElementTree as ET
 
@@ -34,7 +33,6 @@ from vopd.errata import fixes
 from vopd.figures import FIGURES, MOST_DRAWN, draw, drawn_jobs, least_size_in, refuse_small
 from vopd.figures.attitude import (
     broken,
-    draw_legend,
     from_cut,
     in_time,
     interval_of,
@@ -42,7 +40,7 @@ from vopd.figures.attitude import (
     values_of,
 )
 from vopd.figures.image import arrow_scale, chosen
-from vopd.figures.residuals import points, residuals
+from vopd.figures.residuals import draw_residuals
 from vopd.figures.style import caption, label, matplotlib_figure, ready, save, svg
 from vopd.findings import VopdError
 from vopd.pipeline import read_deck, run
@@ -77,7 +75,7 @@ def segments(axis: Any) -> np.ndarray:
 @pytest.mark.parametrize("rate_deg", [4.0, 23.0], ids=["through north", "round and round"])
 def test_no_line_across_what_is_missing_or_wraps(rate_deg: float) -> None:
     one = turning(rate_deg)
-    for axis in panels(draw("attitude", [one]))[:6]:
+    for axis in panels(draw("attitude", [one]))[:3]:
         drawn = segments(axis)
         assert len(drawn) > 8
         assert np.abs(drawn[:, 1, 1] - drawn[:, 0, 1]).max() < 180.0
@@ -122,7 +120,7 @@ def test_the_lowest_panel_has_half_the_width_of_the_bands() -> None:
     values = table(flight())
     half = [values[f"half_width_95_{name}_deg"] for name in ("alpha", "beta")]
     half.append((values["eta_high_95_deg"] - values["eta_low_95_deg"]) / 2.0)
-    axis = panels(figure_of("attack"))[-1]
+    axis = panels(figure_of("attack"))[3]
     drawn = {line.get_ls(): line for line in axis.lines if len(line.get_ydata())}
     names = [text.get_text() for text in axis.get_legend().get_texts()]
     assert names == ["alpha", "beta", "eta"] and list(drawn) == ["-", "--", ":"]
@@ -153,19 +151,16 @@ def test_every_panel_shows_the_angle_of_its_column_and_label() -> None:
 
 
 def test_residuals_are_in_micrometres_x_above_y() -> None:
-    """Every residual of every landmark that takes part, and grey bars of their mean square."""
+    """Every residual of every landmark that takes part."""
     (one,) = flight()
     residual = one.estimate.residual_xy[one.estimate.used & one.has_attitude[:, None]]
-    above, below = panels(figure_of("residuals"))
-    for axis, k, words in ((above, 0, "residual x, µm"), (below, 1, "residual y, µm")):
+    axes = panels(figure_of("residuals"))
+    for axis, k, words in ((axes[0], 0, "residual x, µm"), (axes[2], 1, "residual y, µm")):
         assert axis.get_ylabel().startswith(words)
-        (points,) = [c for c in axis.collections if c.get_label() == "one frame"]
-        drawn = np.sort(np.asarray(points.get_offsets())[:, 1])
-        assert_close("drawn residual", drawn, np.sort(residual[:, k] * 1000.0))
-    first = one.estimate.landmark == np.unique(one.estimate.landmark)[0]
-    mine = one.estimate.residual_xy[first & one.estimate.used & one.has_attitude[:, None]]
-    rms = np.sqrt((mine[:, 0] ** 2).mean()) * 1000.0
-    assert_close("drawn residual", above.patches[0].get_height(), 2.0 * rms)
+        lines = [line.get_ydata() for line in axis.lines if line.get_label() in "012345 others"]
+        shown = np.concatenate([np.asarray(line, float) for line in lines])
+        shown = np.sort(shown[np.isfinite(shown)])
+        assert_close("drawn residual", shown, np.sort(residual[:, k] * 1000.0))
 
 
 def test_the_key_of_the_arrows_is_in_their_unit() -> None:
@@ -175,14 +170,13 @@ def test_the_key_of_the_arrows_is_in_their_unit() -> None:
     assert_close("film length", key.U, float(key.text.get_text().split()[0]) / 1000.0)
 
 
-def test_one_frame_is_a_point_with_its_bar() -> None:
+def test_one_frame_is_a_table() -> None:
     (one,) = histories("appendix_h/case1")
-    axis = panels(draw("attitude", [one]))[0]
-    (bar,) = [c for c in axis.containers if c.has_yerr]
-    (ends,) = bar[2][0].get_segments()
-    half = table([one])["half_width_95_camera_yaw_deg"][0]
-    assert_close("drawn angle", np.diff(ends[:, 1])[0], 2.0 * half)
-    assert_close("drawn angle", ends[:, 1].mean() % 360.0, one.estimate.camera_deg[0, 0])
+    (axis,) = panels(draw("attitude", [one]))
+    cells = [cell.get_text().get_text() for cell in axis.tables[0].get_celld().values()]
+    values = table([one])
+    yaw, half = values["vehicle_yaw_deg"][0], values["half_width_95_vehicle_yaw_deg"][0]
+    assert f"{yaw:.4f} ± {half:.2g}" in cells
 
 
 def test_an_angle_that_is_not_determined_has_no_band() -> None:
@@ -194,29 +188,32 @@ def test_an_angle_that_is_not_determined_has_no_band() -> None:
 
 
 def test_units_stand_on_every_axis() -> None:
+    units = ("degrees", "µm", "mm", "sigma", ", m", ", km")
     for name in FIGURES:
         for axis in panels(figure_of(name)):
-            assert any(unit in axis.get_ylabel() for unit in ("degrees", "µm", "mm")), name
+            named = axis.get_ylabel() or not axis.axison or axis.get_subplotspec().colspan.start
+            assert (
+                any(unit in axis.get_ylabel() for unit in units) or named is not axis.get_ylabel()
+            )
             shown = axis.get_xlabel()
-            assert not shown or any(u in shown for u in (", s", "mm", "landmark"))
+            assert not shown or any(u in shown for u in (", s", "mm", "how many", ", m", ", km"))
 
 
-def marks_at(axis: Any, marker: str) -> list[float]:
-    """The times of the frames with such a mark."""
-    found = [line.get_xdata() for line in axis.lines if line.get_marker() == marker]
-    return [time_s for one in found for time_s in np.asarray(one).tolist()]
+def flag_rows(figure: Any) -> dict[str, list[float]]:
+    """The times of the marks of each flag, by the text of its row."""
+    axis = panels(figure)[4]
+    labels = [one.get_text() for one in axis.get_yticklabels()]
+    times = [np.asarray(line.get_xdata()).tolist() for line in axis.lines]
+    return dict(zip(labels, times, strict=True))
 
 
 def test_flagged_frames_are_marked() -> None:
-    """Those with a flag that has no mark of its own with a ring, misfits with a cross."""
     (one,) = flight()
-    axis = panels(figure_of("attack"))[0]
-    raised = one.flags.raised
-    others = [frames for name, frames in raised.items() if name not in ("misfit", "model_error")]
-    time_s = one.estimate.time_s
-    assert marks_at(axis, "o") == time_s[np.any(others, axis=0)].tolist() != []
-    assert marks_at(axis, "X") == time_s[raised["misfit"]].tolist() == [time_s[4]]
-    assert marks_at(axis, "|") == []
+    time_s, raised = one.estimate.time_s, one.flags.raised
+    drawn = {name.split("\n")[0]: times for name, times in flag_rows(figure_of("attack")).items()}
+    assert drawn["misfit"] == time_s[raised["misfit"]].tolist() == [time_s[4]]
+    for name, times in drawn.items():
+        assert times == time_s[raised[name.replace(" ", "_")] & one.has_attitude].tolist() != []
 
 
 def marked() -> History:
@@ -228,38 +225,9 @@ def marked() -> History:
 
 
 def test_frames_whose_errata_exceed_sigma_are_marked() -> None:
-    figure = draw("attitude", [marked()])
-    assert marks_at(panels(figure)[0], "|") == [marked().estimate.time_s[10]]
-    texts = [text.get_text() for text in figure.subfigs[0].legends[0].get_texts()]
-    assert texts == ["95 % interval", "flagged", "misfit", "model error"]
-
-
-class LegendOnly:
-    """A figure that takes nothing but a legend."""
-
-    texts: Sequence[str] = ()
-
-    def legend(self, _: Any, texts: Sequence[str], **__: Any) -> None:
-        self.texts = texts
-
-
-FLAG_OF = {"flagged": "jump", "misfit": "misfit", "model error": "model_error"}
-
-
-@pytest.mark.parametrize("text", FLAG_OF)
-def test_the_legend_has_the_marks_that_are_drawn_and_no_others(text: str) -> None:
-    """Frame 8, at index 7, is ignored: it has no attitude, and so no mark of any flag."""
-    (one,) = flight()
-
-    def legend(*frames: int) -> list[str]:
-        raised = {name: np.zeros(30, bool) for name in one.flags.raised}
-        raised[FLAG_OF[text]][list(frames)] = True
-        figure = LegendOnly()
-        draw_legend(figure, [replace(one, flags=replace(one.flags, raised=raised))])
-        return list(figure.texts)
-
-    assert legend() == legend(7) == ["95 % interval"]
-    assert legend(3) == legend(3, 7) == ["95 % interval", text]
+    rows = flag_rows(draw("attack", [marked()]))
+    count = int(marked().has_attitude.sum())
+    assert rows[f"model error\n1 of {count}"] == [marked().estimate.time_s[10]]
 
 
 def test_the_image_of_a_misfit_says_what_explains_it() -> None:
@@ -430,7 +398,7 @@ def test_one_job_of_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         ([], 2, "Missing option"),
         (["-o", "p.svg", "--dpi", "100"], 2, "--dpi is for .png"),
         (["-o", "p.png", "--size", "9"], 2, "not a width and height"),
-        (["-o", "p.png", "--size", "0x5"], 2, "the smallest size is 7.5x20.8"),
+        (["-o", "p.png", "--size", "0x5"], 2, "the smallest size is 8x29.5"),
         (["-o", "p.png", "--size", "nanx5"], 2, "does not fit in nanx5 inches"),
         (["-o", "p.png", "--figure", "image", "--size", "4x3"], 2, "the smallest size is 6x4"),
         (["-o", "p.png", "--size", "999x999"], 2, "is more than 100 inches"),
@@ -505,19 +473,22 @@ def test_the_command_says_which_jobs_are_drawn(
     assert "drawn are 20 of 21 jobs" in ran.stderr and figure.exists()
     monkeypatch.setattr("vopd.cli.plot.draw", lambda *_: None)
     monkeypatch.setattr("vopd.cli.plot.save", lambda *_: b"")
-    for more in (("--job", "21"), ("--figure", "image"), ("-q",)):
-        assert "drawn are" not in plot(deck, "-o", figure, "--figure", "attack", *more).stderr
+    attack = ("--figure", "attack")
+    for more in ((*attack, "--job", "21"), ("--figure", "image"), (*attack, "-q")):
+        assert "drawn are" not in plot(deck, "-o", figure, *more).stderr
 
 
 # What draw and save do
 
 KINDS = {  # title, usual size, smallest size
-    "attitude": ("Camera and vehicle attitude", (9, 8), (7.5, 6)),
+    "attitude": ("Attitude", (9, 8), (7.5, 6)),
     "attack": ("Angles of attack", (9, 7), (5, 5.5)),
-    "residuals": ("Residuals by landmark", (9, 5), (5, 3.5)),
+    "residuals": ("Residuals", (9, 7), (8, 5)),
     "image": ("One frame's image", (9, 6.5), (6, 4)),
+    "map": ("Map", (9, 9), (7, 6.5)),
 }
-LEAST = {name: kind[2] for name, kind in KINDS.items()} | {"all": (7.5, 20.8)}  # 26.5 / 7 * 5.5
+OF_ANY = list(KINDS)[:4]  # those that a job without a scene has, too
+LEAST = {name: kind[2] for name, kind in KINDS.items()} | {"all": (8, 29.5)}  # 37.5 / 7 * 5.5
 WORST = "the most frames that did not converge, misfit or have a flag"
 
 
@@ -531,7 +502,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, ...]]:
     seen: list[tuple[Any, ...]] = []
 
     def stands_for(name: str) -> Any:
-        def note(part: Any, histories: Any, frame: Any) -> str:
+        def note(part: Any, histories: Any, frame: Any, photograph: Any) -> str:
             grid = mpl.rcParams["axes.grid"]  # part of the style
             seen.append((name, part, list(histories), frame, grid))
             return f"said by {name}"
@@ -561,11 +532,11 @@ def test_one_figure(name: str, asked: list[tuple[Any, ...]]) -> None:
 def test_all_figures(asked: list[tuple[Any, ...]]) -> None:
     """One below the other, as high as each is alone."""
     figure = draw("all", [by_hand(3)], "DJI_0001.JPG")
-    assert [one[0] for one in asked] == list(KINDS)
+    assert [one[0] for one in asked] == OF_ANY
     assert [one[1] for one in asked] == list(figure.subfigs)
     assert {one[3] for one in asked} == {"DJI_0001.JPG"}
-    assert figure.get_size_inches().tolist() == [9.0, 26.5]
-    assert figure.subfigs[0]._subplotspec.get_gridspec().get_height_ratios() == [8, 7, 5, 6.5]
+    assert figure.get_size_inches().tolist() == [9.0, 28.5]
+    assert figure.subfigs[0]._subplotspec.get_gridspec().get_height_ratios() == [8, 7, 7, 6.5]
 
 
 def test_of_many_jobs_some_are_drawn_but_any_frame(asked: list[tuple[Any, ...]]) -> None:
@@ -588,7 +559,7 @@ def test_of_many_jobs_some_are_drawn_but_any_frame(asked: list[tuple[Any, ...]])
     assert [one[2] for one in asked] == [some, some, some, jobs]
     said = [one[1].get_suptitle().split("\n")[1:] for one in asked]
     left_out = f"20 of 26 jobs, with {WORST}"
-    names = list(KINDS)
+    names = OF_ANY
     assert said == [[f"said by {name}", left_out] for name in names[:3]] + [["said by image"]]
     asked.clear()
     draw("all", jobs[3:23])
@@ -682,10 +653,11 @@ METADATA: dict[str, dict[str, Any]] = {  # nothing that depends on the day or on
 
 @pytest.mark.parametrize("suffix", METADATA)
 def test_what_is_saved(suffix: str) -> None:
-    """Laid out once, in the style, without a date; the ids of an SVG are numbered."""
+    """Laid out, in the style, without a date; the ids of an SVG are numbered."""
     figure: Any = Saved()
     written = save(figure, suffix)
-    (laid_out, salt), (asked, engine, other) = figure.done
+    (laid_out, salt), again, (asked, engine, other) = figure.done
+    assert again == (laid_out, salt)
     assert (laid_out, salt, engine, other) == (figure, "vopd", None, "vopd")
     assert figure.engine is figure
     assert asked == {"format": suffix[1:], "metadata": METADATA[suffix], "dpi": 150}
@@ -831,35 +803,6 @@ def test_frames_in_order_of_time() -> None:
     assert in_time(with_estimate(made(), time_s=np.full(3, np.nan))).tolist() == [0, 1, 2]
 
 
-def test_points_of_residuals() -> None:
-    """Of landmarks that take part, with a residual and a time."""
-    number, when, pair, outlier = points([made()])
-    assert number.tolist() == [7, 8, 9, 10] * 3
-    assert when.tolist() == [0.0] * 4 + [1.0] * 4 + [2.0] * 4
-    assert pair.tolist() == made().estimate.residual_xy.reshape(-1, 2).tolist()
-    assert outlier.shape == (12,)
-    untimed = with_estimate(made(), time_s=np.array([0.0, np.nan, 2.0]))
-    _, when, pair, _ = points([untimed])
-    assert when.tolist() == [0.0] * 4 + [2.0] * 4 and len(pair) == 8
-    used = made().estimate.used.copy()
-    used[0, 2] = False
-    number, *_ = points([history(replace(made().estimate, used=used))])
-    assert number.tolist() == [7, 8, 10] + [7, 8, 9, 10] * 2
-
-
-class TicksOnly:
-    """Axes that take everything and keep the labels below them."""
-
-    def __init__(self) -> None:
-        self.labels: list[str] = []
-
-    def __getattr__(self, name: str) -> Any:
-        return lambda *_, **__: ([], [])
-
-    def set_xticks(self, _: Any, labels: list[str], rotation: float) -> None:
-        self.labels, self.rotation = labels, rotation
-
-
 LONG = "a name of sixteen"
 NAMES = [  # of landmark 7 in the first and the second job: its label
     ("tower", "spire", "tower", 90.0),
@@ -874,15 +817,17 @@ NAMES = [  # of landmark 7 in the first and the second job: its label
 @pytest.mark.parametrize(("first", "second", "text", "rotation"), NAMES)
 def test_labels_of_landmarks(first: str, second: str, text: str, rotation: float) -> None:
     """The name that the first job has that has one; sixteen characters, turned above four."""
+    seven = np.full((3, 4), 7)
     jobs = [
-        with_estimate(made(), landmark=np.full((3, 4), 7), landmark_names={7: name} if name else {})
+        with_estimate(
+            made(), landmark=seven, landmark_names={7: name} if name else {}, time_s=np.zeros(3)
+        )
         for name in (first, second)
     ]
-    above, below = TicksOnly(), TicksOnly()
-    figure = SimpleNamespace(subplots=lambda *_, **__: (above, below), legend=lambda *_, **__: None)
-    words = residuals(figure, jobs, None)
-    assert (below.labels, below.rotation) == ([text], rotation)
-    assert words.endswith("measured minus computed; columns from left to right: 0.000 to 2.000 s")
+    figure = Figure()
+    draw_residuals(figure, jobs, None)
+    (label,) = figure.axes[1].get_xticklabels()
+    assert (label.get_text(), label.get_rotation()) == (text, rotation)
 
 
 SCALES = [

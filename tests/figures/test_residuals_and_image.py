@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import numpy as np
@@ -11,162 +10,139 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from tests.approved.texts import assert_approved
-from tests.kit.estimates import POINTS
+from tests.kit.estimates import POINTS, estimate
 from tests.kit.figures import DARK_RED, OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
-from vopd.attitude.history import History
+from vopd.attitude.history import History, history
 from vopd.estimate import Units, Words
-from vopd.figures.image import arrow_scale, image, residual_arrows
-from vopd.figures.residuals import residuals
+from vopd.figures.image import arrow_scale, draw_image, residual_arrows
+from vopd.figures.residuals import draw_residuals, residual_points
 
 X = np.array([[3.0, 1.0, -2.0, 0.0], [1.0, 1.0, 2.0, 0.5], [4.0, 1.0, 2.0, 0.25]])
 Y = np.array([[0.0, 5.0, 1.0, 0.5], [6.0, 0.0, 2.0, 0.5], [0.0, 0.0, 4.0, 0.5]])
 TIMES = np.array([10.0, 11.0, 14.0])
-ALONG = 0.8 * (np.array([0.0, 1.0, 4.0]) / 4.0 - 0.5)  # from left to right in a column .8 wide
+ON_FILM = Units("ft", "mm", 0.3048, "µm", 1000.0)
 
 
 def film(**changes: Any) -> History:
-    given: dict[str, Any] = {"residual": np.column_stack([X, Y]), "time_s": TIMES}
+    given: dict[str, Any] = {"residual": np.column_stack([X, Y]) / 1000.0, "units": ON_FILM}
+    given |= {"time_s": TIMES, "landmark_names": {}}
     return by_hand(3, **(given | changes))
 
 
 def drawn(*histories: History) -> tuple[Figure, str]:
     figure = Figure()
-    said = residuals(figure, histories or [film()], None)
+    said = draw_residuals(figure, histories or [film()], None)
     return figure, said
 
 
-def test_what_is_drawn() -> None:
-    """A point for each residual, x above y, on bars of the root mean square both ways."""
+def by_landmark(axis: Any) -> dict[str, list[list[float]]]:
+    """The points of the lines of a panel, by the place of their landmark in the legend."""
+    return {name: points(line) for name, line in labelled(axis).items() if name.isdigit()}
+
+
+def test_a_line_for_each_landmark() -> None:
+    """In order of the size of their residuals, which the legend names."""
     odd = [[False, True, False, False], [False] * 4, [False, False, True, False]]
-    figure, _ = drawn(film(outlier=odd))
-    across = np.add.outer(ALONG, np.arange(4.0))
-    for axis, values in zip(figure.axes, (X, Y), strict=True):
-        (spots,) = [one for one in axis.collections if one.get_label() == "one frame"]
-        assert_close(
-            "table value", spots.get_offsets(), np.column_stack([across.ravel(), values.ravel()])
-        )
-        assert to_hex(spots.get_facecolor()[0]) == OKABE_ITO[0]
-        assert spots.get_sizes().tolist() == [14.0] and spots.get_alpha() == 0.8
-        outliers = labelled(axis)["outlier"]
-        expected = [[across[0, 1], values[0, 1]], [across[2, 2], values[2, 2]]]
-        assert_close("table value", np.array(points(outliers), float), expected)
-        assert outliers.get_markeredgecolor() == DARK_RED
-        assert (outliers.get_marker(), outliers.get_linestyle()) == ("o", "None")
-        (zero,) = [line for line in axis.lines if line is not outliers]
-        assert list(zero.get_ydata()) == [0.0, 0.0]
-        rms = np.sqrt((values**2).sum(axis=0) / 3.0)
-        for k, bar in enumerate(axis.patches):
-            assert_close("table value", [bar.get_y(), bar.get_height()], [-rms[k], 2.0 * rms[k]])
-            assert_close("table value", [bar.get_x(), bar.get_width()], [k - 0.48, 0.96])
-            assert bar.get_zorder() < spots.get_zorder()
-    legend = texts(figure.legends[0])
-    assert_approved(sorted(legend))
+    figure, said = drawn(film(outlier=odd))
+    above, legend, below, _, _, _ = figure.axes
+    rms = np.sqrt(((X**2) + (Y**2)).sum(axis=0) / 6.0)
+    order = np.argsort(-rms)
+    for axis, values in ((above, X), (below, Y)):
+        lines = by_landmark(axis)
+        for place, k in enumerate(order):
+            expected = np.column_stack([TIMES, values[:, k]])
+            assert_close("drawn residual", np.array(lines[str(place)], float), expected)
+        squares = labelled(axis)["does not fit"]
+        expected = [[TIMES[0], values[0, 1]], [TIMES[2], values[2, 2]]]
+        assert_close("drawn residual", np.array(points(squares), float), expected)
+        assert squares.get_markeredgecolor() == DARK_RED
+    named = [f"{7 + k}: {rms[k]:.3g}" for k in order]
+    assert texts(legend.get_legend()) == [*named, "does not fit"]
+    assert said.startswith("hand.toml, job 1: a flight by hand\nmeasured minus computed; ")
 
 
-def test_labels() -> None:
-    """Landmarks below the lower panel, in order of their numbers."""
-    numbers = np.tile([10, 8, 9, 7], (3, 1))
-    figure, _ = drawn(film(landmark=numbers, landmark_names={7: "spire", 8: "$", 9: ""}))
-    above, below = figure.axes
-    assert above.get_shared_x_axes().joined(above, below)
-    assert [above.get_xlabel(), below.get_xlabel()] == ["", "landmark"]
-    assert above.get_ylabel() == "residual x, px\nin the image"
-    assert below.get_ylabel() == "residual y, px\nin the image"
-    assert ticks(below) == ([0, 1, 2, 3], ["spire", r"\$", "9", "10"])
-    assert [one.get_rotation() for one in below.get_xticklabels()] == [90.0] * 4
-    assert not any(one.get_visible() for one in above.get_xticklabels())
-    assert below.get_xlim() == (-0.6, 3.6)
-    (spots,) = [one for one in below.collections if one.get_label() == "one frame"]
-    first = spots.get_offsets()[:4]
-    assert_close("table value", first[:, 0], ALONG[0] + np.array([3.0, 1.0, 2.0, 0.0]))
+def test_a_gap_breaks_the_line() -> None:
+    times = np.array([0.0, 1.0, 2.0, 3.0, 9.0])
+    one = by_hand(5, time_s=times, residual=np.ones((5, 8)))
+    for line in by_landmark(drawn(one)[0].axes[0]).values():
+        assert [x for x, _ in line] == [0.0, 1.0, 2.0, 3.0, None, 9.0]
+
+
+def test_pixels_are_drawn_as_they_are_picked() -> None:
+    """Residuals x to the left and y up are u to the right and v down."""
+    figure, said = drawn(film(units=Units("m", "px", 1.0, "px", 1.0)))
+    above, _, below = figure.axes[:3]
+    assert above.get_ylabel() == "residual u, px,\nto the right"
+    assert below.get_ylabel() == "residual v, px,\ndown"
+    drawn_v = np.concatenate([np.array(one, float)[:, 1] for one in by_landmark(below).values()])
+    assert_close("drawn residual", np.sort(drawn_v), np.sort(-Y.ravel() / 1000.0))
+    assert "picked minus computed" in said
 
 
 def test_units_and_words_of_a_film() -> None:
-    """Film lengths are mm, and their residuals a thousand times as many micrometres."""
-    words = Words(surface="on the film")
-    figure, _ = drawn(film(units=Units("ft", "mm", 0.3048, "µm", 1000.0), said={"words": words}))
-    above, below = figure.axes
-    assert above.get_ylabel() == "residual x, µm\non the film"
-    assert below.get_ylabel() == "residual y, µm\non the film"
-    (spots,) = [one for one in above.collections if one.get_label() == "one frame"]
-    assert_close("drawn residual", spots.get_offsets()[:, 1], X.ravel() * 1000.0)
+    figure, _ = drawn(film(said={"words": Words(surface="on the film")}))
+    labels = [axis.get_ylabel() for axis in figure.axes[::2]]
+    assert labels == [
+        "residual x, µm\non the film", "residual y, µm\non the film", "residual, in\nits sigma"
+    ]  # fmt: skip
+    assert [axis.get_xlabel() for axis in figure.axes[::2]] == ["", "", "time, s"]
 
 
-CAPTION = "hand.toml, job 1: a flight by hand\nmeasured minus computed"
-TEXTS = {  # times: what is said of the columns
-    "times": (TIMES, "; columns from left to right: 10.000 to 14.000 s"),
-    "backwards": (TIMES[::-1] / 3.0, "; columns from left to right: 3.333 to 4.667 s"),
-    "numbers": (np.full(3, np.nan), "; columns from left to right: frames 1 to 3"),
-    "one time": (np.full(3, 7.0), ""),
-}
+def test_nothing_is_cut_off_unsaid() -> None:
+    """A residual far beyond the others is a triangle at the edge, and is counted."""
+    both = np.tile(np.column_stack([X, Y]), (40, 1))
+    both[7, 2] = -900.0
+    one = by_hand(120, time_s=np.arange(120.0), residual=both / 1000.0, units=ON_FILM)
+    figure, said = drawn(one)
+    edge = 3.0 * np.quantile(np.abs(both.reshape(-1)), 0.99)
+    assert f"1 residual beyond {edge:.3g} µm at the edge, as triangles" in said
+    (triangle,) = [line for line in figure.axes[0].lines if line.get_marker() == "v"]
+    assert_close("drawn residual", np.array(points(triangle), float), [[7.0, -edge]])
+    assert "triangles" not in drawn()[1]
 
 
-@pytest.mark.parametrize("name", TEXTS)
-def test_the_caption(name: str) -> None:
-    times, said = TEXTS[name]
-    assert drawn(film(time_s=times))[1] == CAPTION + said
-
-
-def test_the_caption_of_one_frame_without_a_time_and_of_two_jobs() -> None:
-    assert drawn(by_hand(1, time_s=np.array([np.nan])))[1] == CAPTION
-    two = drawn(film(), film(said={"job": 2}))[1]
-    assert two.startswith("hand.toml, 2 jobs\nmeasured minus computed; ")
+def test_in_sigmas() -> None:
+    """Over the reading sigma, less what the frame's three angles take: three of eight."""
+    made = history(estimate(np.tile([10.0, -60.0, 20.0], (50, 1)), noise=0.1))
+    found = residual_points([made])
+    e, sigma = made.estimate, made.uncertainty.reading.sigma
+    taken = np.einsum("fjc,fcj->fj", e.partials, e.gain)
+    assert_close("unit element", taken.sum(axis=1), np.full(50, 3.0))
+    expected = e.residual / (sigma * np.sqrt(1.0 - taken))
+    assert_close(
+        "unit element", found.sigmas.T.reshape(2, 50, 4), np.stack(np.split(expected, 2, 1))
+    )
 
 
 def test_residuals_that_are_left_out() -> None:
-    """Of landmarks that take no part, or of which a coordinate is no number."""
+    """Of landmarks that take no part, of frames without a time, or that are no number."""
     used, ignored = np.ones((3, 4), bool), np.zeros((3, 4), bool)
     used[0, 0], ignored[0, 0] = False, True
     both = np.column_stack([X, Y])
     both[1, 1] = np.nan  # x only
-    figure, _ = drawn(film(used=used, ignored=ignored, residual=both))
-    (spots,) = [one for one in figure.axes[1].collections if one.get_label() == "one frame"]
-    assert spots.get_offsets()[:, 1].tolist() == [5.0, 1.0, 0.5, 6.0, 2.0, 0.5, 0.0, 0.0, 4.0, 0.5]
+    found = residual_points([film(used=used, ignored=ignored, residual=both)])
+    assert found.pair[:, 1].tolist() == [5.0, 1.0, 0.5, 6.0, 2.0, 0.5, 0.0, 0.0, 4.0, 0.5]
+    assert found.landmark.tolist() == [8, 9, 10, 7, 9, 10, 7, 8, 9, 10]
+    untimed = residual_points([film(time_s=np.array([0.0, np.nan, 2.0]))])
+    assert untimed.time.tolist() == [0.0] * 4 + [2.0] * 4
 
 
-def of_points(monkeypatch: pytest.MonkeyPatch, number: Any, when: Any = None) -> list[Any]:
-    """The panels of points of these landmarks, whose residuals are all 1."""
-    count = len(number)
-    made = (
-        np.asarray(number, int), np.zeros(count) if when is None else when, np.ones((count, 2)),
-        np.zeros(count, bool),
-    )  # fmt: skip
-    monkeypatch.setattr(sys.modules["vopd.figures.residuals"], "points", lambda _: made)
-    return list(drawn()[0].axes)
-
-
-@pytest.mark.parametrize(
-    ("count", "size", "pixels"),
-    [
-        (0, 14.0, False),
-        (299, 14.0, False),
-        (300, 4.0, False),
-        (5000, 4.0, False),
-        (5001, 4.0, True),
-    ],
-)
-def test_many_points(
-    count: int, size: float, pixels: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """From 300 on they are small, and above 5,000 they are pixels in any file."""
-    above, _ = of_points(monkeypatch, np.full(count, 7))
-    (spots,) = [one for one in above.collections if one.get_label() == "one frame"]
-    assert (spots.get_sizes().tolist(), bool(spots.get_rasterized())) == ([size], pixels)
-
-
-@pytest.mark.parametrize(("count", "step"), [(1, 1), (40, 1), (41, 2), (81, 3)])
-def test_up_to_forty_columns_have_labels(
-    count: int, step: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    numbers = np.arange(count) + 100
-    _, below = of_points(monkeypatch, numbers)
-    assert ticks(below) == (
-        list(range(0, count, step)), [str(k) for k in range(100, 100 + count, step)]
-    )  # fmt: skip
-    assert below.get_xlim() == (-0.6, count - 0.4)
-    assert {one.get_rotation() for one in below.get_xticklabels()} == {0.0}
+def test_one_frame_has_its_residuals_by_landmark() -> None:
+    """On bars of the root mean square both ways; names below the lower panel."""
+    names = {7: "spire", 8: "$", 9: ""}
+    one = by_hand(1, residual=np.column_stack([X, Y])[:1], landmark_names=names)
+    figure, said = drawn(one)
+    above, below = figure.axes
+    for axis, values in ((above, -X[0]), (below, -Y[0])):
+        (spots,) = [one for one in axis.collections if one.get_label() == "one frame"]
+        assert spots.get_offsets().tolist() == [[float(k), values[k]] for k in range(4)]
+        heights = [bar.get_height() for bar in axis.patches]
+        assert_close("table value", heights, 2.0 * np.abs(values))
+    assert ticks(below) == ([0, 1, 2, 3], ["spire", r"\$", "9", "10"])
+    assert said == "hand.toml, job 1: a flight by hand\npicked minus computed"
+    assert drawn(one, one)[1].endswith("; columns from left to right: the jobs")
 
 
 # The image of one frame
@@ -184,7 +160,7 @@ def film_image(residual: Any = RESIDUAL, frames: int = 2, **changes: Any) -> His
 
 def drawn_image(*histories: History, frame: Any = None) -> tuple[Any, list[str]]:
     figure = Figure()
-    said = image(figure, histories, frame)
+    said = draw_image(figure, histories, frame)
     (axis,) = figure.axes
     return axis, said.split("\n")
 

@@ -198,6 +198,8 @@ def same(one: Any, other: Any) -> None:
             same(mine, theirs)
     elif isinstance(other, float):
         assert one == other or (np.isnan(one) and np.isnan(other))
+    elif callable(other):  # makes the scene of the job
+        assert callable(one)
     else:
         assert one == other
 

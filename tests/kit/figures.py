@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from tests.kit.histories import by_hand
 from vopd.attitude.history import History
-from vopd.figures.attitude import attack
+from vopd.figures.attitude import draw_attack
 
 OKABE_ITO = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 DARK_RED = "#b30000"
@@ -69,7 +69,7 @@ def alike(frames: int, *starts_deg: float, **changes: Any) -> list[History]:
     ]
 
 
-def panels(histories: list[History], which: Any = attack) -> list[Any]:
+def panels(histories: list[History], which: Any = draw_attack) -> list[Any]:
     figure = Figure()
     which(figure, histories, None)
     return figure.axes

@@ -253,7 +253,7 @@ def test_many_jobs_have_a_table_and_few_have_figures(monkeypatch: pytest.MonkeyP
     made = [with_about(one, one.about._replace(job=k + 1)) for k in range(22)]
     with monkeypatch.context() as patch:
         figures = sys.modules["vopd.report"]
-        patch.setattr(figures, "draw", lambda *_: None)
+        patch.setattr(figures, "draw", lambda *_, **__: None)
         patch.setattr(figures, "svg", lambda _: "<svg/>")
         text, found = page(made)
     head, *rows = found.tables["jobs-table"]
@@ -358,7 +358,7 @@ def test_the_page_of_a_batch(failed: int) -> None:
 def test_a_flight_without_velocity_has_no_figure_of_attack(monkeypatch: pytest.MonkeyPatch) -> None:
     (one,) = flight()
     known = replace(one.estimate, attack_deg=np.full_like(one.estimate.attack_deg, np.nan))
-    monkeypatch.setattr(report_module, "draw", lambda name, _: name)
+    monkeypatch.setattr(report_module, "draw", lambda name, *_, **__: name)
     monkeypatch.setattr(report_module, "svg", str)
     names = [name for name, *_ in report_module.embedded_figures([history(known)])]
     assert names == [name for name in report_module.FIGURES if name != "attack"]

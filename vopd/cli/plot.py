@@ -1,4 +1,4 @@
-"""What `vopd plot` draws of star photographs: the residuals over the image."""
+"""`vopd plot`: the figures of flights, decks and star photographs."""
 
 from __future__ import annotations
 
@@ -11,15 +11,30 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from vopd.cli.histories import collect_histories
-from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
+from vopd.cli.options import (
+    FILE_NAME,
+    SharedOptions,
+    history_options,
+    output_option,
+    sources_argument,
+)
 from vopd.cli.output import refuse_to_overwrite
-from vopd.figures import FIGURES, MOST_DRAWN, draw, left_out_text, refuse_small
+from vopd.figures import (
+    FIGURES,
+    MOST_DRAWN,
+    OF_ONE_FRAME,
+    draw,
+    figure_names,
+    left_out_text,
+    refuse_small,
+)
 from vopd.figures.stars import StarPicture, draw_star_residuals
 from vopd.figures.style import SUFFIXES, Inches, ready, save
 from vopd.files import whole_file
 from vopd.findings import VopdError, count_text
 
 if TYPE_CHECKING:
+    from vopd.figures import Photograph
     from vopd.stellar.files.table import ReadSolution
 
 
@@ -77,16 +92,24 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 )
 @click.option(
     "--figure",
-    "name",
+    "names",
     type=click.Choice(["all", *FIGURES]),
-    default="all",
+    default=("all",),
+    multiple=True,
     show_default=True,
-    help="Which figure; all draws them one below the other.",
+    help="Which figure; may be repeated. A .pdf has a page for each, other files have them "
+    "one below the other.",
 )
 @click.option(
     "--frame",
     metavar="N",
-    help="The frame whose image is drawn; by default the one with the most landmarks.",
+    help="The frame of image and map; by default the one with the most landmarks.",
+)
+@click.option(
+    "--images",
+    type=FILE_NAME,
+    metavar="FILE",
+    help="The photographs: a folder of images, or a video, if the project does not name them.",
 )
 @click.option(
     "--job",
@@ -109,31 +132,42 @@ def command(
     sources: tuple[str, ...],
     output: str,
     form: str | None,
-    name: str,
+    names: tuple[str, ...],
     frame: str | None,
+    images: str | None,
     job: int | None,
     size: str | None,
     dpi: int | None,
     options: SharedOptions,
 ) -> None:
-    """Draw the attitude against time, the residuals, or the image of a frame.
+    """Draw the image of a frame, the map, the attitude against time, and the residuals.
 
     SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
     cards; - is a deck on standard input. It can also be the solutions of star
     photographs, written by vopd stars solve -o FILE.json; --frame then names the
     photograph whose residuals are drawn over the image.
 
-    The figures are: camera and vehicle attitude, and the angles of attack, against
-    time, with bands of 95 %; the residuals of each landmark; and the image of one
-    frame with its landmarks, measured and computed. Lines break where frames are
-    missing and where an angle wraps. Figures need matplotlib.
+    \b
+    The figures, and the question that each answers:
+      attitude   where did it point, how sure is that, and which frames are doubtful?
+      attack     at which angles did it meet the air? Left out without a velocity
+      residuals  which landmark does not fit, from when on, and is sigma right?
+      image      do picks and computed places of landmarks meet in the photograph?
+      map        where are camera and landmarks, and do the lines of sight meet them?
+
+    The photograph is that of the project: images that the picks name, in the
+    project's folder or one within it, or a frame of [picks] video; else --images
+    names it. The film of a deck is drawn as the program of 1974 has it, in mm.
+    A source of one frame has a table in the place of curves. Figures need
+    matplotlib; photographs Pillow, videos PyAV.
 
     \b
     Examples:
         vopd plot examples/hill/flight.toml -o hill.png
-        vopd plot decks/appendix_h/case4.dat -o case4.png
-        vopd plot flight.dat -o image.svg --figure image --frame 120
-        vopd plot flight.dat -o attack.pdf --figure attack --size 7x5
+        vopd plot flight.toml -o map.png --figure map --frame 120
+        vopd plot flight.toml -o look.pdf --figure image --figure map
+        vopd plot flight.toml -o image.png --figure image --images photographs
+        vopd plot decks/appendix_h/case4.dat -o case4.svg --figure attitude
         vopd demo | vopd plot - -o - --format png | display
 
     Exit status: 0 the figure is drawn; 1 a source could not be read or
@@ -144,8 +178,8 @@ def command(
     if dpi is not None and suffix != ".png":
         raise click.UsageError(f"--dpi is for .png, not {suffix}.")
     stars = any(PurePath(deck).suffix.lower() == STAR_SOLUTION for deck in sources)
-    inches = _inches("image" if stars else name, size, dpi or 150)
-    refuse_to_overwrite(sources, output)
+    inches = _inches(("image",) if stars else names, size, dpi or 150)
+    refuse_to_overwrite((*sources, *filter(None, [images])), output)
     ready()
     if stars:
         content = _stars(ctx, sources, frame, inches, suffix, dpi or 150)
@@ -158,13 +192,47 @@ def command(
         if not histories:
             raise VopdError(f"{', '.join(sources)}: no job {job}")
     left_out = left_out_text(histories)
-    if left_out and name != "image" and not options.quiet:
+    if left_out and set(names) - set(OF_ONE_FRAME) and not options.quiet:
         click.echo(f"drawn are {left_out}; --job draws another", err=True)
     note = (lambda _: None) if options.quiet else partial(click.echo, err=True)
-    content = save(draw(name, histories, frame, inches), suffix, dpi or 150, note)
+    reads = None if images is None else _photographs(images)
+    wanted = figure_names(names, histories)
+    drawn: Any
+    if suffix == ".pdf" and len(wanted) > 1:
+        drawn = [draw(one, histories, frame, inches, reads) for one in wanted]
+    else:
+        drawn = draw(wanted, histories, frame, inches, reads)
+    content = save(drawn, suffix, dpi or 150, note)
     with whole_file(output) as file:
         file.write(content)
     ctx.exit(status)
+
+
+def _photographs(name: str) -> Photograph:
+    """Read photographs of a folder, or frames of a video.
+
+    Args:
+        name: of the folder or video
+
+    Raises:
+        VopdError: if it cannot be read
+    """
+    from vopd.video import open_frames
+
+    frames = open_frames([name])
+
+    def read(number: int, image: str) -> Any:
+        k = number
+        if frames.image_name:
+            base = PurePath(image).name
+            if base not in frames.image_name:
+                raise VopdError(f"{image or f'frame {number}'} is not in {name}")
+            k = frames.image_name.index(base)
+        elif not 0 <= number < len(frames):
+            raise VopdError(f"{frames.source}: has no frame {number}")
+        return next(frames.pictures([k]))
+
+    return read
 
 
 def _stars(
@@ -200,7 +268,7 @@ def _suffix(output: str, form: str | None) -> str:
     return suffix
 
 
-def _inches(name: str, size: str | None, dpi: int) -> Inches | None:
+def _inches(names: Sequence[str], size: str | None, dpi: int) -> Inches | None:
     if size is None:
         return None
     try:
@@ -211,7 +279,7 @@ def _inches(name: str, size: str | None, dpi: int) -> Inches | None:
         ) from None
     largest = min(LARGEST_IN, LARGEST_DOTS / dpi)
     try:
-        refuse_small(name, (width, height))
+        refuse_small(names[0] if len(names) == 1 else names, (width, height))
     except VopdError as error:
         raise click.UsageError(f"--size: {error}.") from error
     if not (width <= largest and height <= largest):

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from vopd.attitude.history import History
-from vopd.figures.attitude import NO_ATTACK, attack, attitude, has_attack
-from vopd.figures.image import image
-from vopd.figures.residuals import residuals
-from vopd.figures.style import Inches, matplotlib_figure
+from vopd.figures.attitude import NO_ATTACK, draw_attack, draw_attitude, has_attack, single_frames
+from vopd.figures.image import Photograph as Photograph
+from vopd.figures.image import draw_image
+from vopd.figures.map import draw_map
+from vopd.figures.residuals import draw_residuals
+from vopd.figures.style import Inches, matplotlib_figure, ready, wrapped
 from vopd.findings import VopdError
 
 if TYPE_CHECKING:
@@ -62,72 +64,103 @@ def _badness(history: History) -> tuple[int, int, int]:
 class FigureKind(NamedTuple):
     """A kind of figure. Sizes are width, height."""
 
-    draw: Callable[[Any, Sequence[History], int | str | None], str]  # gives a line below the title
+    draw: Callable[[Any, Sequence[History], int | str | None, Any], str]
+    """Takes the figure, the jobs, a frame, what reads photographs; gives lines below the title."""
     title: str
     size_in: Inches
     least_in: Inches  # smaller ones cannot hold its panels and their labels
 
 
+WIDTH_IN, TABLE_IN = 9.0, 3.0  # inches: width of a figure, height of a table in its place
+
 FIGURES = {
-    "attitude": FigureKind(attitude, "Camera and vehicle attitude", (9.0, 8.0), (7.5, 6.0)),
-    "attack": FigureKind(attack, "Angles of attack", (9.0, 7.0), (5.0, 5.5)),
-    "residuals": FigureKind(residuals, "Residuals by landmark", (9.0, 5.0), (5.0, 3.5)),
-    "image": FigureKind(image, "One frame's image", (9.0, 6.5), (6.0, 4.0)),
+    "attitude": FigureKind(draw_attitude, "Attitude", (9.0, 8.0), (7.5, 6.0)),
+    "attack": FigureKind(draw_attack, "Angles of attack", (9.0, 7.0), (5.0, 5.5)),
+    "residuals": FigureKind(draw_residuals, "Residuals", (9.0, 7.0), (8.0, 5.0)),
+    "image": FigureKind(draw_image, "One frame's image", (9.0, 6.5), (6.0, 4.0)),
+    "map": FigureKind(draw_map, "Map", (9.0, 9.0), (7.0, 6.5)),
 }
 """Every kind of figure by its name."""
 
+OF_ONE_FRAME = ("image", "map")
+
+
+def figure_names(name: str | Sequence[str], histories: Sequence[History]) -> list[str]:
+    """List the figures that a name stands for; of all those that some job can have.
+
+    Args:
+        name: of `FIGURES`, several, or "all"
+        histories: the jobs
+    """
+    names = [name] if isinstance(name, str) else list(name)
+    if "all" not in names:
+        return list(dict.fromkeys(names))
+    of_vehicle = any(h.about.words.attack for h in histories)
+    attack = of_vehicle and has_attack(drawn_jobs(histories))
+    missing: set[str] = set() if attack else {"attack"}
+    missing |= set() if any(h.estimate.scene for h in histories) else {"map"}
+    return [one for one in FIGURES if one not in missing]
+
 
 def draw(
-    name: str,
+    name: str | Sequence[str],
     histories: Sequence[History],
     frame: int | str | None = None,
     size_in: Inches | None = None,
+    photograph: Photograph | Literal[False] | None = None,
 ) -> Figure:
-    """Draw one figure of `FIGURES`, or `all` of them one below the other.
+    """Draw figures of `FIGURES`, several one below the other.
 
     Args:
-        name: of `FIGURES`, or "all"
+        name: of `FIGURES`, several names, or "all"
         histories: one or more jobs; of many the worst are drawn (`drawn_jobs`)
-        frame: number, or name, of the frame whose image is drawn, in the first job
+        frame: number, or name, of the frame whose image and view are drawn, in the first job
             that has it; None takes the frame with the most landmarks
         size_in: width and height, inches; None takes the usual size
+        photograph: reads the photograph of a frame, by its number and its image's name, as a PIL
+            image; None takes those that the project names, false draws none
 
     Raises:
         VopdError: where matplotlib is not installed, no frame has an attitude, that
             frame has none, no frame has angles of attack for `attack`, or the size cannot
             hold the panels
     """
-    refuse_small(name, size_in)
     if not any(h.has_attitude.any() for h in histories):
+        ready()
         raise VopdError("no frame has an attitude")
-    names = list(FIGURES) if name == "all" else [name]
+    refuse_small(name, size_in)
+    names = figure_names(name, histories)
     drawn, left_out = drawn_jobs(histories), left_out_text(histories)
-    if name == "attack" and not has_attack(drawn):
+    if "attack" in names and not has_attack(drawn):
         raise VopdError(NO_ATTACK)
-    heights = [FIGURES[one].size_in[1] for one in names]
-    with matplotlib_figure(size_in or (9.0, sum(heights))) as figure:
+    tables = ("attitude", "attack") if single_frames(drawn) and len(drawn) == 1 else ()
+    heights = [TABLE_IN if one in tables else FIGURES[one].size_in[1] for one in names]
+    width_in = size_in[0] if size_in else WIDTH_IN
+    with matplotlib_figure(size_in or (width_in, sum(heights))) as figure:
         parts = figure.subfigures(len(names), 1, height_ratios=heights, squeeze=False)[:, 0]
         for one, part in zip(names, parts, strict=True):
             kind = FIGURES[one]
-            if one == "image":  # of one frame, which can be that of any job
-                more = kind.draw(part, histories, frame)
+            if one in OF_ONE_FRAME:  # which can be that of any job
+                more = kind.draw(part, histories, frame, photograph)
             else:
-                more = kind.draw(part, drawn, frame) + (left_out and f"\n{left_out}")
-            part.suptitle(f"{kind.title}\n{more}", fontsize="medium")
-        made: Figure = figure
+                more = kind.draw(part, drawn, frame, photograph) + (left_out and f"\n{left_out}")
+            part.suptitle(wrapped(f"{kind.title}\n{more}", width_in), fontsize="medium")
+    made: Figure = figure
     return made
 
 
-def least_size_in(name: str) -> Inches:
-    """Find the smallest width and height, inches, of a figure, or of "all"."""
-    if name != "all":
-        return FIGURES[name].least_in
-    total = sum(kind.size_in[1] for kind in FIGURES.values())
-    stretch = max(kind.least_in[1] / kind.size_in[1] for kind in FIGURES.values())
-    return max(kind.least_in[0] for kind in FIGURES.values()), round(total * stretch, 1)
+def least_size_in(name: str | Sequence[str]) -> Inches:
+    """Find the smallest width and height, inches, of a figure, of several, or of "all"."""
+    names = [name] if isinstance(name, str) else list(name)
+    kinds = [FIGURES[one] for one in (FIGURES if "all" in names else names)]
+    if len(kinds) == 1:
+        return kinds[0].least_in
+    total = sum(kind.size_in[1] for kind in kinds)
+    stretch = max(kind.least_in[1] / kind.size_in[1] for kind in kinds)
+    return max(kind.least_in[0] for kind in kinds), round(total * stretch, 1)
 
 
-def refuse_small(name: str, size_in: Inches | None) -> None:
+def refuse_small(name: str | Sequence[str], size_in: Inches | None) -> None:
     """Check that a figure fits in a size.
 
     Raises:
@@ -135,7 +168,8 @@ def refuse_small(name: str, size_in: Inches | None) -> None:
     """
     width, height = least_size_in(name)
     if size_in is not None and not (size_in[0] >= width and size_in[1] >= height):
+        named = name if isinstance(name, str) else ", ".join(name)
         raise VopdError(
-            f"the figure {name!r} does not fit in {size_in[0]:g}x{size_in[1]:g} inches: "
+            f"the figure {named!r} does not fit in {size_in[0]:g}x{size_in[1]:g} inches: "
             f"the smallest size is {width:g}x{height:g}"
         )

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.uncertainty import ANGLES
-from vopd.figures.style import COLOURS, FLAGGED, caption, label
+from vopd.figures.style import COLOURS, FLAGGED, caption, label, plain
 
 # Break the lines of a figure where frames are missing and where angles wrap.
 
@@ -64,69 +64,59 @@ def picked(values: Floats, index: Ints) -> Floats:
     return np.where(index < 0, np.nan, values[index])
 
 
-# Mark the frames of a figure against time: flagged, misfits, and those with errata above sigma.
+# Flags: a row a flag below the panels, a mark a frame
+
+TOLD_BY = {"second_solution": "two_landmarks"}
+"""Flags that another one of the same frame brings with it, and so are not drawn beside it."""
 
 
-class FrameMark(NamedTuple):
-    """How frames are marked: with a symbol at the angle, or at the bottom of the panel."""
+def flagged_frames(history: History) -> dict[str, Bools]:
+    """Mark the frames of each flag (F,), by its name; a fact has one flag.
 
-    flag: str  # of `vopd.attitude.flags.MEANING`; empty for any other flag
-    text: str  # in the legend
-    look: dict[str, Any]
-    at_bottom: bool = False
-
-
-MARKS = (
-    FrameMark("", "flagged", {"marker": "o", "mfc": "none", "mec": FLAGGED, "mew": 0.6, "ms": 5}),
-    FrameMark("misfit", "misfit", {"marker": "X", "mfc": FLAGGED, "mec": "white", "ms": 8}),
-    FrameMark(
-        "model_error",
-        "model error",
-        {"marker": "|", "mec": COLOURS[5], "mew": 1.2, "ms": 9},
-        at_bottom=True,
-    ),
-)
-
-
-def marked(history: History, mark: FrameMark) -> Bools:
-    """Find the frames with a mark (F,); of other flags those without a mark of their own."""
-    raised = history.flags.raised
-    if mark.flag:
-        return raised[mark.flag]
-    own = [one.flag for one in MARKS if one.flag]
-    found = np.zeros(len(history.estimate.frame), bool)
-    for name, frames in raised.items():
-        if name not in own:
-            found = found | frames
+    Args:
+        history: of a job
+    """
+    found = {}
+    for name, frames in history.flags.raised.items():
+        own = frames & history.has_attitude
+        if name in TOLD_BY:
+            own = own & ~history.flags.raised[TOLD_BY[name]]
+        if own.any():
+            found[name] = own
     return found
 
 
-def draw_marks(axis: Any, history: History, order: Ints, angle: Floats, known: Bools) -> None:
-    """Draw the marks of one job into a panel.
+def draw_flags(axis: Any, histories: Sequence[History]) -> None:
+    """Draw a row of marks for each flag.
 
     Args:
         axis: the panel
-        history: the job
-        order: indices of the frames in order of time
-        angle: the angle of each of these, as it is drawn
-        known: which of them have one
+        histories: the jobs
     """
-    time_s = history.order_axis[0][order]
-    for mark in MARKS:
-        here = known & marked(history, mark)[order]
-        if not here.any():
-            continue
-        if mark.at_bottom:
-            axis.plot(
-                time_s[here], [0.03] * int(here.sum()), ls="", zorder=1.5,
-                transform=axis.get_xaxis_transform(), **mark.look,
-            )  # fmt: skip
-        else:
-            axis.plot(time_s[here], angle[here], ls="", **mark.look)
+    of_jobs = [flagged_frames(h) for h in histories]
+    names = list(dict.fromkeys(name for found in of_jobs for name in found))
+    total = sum(int(h.has_attitude.sum()) for h in histories)
+    texts = []
+    for row, name in enumerate(names):
+        times = [
+            h.order_axis[0][found[name]]
+            for h, found in zip(histories, of_jobs, strict=True)
+            if name in found
+        ]
+        at = np.concatenate(times)
+        axis.plot(
+            at, np.full(len(at), float(row)), "|", color=FLAGGED, ms=7, mew=0.8,
+            rasterized=len(at) > MANY,
+        )  # fmt: skip
+        texts.append(f"{name.replace('_', ' ')}\n{len(at)} of {total}")
+    axis.set_ylim(len(names) - 0.4, -0.6)
+    axis.set_yticks(range(len(names)), texts, fontsize="small")
+    axis.tick_params(axis="y", length=0)
+    axis.grid(visible=False, axis="y")
 
 
 def draw_legend(figure: Any, histories: Sequence[History]) -> None:
-    """Put the legend of jobs, band and marks below the panels, where no data are."""
+    """Put the legend of jobs and band below the panels, where no data are."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -139,29 +129,111 @@ def draw_legend(figure: Any, histories: Sequence[History]) -> None:
             texts.append(label(history, histories))
     handles.append(Patch(color=colour, alpha=0.3, lw=0))
     texts.append("95 % interval")
-    for mark in MARKS:
-        if any((marked(h, mark) & h.has_attitude).any() for h in histories):
-            handles.append(Line2D([], [], ls="", **mark.look))
-            texts.append(mark.text)
     figure.legend(handles, texts, loc="outside lower center", ncols=4)
 
 
 # Draw angles against time with bands of 95 %, and below them half the width of the bands.
 
 POINTS = 60  # up to this many frames, each frame has a point
-BELOW_IN = 0.42  # inches from the axis down to its legend, past the numbers and the label
 DECADES = 6.0  # the most that the scale of the half-widths shows
 
 
-def attitude(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
-    """Draw yaw, pitch, roll of the camera on the left, of the vehicle on the right."""
-    axes = figure.subplots(4, 2, sharex=True, height_ratios=(1, 1, 1, 0.7))
-    for column, body in enumerate(("camera", "vehicle")):
-        names = [f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")]
-        _panels(axes[:, column], histories, names)
-        axes[0, column].set_title(body)
+MANY = 2000  # frames above which bands and marks are one picture in .svg and .pdf
+FLAG_IN = 0.22  # the height of a row of flags, in terms of that of a panel
+
+
+def draw_attitude(
+    figure: Any, histories: Sequence[History], _: int | str | None = None, __: Any = None
+) -> str:
+    """Draw yaw, pitch, roll of the vehicle, and on its left of a camera that is turned against it.
+
+    Args:
+        figure: to draw in
+        histories: the jobs
+    """
+    bodies = ["camera", "vehicle"] if any(map(_is_turned, histories)) else ["vehicle"]
+    why = "" if has_attack(histories) else f"\n{NO_ATTACK}"
+    names = [[f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")] for body in bodies]
+    if single_frames(histories):
+        draw_table(figure, histories, [one for column in names for one in column])
+        return caption(histories) + why
+    axes = _grid(figure, histories, 3, len(names))
+    for column, body in enumerate(bodies):
+        _panels(axes[:, column], histories, names[column])
+        if len(bodies) > 1:
+            axes[0, column].set_title(body)
+    if len(bodies) > 1 and len(axes) > 4:
+        axes[4, 1].tick_params(labelleft=False)
     draw_legend(figure, histories)
-    return caption(histories)
+    one = "" if len(bodies) > 1 else "\ncamera and vehicle are one: no mount turns them apart"
+    return caption(histories) + one + why
+
+
+def _is_turned(history: History) -> bool:
+    """Tell whether the camera's angles are others than the vehicle's."""
+    e = history.estimate
+    apart = np.abs((e.camera_deg - e.vehicle_deg + 180.0) % 360.0 - 180.0)
+    return bool((np.nan_to_num(apart) > SAME_DEG).any())
+
+
+SAME_DEG = 1e-9
+
+
+def _grid(figure: Any, histories: Sequence[History], panels: int, columns: int) -> Any:
+    """Divide a figure into panels of angles, of half-widths, and of flags if there are any."""
+    flags = len({name for h in histories for name in flagged_frames(h)})
+    ratios = [1.0] * panels + [0.7] + ([FLAG_IN * flags + 0.05] if flags else [])
+    return figure.subplots(len(ratios), columns, sharex=True, height_ratios=ratios, squeeze=False)
+
+
+# A source of one image: a table in the place of panels with a dot
+
+
+def single_frames(histories: Sequence[History]) -> bool:
+    """Tell whether no job has more than one frame with an attitude.
+
+    Args:
+        histories: the jobs
+    """
+    return all(h.has_attitude.sum() <= 1 for h in histories)
+
+
+def draw_table(figure: Any, histories: Sequence[History], names: Sequence[str]) -> None:
+    """Write the angles of jobs of one frame as a table, with their 95 % intervals and flags.
+
+    Args:
+        figure: to draw in
+        histories: the jobs
+        names: of `ANGLES`
+    """
+    have = [h for h in histories if h.has_attitude.any()]
+    both = {name.split("_")[0] for name in names} >= {"camera", "vehicle"}
+    rows = [[name.replace("_", " ") if both else name.split("_")[-1] for name in names]]
+    for h in have:
+        k = int(np.argmax(h.has_attitude))
+        cells = []
+        for name in names:
+            value = float(values_of(h, name)[k])
+            low, high = interval_of(h, name)[:, k]
+            half = f" ± {(high - low) / 2.0:.2g}" if np.isfinite(high - low) else " ± ?"
+            lowest = 0.0 if name.endswith("yaw") else -180.0
+            cells.append(f"{in_range(value, lowest):.4f}{half}" if np.isfinite(value) else "none")
+        flags = ", ".join(one.replace("_", " ") for one in flagged_frames(h)) or "none"
+        rows.append([label(h, histories), h.estimate.frame_label(k), *cells, flags])
+    axis = figure.subplots()
+    axis.axis("off")
+    if len(have) == 1:
+        _, frame, *cells, flags = rows[1]
+        lines = [("frame", frame), *zip(rows[0], cells, strict=True), ("flags", flags)]
+        texts = [[name, plain(cell)] for name, cell in lines]
+        columns = ["", "degrees ± half of the 95 % interval"]
+    else:
+        texts = [[plain(cell) for cell in row] for row in rows[1:]]
+        columns = ["", "frame", *rows[0], "flags"]
+    table = axis.table(texts, colLabels=columns, loc="center", cellLoc="left", edges="horizontal")
+    table.auto_set_font_size(False)
+    table.set_fontsize(11 if len(have) == 1 else 7)
+    table.scale(1.0, 1.6 if len(have) == 1 else 1.2)
 
 
 NO_ATTACK = (
@@ -178,30 +250,39 @@ def has_attack(histories: Sequence[History]) -> bool:
     return any(np.isfinite(h.estimate.attack_deg).any() for h in histories)
 
 
-def attack(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
-    """Draw the angles of attack alpha, beta and eta, or say why there are none."""
-    if not has_attack(histories):
-        figure.text(0.5, 0.5, NO_ATTACK, ha="center", va="center", wrap=True)
+def draw_attack(
+    figure: Any, histories: Sequence[History], _: int | str | None = None, __: Any = None
+) -> str:
+    """Draw the angles of attack alpha, beta and eta.
+
+    Args:
+        figure: to draw in
+        histories: the jobs, of which some frame has them
+    """
+    names = ["alpha", "beta", "eta"]
+    if single_frames(histories):
+        draw_table(figure, histories, names)
         return caption(histories)
-    axes = figure.subplots(4, 1, sharex=True, height_ratios=(1, 1, 1, 0.7))
-    _panels(axes, histories, ["alpha", "beta", "eta"])
+    _panels(_grid(figure, histories, 3, 1)[:, 0], histories, names)
     draw_legend(figure, histories)
     return caption(histories)
 
 
 def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
-    for axis, name in zip(axes[:-1], names, strict=True):
+    for axis, name in zip(axes[:3], names, strict=True):
         cut = unwrapped_about(np.concatenate([values_of(h, name) for h in histories]))
         for number, history in enumerate(histories):
             _angle(axis, history, name, COLOURS[number % len(COLOURS)], cut)
         axis.set_ylabel(f"{name.split('_')[-1]}, degrees")
-        lowest = 0.0 if name.endswith(("yaw", "roll")) else -180.0
+        lowest = 0.0 if name.endswith("yaw") else -180.0
         axis.yaxis.set_major_formatter(lambda y, _, low=lowest: f"{in_range(y, low):.6g}")
     marks = ("-", "--", ":")
     for mark, name in zip(marks, names, strict=True):
         for number, history in enumerate(histories):
-            _half_width(axes[-1], history, name, mark, COLOURS[number % len(COLOURS)])
-    _width_scale(axes[-1], [name.split("_")[-1] for name in names], marks)
+            _half_width(axes[3], history, name, mark, COLOURS[number % len(COLOURS)])
+    _width_scale(axes[3], [name.split("_")[-1] for name in names], marks)
+    if len(axes) > 4:
+        draw_flags(axes[4], histories)
     axes[-1].set_xlabel(histories[0].order_axis[1])
 
 
@@ -241,7 +322,7 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
     line = picked(angle, index)
     axis.fill_between(
         times, line + picked(low, index), line + picked(high, index), color=colour, alpha=0.3,
-        lw=0, label="band",
+        lw=0, label="band", rasterized=len(times) > MANY,
     )  # fmt: skip
     marker = "." if known.sum() <= POINTS else ""
     axis.plot(times, line, color=colour, lw=1.0, marker=marker)
@@ -249,7 +330,6 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
     if alone.any():
         ends = np.nan_to_num([-low[alone], high[alone]])
         axis.errorbar(time_s[alone], angle[alone], ends, fmt=".", color=colour, capsize=3)
-    draw_marks(axis, history, order, angle, known)
 
 
 def _has_neighbour(index: Any, known: Any) -> Any:
@@ -276,8 +356,6 @@ def _half_width(axis: Any, history: History, name: str, mark: str, colour: str) 
 
 def _width_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
     """Set the logarithmic scale of the half-widths, and a legend of the lines."""
-    from matplotlib.transforms import ScaledTranslation
-
     axis.set_ylabel("half of 95 %,\ndegrees")
     shown = np.concatenate([line.get_ydata() for line in axis.lines])
     shown = shown[np.isfinite(shown)]
@@ -291,7 +369,7 @@ def _width_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
         low, high = shown.min(), shown.max()
         axis.set_ylim(max(low / 2.0, high * 10.0**-DECADES), high * 2.0)
     handles = [axis.plot([], [], color="0.3", ls=mark)[0] for mark in marks]
-    below = axis.transAxes + ScaledTranslation(0.0, -BELOW_IN, axis.figure.dpi_scale_trans)
     axis.legend(
-        handles, names, loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=below, ncols=3
-    )
+        handles, names, loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, fontsize="small",
+        borderaxespad=0.0,
+    )  # fmt: skip

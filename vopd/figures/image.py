@@ -1,19 +1,32 @@
-"""The image of one frame: landmarks measured and computed."""
+"""The image of one frame: the photograph or the film, landmarks measured and computed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import floor, log10
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
 from vopd.estimate import Units
-from vopd.figures.style import COLOURS, FLAGGED, caption, plain, short
+from vopd.figures.style import (
+    BEHIND,
+    COLOURS,
+    FLAGGED,
+    caption,
+    halo,
+    place_names,
+    plain,
+    round_number,
+    short,
+)
 from vopd.findings import VopdError, count_text
+from vopd.geometry.earth import geodetic
+
+if TYPE_CHECKING:
+    from vopd.scene import ImageScene, Scene
 
 # Draw the image of one frame: where its landmarks were measured and where they were computed.
 
@@ -22,9 +35,221 @@ LABELLED = 200  # up to this many landmarks have their label
 ROOM = 1.35  # how far the axes go, in terms of the farthest point
 
 
-def image(figure: Any, histories: Sequence[History], frame: int | str | None) -> str:
-    """Draw the image as seen from behind the camera, in image units from its centre."""
+Photograph = Callable[[int, str], Any]
+"""Reads the photograph of a frame, by its number and its image's name, as a PIL image."""
+
+
+def draw_image(
+    figure: Any, histories: Sequence[History], frame: int | str | None, photograph: Any = None
+) -> str:
+    """Draw the image of a frame: in pixels as it was taken, or of a film in its plane.
+
+    Args:
+        figure: to draw in
+        histories: the jobs
+        frame: number or name; None takes the one with the most landmarks
+        photograph: reads a photograph; None takes that of the project, false draws none
+    """
     history, k = chosen(histories, frame)
+    if history.estimate.scene is not None:
+        scene = history.estimate.scene()
+        if scene.image is not None:
+            return _draw_pixels(figure, history, k, scene, photograph)
+    return _draw_film(figure, history, k)
+
+
+# The image as it was taken: pixels u right, v down
+
+MOST_SHOWN_PX = 1600  # width or height of a photograph in the figure: larger ones are reduced
+TRUE_LENGTH = 0.3  # of the image's width: an arrow that would be longer is drawn as it is
+ROOM_IN = (0.9, 1.9)  # width and height of a figure that labels, title and legend take, inches
+
+
+def _draw_pixels(figure: Any, history: History, k: int, scene: Scene, photograph: Any) -> str:
+    e = history.estimate
+    number, name = int(e.frame[k]), e.frame_names[k] if e.frame_names else ""
+    assert scene.image is not None
+    view = scene.image(number, name)
+    width, height = view.size_px
+    read = scene.photograph if photograph is None else photograph
+    picture, said = _photograph(read, number, name) if read else (None, "")
+    axis = figure.subplots()
+    axis.grid(visible=False)
+    edges = (-0.5, width - 0.5, height - 0.5, -0.5)
+    if picture is not None:
+        if picture.size != view.size_px:
+            said += f", {picture.size[0]} x {picture.size[1]}: not the size of the lens's images"
+        picture.thumbnail((MOST_SHOWN_PX, MOST_SHOWN_PX))
+        axis.imshow(np.asarray(picture), extent=edges, interpolation="antialiased", zorder=0)
+    axis.add_patch(_border(edges, "none" if picture is not None else "0.97"))
+    axis.set(xlim=(-0.03 * width, 1.03 * width), ylim=(1.03 * height, -0.03 * height))
+    axis.set_aspect("equal")
+    for side in axis.spines.values():
+        side.set_visible(False)
+    axis.set_xlabel("u, px, to the right")
+    axis.set_ylabel("v, px, down")
+
+    culprit = _culprits(history, k, scene, view)
+    residual = view.pixel - view.fitted
+    fits = np.isfinite(residual).all(axis=1)
+    length = np.hypot(*residual.T)
+    plainly = fits & view.used & ~culprit
+    scale = max(arrow_scale(residual[plainly if plainly.any() else fits], float(width)), 1.0)
+    arrow = fits & ((length * scale <= TRUE_LENGTH * width) | (scale == 1.0))
+    residual_arrows(axis, view.fitted[arrow], residual[arrow], scale, e.units, most_px=width)
+    for pick in np.flatnonzero(fits & ~arrow):
+        ends = np.stack([view.fitted[pick], view.pixel[pick]])
+        line = axis.plot(*ends.T, "--", color=FLAGGED, lw=1.2, path_effects=halo(), zorder=3)
+    if (fits & ~arrow).any():
+        line[0].set_label("residual as long as it is")
+    unpicked = _inside(view.computed, view.size_px)
+    unpicked[view.landmark] = False
+    look = {"ls": "", "mfc": "none", "path_effects": halo(3.0)}
+    axis.plot(*view.fitted[fits].T, "+", mec="black", ms=9, label="computed", **look)
+    for marks, mark, colour, size, text in (
+        (view.pixel[view.used], "o", COLOURS[0], 9, "picked"),
+        (view.pixel[~view.used & ~culprit], "D", COLOURS[3], 7, "picked, not used"),
+        (view.pixel[culprit], "s", FLAGGED, 13, "does not fit"),
+        (view.computed[unpicked], "^", "0.3", 6, "not picked: computed place"),
+    ):
+        if len(marks):
+            axis.plot(*marks.T, mark, mec=colour, mew=1.5, ms=size, label=text, zorder=4, **look)
+    more = _horizon(axis, history, k, scene, view)
+
+    own = [plain(short(scene.names[one], 24)) for one in view.landmark]
+    own = [f"{one}: does not fit" if odd else one for one, odd in zip(own, culprit, strict=True)]
+    rest = np.flatnonzero(unpicked)
+    order = np.argsort(~culprit, kind="stable")
+    places = np.concatenate([view.pixel[order], view.computed[rest]])[:LABELLED]
+    names = [own[one] for one in order] + [plain(short(scene.names[one], 24)) for one in rest]
+    size_in = _size_in(figure)
+    unit = min((size_in[0] - ROOM_IN[0]) / width, (size_in[1] - ROOM_IN[1]) / height) * 72.0
+    bold = np.arange(len(places)) < int(culprit.sum())
+    corners = np.array([[-0.5, -0.5], [width - 0.5, height - 0.5]])
+    pt = np.array([unit, -unit])
+    nameless = place_names(axis, places, names[:LABELLED], pt, corners, bold)
+    nameless += len(names) - len(places)
+    if nameless:
+        more.append(f"{count_text(nameless, 'name')} left out for want of room")
+    handles, texts = axis.get_legend_handles_labels()
+    figure.legend(handles, texts, loc="outside lower center", ncols=5)
+    when = f", {e.time_s[k]:.3f} s" if np.isfinite(e.time_s[k]) else ""
+    told = [f"frame {plain(e.frame_label(k))}{when}", *filter(None, [said]), *more]
+    return (
+        f"{caption([history])}\n{'; '.join(told)}\n"
+        f"arrows: residuals, picked minus computed, {scale:g} times as long{_misfit(history, k)}"
+    )
+
+
+def _size_in(figure: Any) -> Floats:
+    """Find the size of a figure, or of a part of one, inches."""
+    box = figure.bbox
+    return np.array([box.width / figure.dpi, box.height / figure.dpi])
+
+
+def _border(edges: tuple[float, float, float, float], colour: str) -> Any:
+    from matplotlib.patches import Rectangle
+
+    left, right, low, high = edges
+    return Rectangle((left, high), right - left, low - high, fc=colour, ec="black", lw=1.0)
+
+
+def _photograph(read: Photograph, number: int, name: str) -> tuple[Any, str]:
+    """Read a photograph; without one, say why."""
+    try:
+        return read(number, name), ""
+    except VopdError as error:
+        return None, f"no photograph: {plain(str(error))}"
+
+
+def _culprits(history: History, k: int, scene: Scene, view: ImageScene) -> Bools:
+    """Mark the picks of a frame that do not fit, or were set aside as blunders, (P,)."""
+    rows = frame_landmarks(history)
+    here = (rows.frame == k) & rows.outlier
+    odd = {history.estimate.landmark_label(one) for one in rows.landmark[here].tolist()}
+    named = np.array([scene.names[one] in odd for one in view.landmark], dtype=bool)
+    return named | (~view.used & ~scene.check[view.landmark])
+
+
+# Horizon and north
+
+HORIZON = "#7a3b9a"
+AZIMUTHS = {0: "N", 45: "NE", 90: "E", 135: "SE", 180: "S", 225: "SW", 270: "W", 315: "NW"}
+
+
+def _horizon(axis: Any, history: History, k: int, scene: Scene, view: ImageScene) -> list[str]:
+    """Draw the horizon with azimuths, or if it is not in the picture the way north; say what."""
+    camera = scene.camera_m[camera_index(history, k, scene)]
+    height = geodetic(camera).height_m - geodetic(scene.landmark_m).height_m.min()
+    dip = np.degrees(np.sqrt(2.0 * max(float(height), 0.0) * (1.0 - BENT) / EARTH_M))
+    azimuth = np.arange(0.0, 360.0, 0.25)
+    line = view.pixel_of(_toward(azimuth, -dip))
+    inside = _inside(line, view.size_px)
+    if inside.sum() > 1:
+        broken = np.where(inside[:, None], line, np.nan)
+        axis.plot(*broken.T, "--", color=HORIZON, lw=1.2, path_effects=halo(), label="horizon")
+        span = float(inside.sum()) * 0.25
+        step = next(one for one in (5, 10, 15, 30, 45) if span / one < 9 or one == 45)
+        ticks = np.arange(0, 360, step)
+        at = view.pixel_of(_toward(ticks.astype(float), -dip))
+        seen = _inside(at, view.size_px)
+        for degrees, point in zip(ticks[seen].tolist(), at[seen], strict=True):
+            axis.plot(*point, "|", color=HORIZON, ms=8, path_effects=halo())
+            text = f"{degrees:03d}° {AZIMUTHS.get(degrees, '')}".strip()
+            axis.annotate(
+                text, point, (0, 9), textcoords="offset points", ha="center", fontsize=7.5,
+                color=HORIZON, bbox=BEHIND,
+            )  # fmt: skip
+        return ["horizon: of a plain as high as the lowest landmark, azimuths from true north"]
+    middle = np.array([view.size_px]) / 2.0
+    direction = view.direction_of(middle)
+    moved = direction + 0.02 * np.array([[0.0, 1.0, 0.0]])
+    way = (view.pixel_of(moved) - middle)[0]
+    length = float(np.hypot(*way))
+    if not length > 0.0:
+        return []
+    way *= 0.05 * view.size_px[0] / length
+    foot = np.array([0.91 * view.size_px[0], 0.15 * view.size_px[1]])
+    axis.annotate(
+        "", foot + way, foot - way, zorder=6,
+        arrowprops={"arrowstyle": "-|>", "color": HORIZON, "lw": 2.0, "path_effects": halo(4.0)},
+    )  # fmt: skip
+    axis.text(
+        *(foot + 1.35 * way), "N", ha="center", va="center", color=HORIZON, fontweight="bold",
+        bbox=BEHIND, zorder=6,
+    )  # fmt: skip
+    return ["N: the way north in the picture's middle"]
+
+
+BENT, EARTH_M = 0.13, 6371e3  # of standard refraction, for the horizon
+
+
+def _toward(azimuth_deg: Floats, elevation_deg: float) -> Floats:
+    """Find directions east, north, up, (n, 3)."""
+    around, up = np.radians(azimuth_deg), np.radians(elevation_deg)
+    level = np.cos(up)
+    return np.stack(
+        [np.sin(around) * level, np.cos(around) * level, np.full(len(around), np.sin(up))], axis=1
+    )
+
+
+def _inside(pixel: Floats, size_px: tuple[int, int]) -> Bools:
+    """Mark pixels within the image."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(((pixel >= -0.5) & (pixel <= np.array(size_px) - 0.5)).all(axis=1))
+
+
+def camera_index(history: History, k: int, scene: Scene) -> int:
+    """Find a frame of a history among those of its scene."""
+    e = history.estimate
+    return scene.index(int(e.frame[k]), e.frame_names[k] if e.frame_names else "")
+
+
+# The film, as the report of 1974 has it
+
+
+def _draw_film(figure: Any, history: History, k: int) -> str:
+    """Draw the image as seen from behind the camera, in image units from its centre."""
     e, words = history.estimate, history.about.words
     rows = frame_landmarks(history)
     shown = (rows.frame == k) & rows.used
@@ -64,17 +289,34 @@ def _misfit(history: History, k: int) -> str:
     return f"\nmisfit: {plain(flags.detail['misfit'][k])}" if flags.raised["misfit"][k] else ""
 
 
-def residual_arrows(axis: Any, start: Floats, residual: Floats, scale: float, units: Units) -> None:
-    """Draw the residuals as arrows, and one of a round length as the key."""
+def residual_arrows(
+    axis: Any, start: Floats, residual: Floats, scale: float, units: Units, most_px: float = 0.0
+) -> None:
+    """Draw the residuals as arrows, and one of a round length as the key.
+
+    Args:
+        axis: to draw in
+        start: where they begin, (n, 2)
+        residual: (n, 2)
+        scale: how many times as long they are drawn
+        units: of the residuals
+        most_px: width of the picture that they are drawn on; 0: there is none
+    """
+    look = {"path_effects": halo()} if most_px else {}
     arrows = axis.quiver(
         *start.T, *residual.T, angles="xy", scale_units="xy", scale=1.0 / scale,
-        color=COLOURS[1], width=0.004, zorder=2,
+        color=COLOURS[1], width=0.004, zorder=5 if most_px else 2, **look,
     )  # fmt: skip
     longest = float(np.hypot(*residual.T).max(initial=0.0)) * units.residuals_per_image
     if longest > 0.0:
-        key = _round(longest)
+        key = round_number(longest)
         length, label = key / units.residuals_per_image, f"{key:g} {units.residual}"
-        axis.quiverkey(arrows, 1.05, 0.06, length, label, labelpos="S", coordinates="axes")
+        where = (0.88, 0.06, "N") if most_px else (1.05, 0.06, "S")
+        key_drawn = axis.quiverkey(
+            arrows, *where[:2], length, label, labelpos=where[2], coordinates="axes"
+        )
+        if most_px:
+            key_drawn.text.set_bbox(BEHIND)
 
 
 def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[History, int]:
@@ -105,12 +347,4 @@ def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[Histo
 def arrow_scale(residual: Floats, width: float) -> float:
     """Choose the scale of arrows, a round number."""
     longest = float(np.hypot(*residual.T).max(initial=0.0))
-    return _round(LONGEST * width / longest) if longest > 0.0 else 1.0
-
-
-def _round(number: float) -> float:
-    """Round down to one of 1, 2, 5, 10, 20 ...; 1 for a number not above 0."""
-    if not number > 0.0:
-        return 1.0
-    power = 10.0 ** floor(log10(number))
-    return next(step for step in (5.0, 2.0, 1.0) if step * power <= number * (1 + 1e-9)) * power
+    return round_number(LONGEST * width / longest) if longest > 0.0 else 1.0

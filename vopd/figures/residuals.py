@@ -1,73 +1,267 @@
-"""Residuals by landmark."""
+"""Residuals against time, a line a landmark, and in their standard deviations."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
-from vopd.attitude.long_history import frame_landmarks
+from vopd.attitude.residuals import outliers
+from vopd.figures.attitude import broken
 from vopd.figures.style import COLOURS, FLAGGED, caption, plain, short
+from vopd.findings import count_text
 
-# Draw residuals by landmark; in the column of a landmark, time runs from left to right.
-
-COLUMN = 0.8  # the width of a column, in terms of the distance between two
-DRAWN = 5000  # up to this many points are drawn one by one in .svg and .pdf
+DRAWN = 2000  # up to this many points are drawn one by one in .svg and .pdf
 NAMED = 40  # up to this many columns have their label below
 LONG = 4  # characters of a label; longer ones are turned
+COLUMN = 0.8  # the width of a column of a single image, in terms of the distance between two
+FEW = 100  # frames of a landmark, up to which each of its residuals has a mark
+MANY, MEANS = 600, 60  # of a landmark with more residuals, lines are means of so many parts
+FAR = 8.0  # times the 99th percentile: residuals beyond are drawn at the edge
+MARKS = "os^Dvp"
+HELD = 1e-6  # part of a reading's variance that is left as a residual: below it fits by itself
+MOST_SIGMAS = 5.0  # of the histogram; what is beyond stands in its last bins, and is counted
 
 
-def residuals(figure: Any, histories: Sequence[History], _: int | str | None) -> str:
-    """Draw residuals x and y, a column for each landmark."""
+class Residuals(NamedTuple):
+    """All residuals of some jobs, N of them."""
+
+    landmark: Ints  # (N,)
+    job: Ints  # (N,) index
+    time: Floats  # (N,) time or frame
+    pair: Floats  # (N, 2) x, y measured minus computed, image units
+    sigmas: Floats  # (N, 2) the same in their standard deviations; NaN where it is not known
+    outlier: Bools  # (N,)
+
+
+def residual_points(histories: Sequence[History]) -> Residuals:
+    """List every residual that has a time.
+
+    The standard deviation of a residual is that of its reading, less what the fit of the frame's
+    three angles takes of it.
+
+    Args:
+        histories: the jobs
+    """
+    parts: list[tuple[Any, ...]] = []
+    for job, h in enumerate(histories):
+        along = h.order_axis[0]
+        for frames, e in h.estimates():
+            pair = e.residual_xy
+            here = e.used & np.isfinite(pair).all(axis=2) & np.isfinite(along[frames])[:, None]
+            fitted = np.einsum("fjc,fcj->fj", e.partials, e.gain)
+            left = np.stack(np.split(1.0 - fitted, 2, axis=1), axis=-1)
+            with np.errstate(invalid="ignore", divide="ignore"):
+                sigma = h.uncertainty.reading.sigma * np.sqrt(np.where(left > HELD, left, np.nan))
+                sigmas = pair / (sigma * e.relative_sigma[..., None])
+            odd = outliers(e) if e.outlier is None else e.outlier
+            time = np.broadcast_to(along[frames][:, None], here.shape)
+            count = np.full(int(here.sum()), job)
+            parts.append((e.landmark[here], count, time[here], pair[here], sigmas[here], odd[here]))
+    return Residuals(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+
+
+def draw_residuals(
+    figure: Any, histories: Sequence[History], _: int | str | None = None, __: Any = None
+) -> str:
+    """Draw residuals x and y against time and in sigmas; those of a single image by landmark.
+
+    Args:
+        figure: to draw in
+        histories: the jobs
+    """
+    found = residual_points(histories)
+    if len(found.time) and np.ptp(found.time) > 0.0:
+        return _against_time(figure, histories, found)
+    return _by_landmark(figure, histories, found)
+
+
+def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -> str:
+    units = histories[0].estimate.units
+    names, values = _directions(histories, found)
+    axes = figure.subplots(3, 2, width_ratios=(3, 1), sharex="col", sharey="row")
+    numbers, own = np.unique(found.landmark, return_inverse=True)
+    squares = (values**2).sum(axis=1)
+    rms = np.sqrt(np.bincount(own, squares) / (2.0 * np.bincount(own)))
+    coloured = np.argsort(-rms, kind="stable")[: len(COLOURS)]
+    with np.errstate(invalid="ignore"):
+        limit = [_limit(values), max(_limit(found.sigmas), 3.0)]
+    cut = [int((np.abs(values) > limit[0]).any(axis=1).sum())]
+    cut.append(int((np.abs(found.sigmas) > limit[1]).any(axis=1).sum()))
+    for row, data in enumerate((values[:, 0], values[:, 1], found.sigmas)):
+        axis, most = axes[row, 0], limit[row // 2]
+        axis.axhline(0.0, color="0.3", lw=0.6)
+        if row < 2:
+            _lines(axis, found, data, own, coloured, most)
+            odd = found.outlier
+            if odd.any():
+                axis.plot(
+                    found.time[odd], np.clip(data[odd], -most, most), "s", mfc="none", mec=FLAGGED,
+                    ms=9, label="does not fit",
+                )  # fmt: skip
+            axis.set_ylabel(f"residual {names[row]}")
+        else:
+            for column, mark in enumerate(("o", "x")):
+                axis.plot(
+                    found.time, np.clip(data[:, column], -most, most), mark, mew=0.6,
+                    ms=2.5 if len(data) <= DRAWN else 1.0, color=COLOURS[column], mfc="none",
+                    label=names[column][0], alpha=0.7 if len(data) <= DRAWN else 0.25,
+                    rasterized=len(data) > DRAWN,
+                )  # fmt: skip
+            axis.axhspan(-1.96, 1.96, color="0.5", alpha=0.15, lw=0, label="95 % of errors")
+            axis.set_ylabel("residual, in\nits sigma")
+            handles, texts = axis.get_legend_handles_labels()
+            figure.legend(handles, texts, loc="outside lower center", ncols=3)
+        for side, at in ((1.0, "^"), (-1.0, "v")):
+            beyond = (side * data > most) if row < 2 else (side * data > most).any(axis=1)
+            axis.plot(
+                found.time[beyond], [side * most] * int(beyond.sum()), at, color="black", ms=6
+            )
+        axis.set_ylim(-1.06 * most, 1.06 * most)
+    axes[2, 0].set_xlabel(histories[0].order_axis[1])
+    for axis in axes[:2, 1]:
+        axis.axis("off")
+    shown = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
+    named = {
+        str(place): f"{_label(histories, int(numbers[k]))}: {rms[k]:.3g}"
+        for place, k in enumerate(coloured)
+    }
+    named |= {"others": f"{len(numbers) - len(coloured)} others", "does not fit": "does not fit"}
+    kept = [one for one in named if one in shown]
+    axes[0, 1].legend(
+        [shown[one] for one in kept], [named[one] for one in kept], loc="upper left",
+        title=f"rms, {units.residual}", bbox_to_anchor=(-0.1, 1.05), alignment="left",
+    )  # fmt: skip
+    far = _histogram(axes[2, 1], found.sigmas)
+    known = found.sigmas[np.isfinite(found.sigmas) & ~found.outlier[:, None]]
+    told = ["picked minus computed" if units.image == "px" else "measured minus computed"]
+    if (np.bincount(own) > MANY).any():
+        told.append(f"lines: means of {MEANS} parts, dots: single residuals")
+    if len(known):
+        rms_sigmas = np.sqrt(np.mean(known**2))
+        told.append(f"in sigmas, rms of those that fit: {rms_sigmas:.3g}, 1 if sigma is right")
+    for count, most, unit in zip(cut, limit, (units.residual, "sigma"), strict=True):
+        if count:
+            many = count_text(count, "residual")
+            told.append(f"{many} beyond {most:.3g} {unit} at the edge, as triangles")
+    if far:
+        told.append(f"{far} beyond {MOST_SIGMAS:g} sigma in the histogram's last bins")
+    return f"{caption(histories)}\n{'; '.join(told)}"
+
+
+def _directions(histories: Sequence[History], found: Residuals) -> tuple[list[str], Floats]:
+    """Name the directions of residuals, and turn them so: of pixels u and v, as they are picked."""
     units, words = histories[0].estimate.units, histories[0].about.words
-    number, when, pair, outlier = points(histories)
-    numbers = np.array(sorted(set(number.tolist())), dtype=np.int64)
-    column = np.searchsorted(numbers, number)
-    span = np.ptp(when) if len(when) else 0.0
-    along = (when - when.min()) / span - 0.5 if span > 0.0 else np.zeros(len(when))
-    across = column + COLUMN * along
+    values = found.pair * units.residuals_per_image
+    if units.image == "px":
+        return ["u, px,\nto the right", "v, px,\ndown"], -values
+    return [f"{name}, {units.residual}\n{words.surface}" for name in "xy"], values
+
+
+def _limit(values: Floats) -> float:
+    """Choose how far an axis goes: as far as all values, or if a few are far off beside most."""
+    size = np.abs(values[np.isfinite(values)])
+    if not len(size):
+        return 1.0
+    most, usual = float(size.max()), float(np.quantile(size, 0.99))
+    return max(3.0 * usual if most > FAR * usual > 0.0 else most, 1e-9)
+
+
+def _lines(
+    axis: Any, found: Residuals, data: Floats, own: Ints, coloured: Ints, most: float
+) -> None:
+    """Draw a line for each landmark of each job, broken where frames are missing."""
+    rank = np.full(int(own.max(initial=0)) + 1, -1)
+    rank[coloured] = np.arange(len(coloured))
+    order = np.lexsort((found.time, own, found.job))
+    ends = np.flatnonzero(np.diff(own[order]) | np.diff(found.job[order])) + 1
+    longest = int(np.diff([0, *ends.tolist(), len(order)]).max())
+    labelled = set()
+    for part in sorted(np.split(order, ends), key=lambda part: int(rank[own[part[0]]])):
+        place = int(rank[own[part[0]]])
+        label = None if place in labelled else "others" if place < 0 else str(place)
+        labelled.add(place)
+        look: dict[str, Any] = {"color": "0.7", "lw": 0.6, "zorder": 1, "label": label}
+        if place >= 0:
+            look |= {"color": COLOURS[place], "lw": 1.0, "marker": MARKS[place], "ms": 3.5}
+            look["zorder"] = 2
+        time, values = found.time[part], np.clip(data[part], -most, most)
+        if len(part) > MANY:
+            if place >= 0:
+                axis.plot(*_means(time, values), **look)
+            continue
+        times, index = broken(time, np.zeros(len(part)))
+        look["markevery"] = 1 if len(part) <= FEW else max(len(times) // 25, 1)
+        axis.plot(times, np.where(index < 0, np.nan, values[index]), **look)
+    if longest > MANY:
+        axis.plot(
+            found.time, np.clip(data, -most, most), ",", color="0.7", zorder=0, rasterized=True
+        )
+
+
+def _means(time: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Average each `MEANS`-th part of a line: times and values."""
+    parts = np.array_split(np.arange(len(time)), MEANS)
+    return (
+        np.array([time[part].mean() for part in parts]),
+        np.array([values[part].mean() for part in parts]),
+    )
+
+
+def _histogram(axis: Any, sigmas: Floats) -> int:
+    """Draw how often residuals have which size, in sigmas; gives how many are in the end bins."""
+    values = sigmas[np.isfinite(sigmas)]
+    axis.tick_params(labelleft=False, labelbottom=False, bottom=False)
+    axis.grid(visible=False)
+    if not len(values):
+        axis.text(0.5, 0.5, "no sigma", ha="center", transform=axis.transAxes)
+        return 0
+    edges = np.linspace(-MOST_SIGMAS, MOST_SIGMAS, 31)
+    held = np.clip(values, edges[0], edges[-1])
+    axis.hist(held, edges, density=True, orientation="horizontal", color=COLOURS[4], alpha=0.6)
+    size = np.linspace(edges[0], edges[-1], 101)
+    axis.plot(np.exp(-(size**2) / 2.0) / np.sqrt(2.0 * np.pi), size, color="black", lw=1.0)
+    axis.set_xlabel("how many;\nblack: as expected")
+    return int((np.abs(values) > MOST_SIGMAS).sum())
+
+
+# A single image: residuals by landmark
+
+
+def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) -> str:
+    """Draw residuals x and y, a column for each landmark; several jobs side by side in each."""
+    numbers, column = np.unique(found.landmark, return_inverse=True)
+    jobs = len(histories)
+    across = column + (COLUMN * (found.job / (jobs - 1) - 0.5) if jobs > 1 else 0.0)
     axes = figure.subplots(2, 1, sharex=True)
     size = 14.0 if len(across) < 300 else 4.0
-    for axis, values, name in zip(axes, pair.T * units.residuals_per_image, "xy", strict=True):
-        rms = [np.sqrt(np.mean(values[column == k] ** 2)) for k in range(len(numbers))]
+    names, values = _directions(histories, found)
+    for axis, own, name in zip(axes, values.T, names, strict=True):
+        rms = [np.sqrt(np.mean(own[column == k] ** 2)) for k in range(len(numbers))]
         axis.bar(
             np.arange(len(numbers)), 2.0 * np.array(rms), 0.96, -np.array(rms), color="0.88",
             label="root mean square, both ways", zorder=0,
         )  # fmt: skip
         axis.scatter(
-            across, values, size, color=COLOURS[0], lw=0, alpha=0.8, label="one frame",
+            across, own, size, color=COLOURS[0], lw=0, alpha=0.8, label="one frame",
             rasterized=len(across) > DRAWN,
         )  # fmt: skip
-        axis.plot(
-            across[outlier], values[outlier], "o", mfc="none", mec=FLAGGED, ls="", label="outlier"
-        )
+        odd = found.outlier
+        if odd.any():
+            look = {"mfc": "none", "mec": FLAGGED, "ls": ""}
+            axis.plot(across[odd], own[odd], "s", label="does not fit", **look)
         axis.axhline(0.0, color="0.3", lw=0.6)
-        axis.set_ylabel(f"residual {name}, {units.residual}\n{words.surface}")
+        axis.set_ylabel(f"residual {name}")
         axis.grid(visible=False, axis="x")
     _labels(axes[-1], [_label(histories, n) for n in numbers.tolist()])
     handles, texts = axes[0].get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=3)
-    order = ""
-    if span and histories[0].order_axis[1] == "frame":
-        order = f"; columns from left to right: frames {when.min():g} to {when.max():g}"
-    elif span:
-        order = f"; columns from left to right: {when.min():.3f} to {when.max():.3f} s"
-    return caption(histories) + f"\nmeasured minus computed{order}"
-
-
-def points(histories: Sequence[History]) -> tuple[Ints, Floats, Floats, Any]:
-    """List every residual as a point: landmark, time, x, y, and whether an outlier."""
-    parts: list[tuple[Any, ...]] = []
-    for h in histories:
-        rows = frame_landmarks(h)
-        along = h.order_axis[0][rows.frame]
-        here = rows.used & np.isfinite(rows.residual).all(axis=1) & np.isfinite(along)
-        parts.append((rows.landmark[here], along[here], rows.residual[here], rows.outlier[here]))
-    number, when, pair, outlier = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return number, when, pair, outlier
+    order = "; columns from left to right: the jobs" if jobs > 1 else ""
+    picked = "picked" if histories[0].estimate.units.image == "px" else "measured"
+    return f"{caption(histories)}\n{picked} minus computed{order}"
 
 
 def _label(histories: Sequence[History], number: int) -> str:

@@ -9,8 +9,14 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
+from math import floor, log10
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
+from unicodedata import east_asian_width
 
+import numpy as np
+
+from vopd.arrays import Bools, Floats
 from vopd.attitude.history import History
 from vopd.files import optional_package
 from vopd.findings import VopdError
@@ -50,12 +56,15 @@ def matplotlib_figure(size_in: Inches) -> Iterator[Any]:
 
 
 def save(
-    figure: Figure, suffix: str, dpi: int = 150, note: Callable[[str], object] = lambda _: None
+    figure: Figure | Sequence[Figure],
+    suffix: str,
+    dpi: int = 150,
+    note: Callable[[str], object] = lambda _: None,
 ) -> bytes:
-    """Write the figure to a file; the same figure always gives the same bytes.
+    """Write a figure to a file; the same figure always gives the same bytes.
 
     Args:
-        figure: what `draw` has made
+        figure: what `draw` has made; several are pages of a .pdf
         suffix: of `SUFFIXES`
         dpi: dots an inch, for .png
         note: is given a sentence if no installed font has some characters
@@ -66,17 +75,21 @@ def save(
     file = io.BytesIO()
     with style(), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
-        engine = figure.get_layout_engine()
-        if engine is not None:
-            engine.execute(figure)
-            figure.set_layout_engine(None)  # with one, savefig draws everything twice
         try:
-            figure.savefig(file, format=suffix[1:], metadata=_UNDATED[suffix], dpi=dpi)
+            if isinstance(figure, Sequence):
+                from matplotlib.backends.backend_pdf import PdfPages
+
+                with PdfPages(file, metadata=_UNDATED[suffix]) as pages:
+                    for page in figure:
+                        with _laid_out(page):
+                            pages.savefig(page)
+            else:
+                with _laid_out(figure):
+                    figure.savefig(file, format=suffix[1:], metadata=_UNDATED[suffix], dpi=dpi)
         except (ValueError, OverflowError, OSError) as error:
             if "SOURCE_DATE_EPOCH" not in os.environ:  # which PDF reads, whatever it has then
                 raise
             raise VopdError("SOURCE_DATE_EPOCH is not a number of seconds since 1970") from error
-        figure.set_layout_engine(engine)
     missing = {found[1] for one in warned if (found := MISSING.match(str(one.message)))}
     if missing and suffix != ".svg":
         names = ", ".join(sorted(chr(int(code)) for code in missing)[:5])
@@ -85,6 +98,18 @@ def save(
         if not (MISSING.match(str(one.message)) or "constrained_layout" in str(one.message)):
             warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
     return _renamed(file.getvalue()) if suffix == ".svg" else file.getvalue()
+
+
+@contextmanager
+def _laid_out(figure: Figure) -> Iterator[None]:
+    """Divide the room of a figure among its panels once: with its engine all is drawn twice."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        engine.execute(figure)  # labels beside narrow panels have their room the second time
+        figure.set_layout_engine(None)
+    yield
+    figure.set_layout_engine(engine)
 
 
 MISSING = re.compile(r"Glyph (\d+) .* missing from")
@@ -169,7 +194,9 @@ def caption(histories: Sequence[History]) -> str:
     names = list(dict.fromkeys(h.about.source for h in histories))
     text = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     if len(histories) == 1:
-        text += f", job {histories[0].about.job}: {histories[0].about.title}"
+        about = histories[0].about
+        text += f", job {about.job}" if about.words.jobs else ""
+        text += f": {about.title}" if about.title else ""
     else:
         text += f", {len(histories)} jobs"
     fixes = histories[0].about.fixes
@@ -197,9 +224,96 @@ def plain(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")
 
 
+def wrapped(text: str, width_in: float) -> str:
+    """Break the lines of a title where they would leave the figure.
+
+    Args:
+        text: of several lines
+        width_in: of the figure, inches
+    """
+    most = int(width_in * LETTERS_IN)
+    return "\n".join("\n".join(wrap(line, most)) for line in text.splitlines())
+
+
+LETTERS_IN = 13.5  # letters of a title to an inch
 SHOWN = 16  # characters of a label that are shown
 
 
 def short(label: str, most: int = SHOWN) -> str:
     """Shorten a label."""
     return label if len(label) <= most else f"{label[: most - 1]}…"
+
+
+# Names beside their points, none over another
+
+NAME_PT = 8.0  # size of names, points
+APART_PT = 7.0  # from a point to its name
+SIDES = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
+
+
+def halo(width: float = 2.5) -> list[Any]:
+    """Outline marks in white, so that they are seen on a photograph."""
+    from matplotlib.patheffects import withStroke
+
+    return [withStroke(linewidth=width, foreground="white")]
+
+
+BEHIND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6}
+"""A ground for texts on a photograph: with an outline they would be no text in an .svg."""
+
+
+def place_names(
+    axis: Any,
+    points: Floats,
+    names: Sequence[str],
+    points_per_unit: Floats,
+    inside: Floats | None = None,
+    bold: Bools | None = None,
+) -> int:
+    """Write names beside their points where no other name or point is; gives how many have no room.
+
+    Args:
+        axis: the panel
+        points: in its coordinates, the most important first, (n, 2)
+        names: of the points
+        points_per_unit: how large a unit is drawn along x and y, points; negative where the
+            coordinate grows to the left or down
+        inside: corners of the area that names stay in, (2, 2); None: anywhere
+        bold: which are written bold, (n,)
+    """
+    centre = points * points_per_unit
+    marks = np.hstack([centre - 4.0, centre + 4.0])
+    taken = marks[:0]
+    low, high = np.full(2, -np.inf), np.full(2, np.inf)
+    if inside is not None:
+        corners = np.sort(inside * points_per_unit, axis=0)
+        low, high = corners[0], corners[1]
+    left_out = 0
+    for k, name in enumerate(names):
+        wide = sum(1.0 if east_asian_width(c) in "WF" else 0.62 for c in name) * NAME_PT
+        half = np.array([wide, 1.3 * NAME_PT]) / 2.0
+        others = np.vstack([np.delete(marks, k, axis=0), taken])
+        for side in SIDES:
+            middle = centre[k] + np.array(side) * (half + APART_PT * (0.6 if all(side) else 1.0))
+            box = np.concatenate([middle - half, middle + half])
+            over = (others[:, :2] < box[2:]).all(axis=1) & (others[:, 2:] > box[:2]).all(axis=1)
+            if not over.any() and (box[:2] >= low).all() and (box[2:] <= high).all():
+                break
+        else:
+            left_out += 1
+            continue
+        taken = np.vstack([taken, box])
+        axis.annotate(
+            name, points[k], middle - centre[k], textcoords="offset points", ha="center",
+            va="center", fontsize=NAME_PT, bbox=BEHIND, annotation_clip=True, zorder=6,
+            fontweight="bold" if bold is not None and bold[k] else "normal",
+        )  # fmt: skip
+    return left_out
+
+
+def round_number(number: float) -> float:
+    """Round down to one of 1, 2, 5, 10, 20 ...; 1 for a number not above 0."""
+    if not number > 0.0:
+        return 1.0
+    power = 10.0 ** floor(log10(number))
+    return next(step for step in (5.0, 2.0, 1.0) if step * power <= number * (1 + 1e-9)) * power

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -58,6 +58,9 @@ from vopd.geometry.rotations import (
     turns_by_angles,
 )
 from vopd.landmark_layout import LandmarkLayout
+
+if TYPE_CHECKING:
+    from vopd.scene import Scene
 
 # Angles of attack
 
@@ -416,6 +419,12 @@ class FlightEstimates:
         """The flight that was solved."""
         return self.solved.flight
 
+    def scene(self) -> Scene:
+        """Describe the surroundings of the frames, for figures."""
+        from vopd.flight.scene import FlightScene  # which few need
+
+        return FlightScene(self.solved).scene()
+
     @cached_property
     def words(self) -> Words:
         """The words for what is said of the flight."""
@@ -750,6 +759,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         grid=flight.grid,
         gimbal_deg=flight.path.gimbal_deg,
         rate_unknown=None if turning is None else np.isnan(turning[:, 0]),
+        scene=whole.scene,
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -394,6 +395,8 @@ class Flight:
     findings: tuple[Finding, ...] = ()
     mount_sigma_deg: float = 0.0  # about each of the vehicle's axes; 0: not stated
     vehicle: VehicleAttitudes | None = None  # known from elsewhere
+    folder: Path | None = None  # of the project, where images are looked for
+    video: Path | None = None  # that was picked in
 
     @property
     def grid_convergence_deg(self) -> float:

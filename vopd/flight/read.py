@@ -633,6 +633,8 @@ def _flight_of(project: Project) -> Flight:
         offset_s=offset_s,
         options=flight_options(project, lens, refraction, camera, landmarks),
         grid=landmark_grid(project, rows, camera),
+        folder=project.folder,
+        video=_video(project),
         about=(
             *(lens.said, picks.said),
             *filter(None, [times.said]),
@@ -650,6 +652,12 @@ def _frame_rate_hz(project: Project, times: FrameTimes) -> float | None:
     if not section.has("frame_rate_hz"):
         return None
     return section.number("frame_rate_hz")
+
+
+def _video(project: Project) -> Path | None:
+    """Find the video that was picked in."""
+    section = project.section("picks")
+    return project.folder / section.text("video") if section.has("video") else None
 
 
 def _all_as_one(project: Project) -> bool:

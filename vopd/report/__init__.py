@@ -21,8 +21,7 @@ from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table import column_name, columns_of
 from vopd.attitude.uncertainty import ANGLES
 from vopd.export.tables import table_text
-from vopd.figures import FIGURES, draw, drawn_jobs, left_out_text
-from vopd.figures.attitude import has_attack
+from vopd.figures import FIGURES, draw, figure_names, left_out_text
 from vopd.figures.style import ready, svg
 from vopd.files import optional_package
 from vopd.findings import VopdError, count_text
@@ -470,23 +469,25 @@ def _worst(residual: Floats, frames: Ints) -> int:
 # Figures
 
 CAPTIONS = {
-    "attitude": "Camera and vehicle yaw, pitch and roll against time, with bands of 95 %.",
+    "attitude": "Yaw, pitch and roll against time, with bands of 95 %, and below them marks of "
+    "flags; of the camera too where it is turned against its vehicle.",
     "attack": "Alpha, beta and eta against time, with bands of 95 %; eta is never below 0.",
-    "residuals": "Residuals x and y of every frame, a column for each landmark; the numbers are in "
-    "the table of landmarks.",
+    "residuals": "Residuals against time, a line for each landmark, and in their standard "
+    "deviations; the numbers are in the table of landmarks.",
     "image": "One frame's landmarks, measured and computed, with their residuals.",
+    "map": "Camera, landmarks and the lines of sight of one frame, from above and from the side.",
 }
 
 
 def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, str]]:
     """Draw every figure of `FIGURES`: its name, title, caption, and its SVG as a data URI.
 
-    Angles of attack are left out where no frame has them.
+    Angles of attack are left out where no frame has them. Photographs are not in the page.
     """
     figures = []
-    for name, kind in FIGURES.items():
-        if name == "attack" and not has_attack(drawn_jobs(histories)):
-            continue
-        picture = base64.b64encode(svg(draw(name, histories)).encode()).decode()
+    for name in figure_names("all", histories):
+        kind = FIGURES[name]
+        drawn = draw(name, histories, photograph=False)
+        picture = base64.b64encode(svg(drawn).encode()).decode()
         figures.append((name, kind.title, CAPTIONS[name], f"data:image/svg+xml;base64,{picture}"))
     return figures

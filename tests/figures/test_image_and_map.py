@@ -1,0 +1,129 @@
+"""The photograph with its landmarks, and the map: by the files of an example."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from tests.kit.command import ROOT, vopd
+from tests.kit.figures import labelled, points
+from tests.kit.histories import with_estimate
+from tests.tolerances import assert_close
+from vopd.attitude.history import History
+from vopd.figures import draw
+from vopd.figures.map import STEPS
+from vopd.figures.style import place_names
+from vopd.flight.result import solve_flight
+from vopd.geometry.earth import earth_centred_m, geodetic
+
+HILL = ROOT / "examples" / "hill"
+
+
+@cache
+def hill() -> History:
+    return solve_flight(HILL / "flight.toml").history()
+
+
+def panel(name: str, history: History, **given: Any) -> tuple[Any, str]:
+    figure = draw(name, [history], 0, **given)
+    (part,) = figure.subfigs
+    return part.axes[0], part.get_suptitle()
+
+
+def picks_of(frame: str) -> dict[str, list[float]]:
+    with (HILL / "picks.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    return {
+        row["landmark"]: [float(row["u_px"]), float(row["v_px"])]
+        for row in rows
+        if row["frame"] == frame
+    }
+
+
+def test_picks_stand_in_the_photograph_s_own_pixels() -> None:
+    """u right and v down, within the border of the image; arrows from the computed places."""
+    picture = Image.new("RGB", (1920, 1080), "teal")
+    axis, said = panel("image", hill(), photograph=lambda number, name: picture)
+    (drawn,) = axis.images
+    assert drawn.get_extent() == [-0.5, 1919.5, 1079.5, -0.5]
+    assert axis.get_xlim()[0] < axis.get_xlim()[1] and axis.get_ylim()[0] > axis.get_ylim()[1]
+    lines, picks = labelled(axis), picks_of("0")
+    assert sorted(points(lines["picked"])) == sorted(picks.values())
+    residual = hill().estimate.residual_xy[0]  # x to the left, y up
+    computed = np.array(points(lines["picked"]), float) + residual
+    assert_close("flight pixel", np.array(points(lines["computed"]), float), computed)
+    assert {text.get_text() for text in axis.texts} >= {*picks, "000° N"}
+    assert "times as long" in said and "no photograph" not in said
+
+
+def test_a_photograph_is_found_by_its_name(tmp_path: Path) -> None:
+    """In a folder within that of the project, or in that of --images; else the title says so."""
+    shutil.copytree(ROOT / "examples" / "summits", tmp_path / "post")
+    project, name = tmp_path / "post" / "flight.toml", "2026-05-01_0900.jpg"
+    one = solve_flight(project).history()
+    assert (
+        f"{name} is not in the project's folder" in draw("image", [one]).subfigs[0].get_suptitle()
+    )
+    for folder in ("post/photographs", "elsewhere"):
+        (tmp_path / folder).mkdir()
+        Image.new("RGB", (40, 30)).save(tmp_path / folder / name)
+    assert draw("image", [one]).subfigs[0].axes[0].images
+    made = tmp_path / "a.svg"
+    images = ("--figure", "image", "--images", tmp_path / "elsewhere")
+    assert vopd("plot", project, "-o", made, *images).status == 0
+    assert "40 x 30: not the size" in " ".join(made.read_text().split())
+
+
+def test_lines_of_sight_meet_their_landmarks() -> None:
+    """To a metre: the picks are of the third of a pixel at some hundred metres."""
+    axis, said = panel("map", hill())
+    marks = np.array(points(labelled(axis)["landmark picked in this frame"]), float)
+    names = hill().estimate.landmark_names
+    assert len(marks) == len(names) and "miss" not in said
+    ends = np.array([one.get_xydata()[-1] for one in axis.lines if len(one.get_xdata()) == STEPS])
+    apart_m = np.linalg.norm(ends[:, None] - marks, axis=2).min(axis=1)
+    assert len(ends) == len(marks) and apart_m.max() < 1.0
+
+
+def test_heights_in_feet_are_seen() -> None:
+    """Of landmarks 3.28 times as high the lines of sight pass below."""
+    estimate = hill().estimate
+    assert estimate.scene is not None
+    scene = estimate.scene()
+    where = geodetic(scene.landmark_m)
+    high = earth_centred_m(where.latitude_deg, where.longitude_deg, where.height_m / 0.3048)
+    raised = replace(scene, landmark_m=high)
+    axis, said = panel("map", with_estimate(hill(), scene=lambda: raised))
+    assert "6 lines of sight that miss their landmarks" in said
+    assert "misses its landmark, dotted" in labelled(axis)
+
+
+def test_a_pdf_has_a_page_a_figure(tmp_path: Path) -> None:
+    made = tmp_path / "a.pdf"
+    which = ("--figure", "image", "--figure", "map")
+    assert vopd("plot", HILL / "flight.toml", "-o", made, *which).status == 0
+    assert b"/Count 2" in made.read_bytes()
+
+
+@pytest.mark.parametrize("count", [2, 60])
+def test_names_do_not_cover_each_other(count: int) -> None:
+    """Those that have no room are left out, and counted."""
+    figure = Figure(figsize=(6.0, 6.0), dpi=72)
+    axis = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axis.set(xlim=(0.0, 432.0), ylim=(0.0, 432.0))
+    at = np.random.default_rng(3).uniform(150.0, 280.0, (count, 2))
+    left_out = place_names(axis, at, [f"landmark {k}" for k in range(count)], np.ones(2))
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axis.texts]
+    assert len(boxes) == count - left_out and (left_out > 0) == (count > 2)
+    for k, one in enumerate(boxes):
+        assert not any(one.overlaps(other) for other in boxes[:k])

@@ -1,0 +1,261 @@
+"""The map: track, landmarks, and one frame's footprint and lines of sight, with their heights."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.attitude.history import History
+from vopd.attitude.long_history import frame_landmarks
+from vopd.figures.image import LABELLED, camera_index, chosen
+from vopd.figures.style import (
+    BEHIND,
+    COLOURS,
+    FLAGGED,
+    caption,
+    place_names,
+    plain,
+    round_number,
+    short,
+)
+from vopd.findings import VopdError, count_text
+from vopd.geometry.earth import geodetic, local_axes
+
+if TYPE_CHECKING:
+    from vopd.scene import Scene
+
+NO_MAP = "no map: where landmarks and camera are is not known"
+BEYOND = 1.3  # how far the footprint of a view toward the horizon goes: of the farthest landmark
+MISSED = 0.01  # of the distance to a landmark: a line of sight that passes it farther is marked
+STEPS = 40  # of a line of sight, so that over a long way the Earth's curvature shows
+ROOM = 0.08  # around all that is drawn
+SIDE = 0.32  # of the height of the figure: the side view
+
+
+def draw_map(
+    figure: Any, histories: Sequence[History], frame: int | str | None, _: Any = None
+) -> str:
+    """Draw the map of one job, from above and from the side, with the view of one frame.
+
+    Args:
+        figure: to draw in
+        histories: the jobs
+        frame: number or name; None takes the one with the most landmarks
+    """
+    history, k = chosen(histories, frame)
+    if history.estimate.scene is None:
+        raise VopdError(NO_MAP)
+    scene = history.estimate.scene()
+    e = history.estimate
+    number, name = int(e.frame[k]), e.frame_names[k] if e.frame_names else ""
+    camera_m = scene.camera_m[camera_index(history, k, scene)]
+    known = scene.camera_m[np.isfinite(scene.camera_m[:, 0])]
+    unit_m, unit, axes = 1.0, "m", local_axes(camera_m[None])[0]
+    away_m = float(np.linalg.norm(scene.landmark_m - camera_m, axis=1).max(initial=1.0))
+    if away_m > 20_000.0 and scene.plane is None:
+        unit_m, unit = 1000.0, "km"
+
+    def plan(position_m: Floats) -> Floats:
+        if scene.plane is not None:
+            return scene.plane(position_m.reshape(-1, 3))[0].reshape(*position_m.shape[:-1], 2)
+        return np.asarray((position_m - camera_m) @ axes[:2].T / unit_m)
+
+    picked, ray = scene.sight(number, name)
+    mark_m = scene.landmark_m[picked]
+    along = ((mark_m - camera_m) * ray).sum(axis=1)
+    along = np.where(along > 0.0, along, np.linalg.norm(mark_m - camera_m, axis=1))
+    steps = np.linspace(0.0, 1.0, STEPS)[:, None]
+    line_m = camera_m + (along[:, None] * ray)[:, None, :] * steps  # (n, STEPS, 3)
+    miss_m = np.linalg.norm(mark_m - line_m[:, -1], axis=1)
+    culprit = _culprits(history, k, scene)
+    missed = (miss_m > MISSED * along) | np.isin(picked, np.flatnonzero(culprit))
+    level = (ray @ axes[:2].T).sum(axis=0)
+    azimuth = np.degrees(np.arctan2(level[0], level[1])) if len(ray) else 0.0
+    gathered = np.hypot(*level) > 0.5 * len(ray) * 0.2
+
+    def beside(position_m: Floats) -> Floats:
+        """The distance along the view, and the height."""
+        flat = (position_m - camera_m) @ axes[:2].T
+        way = np.radians(azimuth if gathered else 90.0)
+        along = flat @ np.array([np.sin(way), np.cos(way)]) / unit_m
+        height = geodetic(position_m).height_m
+        return np.stack([along, height], axis=-1)
+
+    above, side = figure.subplots(2, 1, height_ratios=(1.0 - SIDE, SIDE))
+    foot, open_ended = _footprint(scene, history, k, camera_m, axes, away_m)
+    for axis, to in ((above, plan), (side, beside)):
+        if axis is above and foot is not None:
+            at = to(foot)
+            axis.fill(*at.T, color=COLOURS[4], alpha=0.18, lw=0, zorder=0)
+            axis.plot(
+                *np.vstack([at, at[:1]]).T, color=COLOURS[4], lw=1.0, zorder=1, label="footprint"
+            )
+        if len(known) > 1:
+            axis.plot(
+                *to(known).T, ".-", color="0.25", ms=3, lw=0.8, zorder=2, label="camera's track",
+                rasterized=len(known) > 2000,
+            )  # fmt: skip
+        for n, (one, odd) in enumerate(zip(line_m, missed, strict=True)):
+            text = "misses its landmark, dotted" if odd else "line of sight"
+            axis.plot(
+                *to(one).T, "--" if odd else "-", color=FLAGGED if odd else COLOURS[0], zorder=3,
+                lw=1.4 if odd else 0.9, label=text if odd not in missed[:n] else None,
+            )  # fmt: skip
+            if odd:
+                ends = np.stack([one[-1], mark_m[n]])
+                axis.plot(*to(ends).T, ":", color=FLAGGED, lw=1.6, zorder=3)
+        used = np.zeros(len(scene.names), bool)
+        used[picked] = True
+        for here, mark, colour, text in (
+            (~used, "^", "0.45", "landmark"),
+            (used & ~culprit, "^", COLOURS[0], "landmark picked in this frame"),
+            (culprit, "s", FLAGGED, "does not fit"),
+        ):
+            if here.any():
+                axis.plot(
+                    *to(scene.landmark_m[here]).T, mark, color=colour, label=text, zorder=5,
+                    mfc=colour if mark == "^" and colour != "0.45" else "white",
+                    ms=9 if mark == "s" else 7, mew=1.4,
+                )  # fmt: skip
+        axis.plot(
+            *to(camera_m), "o", color=COLOURS[1], ms=8, mec="black", zorder=6,
+            label="camera of this frame",
+        )  # fmt: skip
+    size_in = np.array([figure.bbox.width, figure.bbox.height]) / figure.dpi
+    box_in = np.array([size_in[0] - 1.1, (size_in[1] - 2.3) * (1.0 - SIDE)])
+    shown = np.vstack([plan(known), plan(scene.landmark_m), plan(line_m).reshape(-1, 2)])
+    low, high = _limits(shown, box_in)
+    above.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    above.set_aspect("equal")
+    side_in = np.array([size_in[0] - 1.1, (size_in[1] - 2.3) * SIDE])
+    heights = np.vstack([beside(known), beside(scene.landmark_m), beside(line_m).reshape(-1, 2)])
+    least, most = heights.min(axis=0), heights.max(axis=0)
+    span = np.maximum(most - least, 1e-3 * max(float((most - least).max()), 1.0))
+    span[1] = max(span[1], span[0] * unit_m * side_in[1] / side_in[0] * 0.02)
+    side.set(
+        xlim=(least[0] - ROOM * span[0], most[0] + ROOM * span[0]),
+        ylim=(least[1] - 2 * ROOM * span[1], most[1] + 2 * ROOM * span[1]),
+    )
+    stretched = (span[0] * unit_m / side_in[0]) / (span[1] * (1 + 4 * ROOM) / side_in[1])
+
+    order = np.argsort(np.where(culprit, 0, np.where(used, 1, 2)), kind="stable")[:LABELLED]
+    names = [plain(short(scene.names[one], 24)) for one in order]
+    names = [
+        f"{n}: does not fit" if culprit[one] else n for n, one in zip(names, order, strict=True)
+    ]
+    nameless = len(scene.names) - len(order)
+    pt = 72.0 * box_in / (high - low)
+    at = plan(scene.landmark_m[order])
+    nameless += place_names(above, at, names, pt, np.stack([low, high]), culprit[order])
+    in_side = order[(used | culprit)[order]]
+    at = beside(scene.landmark_m[in_side])
+    pt = 72.0 * side_in / (span * (1 + 2 * ROOM))
+    place_names(side, at, [plain(short(scene.names[one], 24)) for one in in_side], pt)
+
+    where = f"in {scene.crs}, m" if scene.plane is not None else f"of this frame's camera, {unit}"
+    above.set_xlabel(f"easting {where}" if scene.plane is not None else f"east {where}")
+    above.set_ylabel("northing, m" if scene.plane is not None else f"north, {unit}")
+    direction = f"toward azimuth {azimuth % 360.0:.0f}°" if gathered else "toward the east"
+    side.set_xlabel(f"distance from the camera {direction}, {unit}")
+    side.set_ylabel("height, m")
+    for axis in (above, side):
+        axis.ticklabel_format(style="plain", useOffset=False)
+    _scale_bar(above, low, high, unit)
+    _north(above, scene, camera_m)
+    handles, texts = above.get_legend_handles_labels()
+    figure.legend(handles, texts, loc="outside lower center", ncols=3)
+    told = [f"frame {plain(e.frame_label(k))}", "lines of sight as picked"]
+    if missed.any():
+        worst = int(np.where(missed, miss_m / along, 0.0).argmax())
+        told.append(
+            f"red: {count_text(int(missed.sum()), 'line')} of sight that "
+            f"{'misses its landmark' if missed.sum() == 1 else 'miss their landmarks'}, "
+            f"most {plain(scene.names[picked[worst]])}: {miss_m[worst]:.3g} m"
+        )
+    if open_ended:
+        told.append("the view goes on beyond the footprint's far edge")
+    if nameless:
+        told.append(f"{count_text(nameless, 'name')} left out for want of room")
+    told.append(f"below: the side view, heights {stretched:.2g} times the scale of distances")
+    return f"{caption([history])}\n{'; '.join(told)}"
+
+
+def _culprits(history: History, k: int, scene: Scene) -> Bools:
+    """Mark the landmarks that do not fit in this frame, (N,)."""
+    rows = frame_landmarks(history)
+    here = (rows.frame == k) & rows.outlier
+    odd = {history.estimate.landmark_label(one) for one in rows.landmark[here].tolist()}
+    return np.array([name in odd for name in scene.names], dtype=bool)
+
+
+def _limits(points: Floats, box_in: Floats) -> tuple[Floats, Floats]:
+    """Choose the corners of the plan, of the shape of its box, with room around all points."""
+    low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+    middle, span = (low + high) / 2.0, np.maximum(high - low, 1e-3) * (1.0 + 2.0 * ROOM)
+    per_in = float((span / box_in).max())
+    return middle - per_in * box_in / 2.0, middle + per_in * box_in / 2.0
+
+
+def _footprint(
+    scene: Scene, history: History, k: int, camera_m: Floats, axes: Floats, away_m: float
+) -> tuple[Floats | None, bool]:
+    """Find where the image's border meets the mean height of the landmarks, Earth-centred.
+
+    Of a view that reaches the horizon it ends somewhat beyond the farthest landmark.
+    """
+    if scene.image is None:
+        return None, False
+    e = history.estimate
+    view = scene.image(int(e.frame[k]), e.frame_names[k] if e.frame_names else "")
+    width, height = view.size_px
+    edge = np.linspace(0.0, 1.0, 30)[:-1]
+    around = [
+        (edge, 0 * edge),
+        (0 * edge + 1, edge),
+        (1 - edge, 0 * edge + 1),
+        (0 * edge, 1 - edge),
+    ]
+    share = np.hstack([np.stack(one) for one in around]).T
+    direction = view.direction_of(share * [width - 1.0, height - 1.0])
+    direction = direction[np.isfinite(direction).all(axis=1)]
+    below_m = float(((scene.landmark_m - camera_m) @ axes[2]).mean())
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = below_m / direction[:, 2]
+    level = np.hypot(direction[:, 0], direction[:, 1])
+    most = BEYOND * away_m
+    endless = ~((far > 0.0) & (far * level < most))
+    if endless.all():
+        return None, False
+    reach = np.where(endless, most / np.maximum(level, 1e-9), far)
+    flat = direction[:, :2] * reach[:, None]
+    flat = np.hstack([flat, np.full((len(flat), 1), below_m)])
+    return camera_m + flat @ axes, bool(endless.any())
+
+
+def _scale_bar(axis: Any, low: Floats, high: Floats, unit: str) -> None:
+    """Draw a bar of a round length in the lower left corner."""
+    span = high - low
+    length = round_number(0.2 * float(span[0]))
+    x, y = low[0] + 0.03 * span[0], low[1] + 0.05 * span[1]
+    axis.plot([x, x + length], [y, y], color="black", lw=3.0, solid_capstyle="butt", zorder=7)
+    text = f"{length:g} {unit}" if unit == "km" or length < 1e4 else f"{length / 1000.0:g} km"
+    axis.annotate(
+        text, (x + length / 2.0, y), (0, 4), textcoords="offset points", ha="center",
+        bbox=BEHIND, zorder=7,
+    )  # fmt: skip
+
+
+def _north(axis: Any, scene: Scene, camera_m: Floats) -> None:
+    """Draw the way to true north in the upper right corner; on a grid it is not straight up."""
+    turned = 0.0
+    if scene.plane is not None:
+        turned = -float(scene.plane(camera_m[None])[1][0])  # true less grid azimuth
+    way = np.array([np.sin(np.radians(turned)), np.cos(np.radians(turned))]) * 26.0
+    axis.annotate(
+        "N", (0.96, 0.96), -way, xycoords="axes fraction", textcoords="offset points",
+        ha="center", va="center", fontweight="bold", zorder=7,
+        arrowprops={"arrowstyle": "-|>", "color": "black", "lw": 1.6},
+    )  # fmt: skip

@@ -1,0 +1,45 @@
+"""The surroundings of a job's frames, for figures: landmarks, track, lines of sight, photograph."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from vopd.arrays import Bools, Floats, Ints
+
+
+@dataclass(frozen=True, eq=False)
+class ImageScene:
+    """One frame's image: P picks, and every landmark of the scene. Pixels are u right, v down."""
+
+    size_px: tuple[int, int]  # width, height
+    landmark: Ints  # (P,) index of each pick's landmark in the scene
+    pixel: Floats  # (P, 2) as picked
+    fitted: Floats  # (P, 2) computed for that pick; NaN: it has no image
+    used: Bools  # (P,) which take part
+    computed: Floats  # (N, 2) of every landmark; NaN: it has no image
+    pixel_of: Callable[[Floats], Floats]  # pixels of directions east, north, up, (n, 3)
+    direction_of: Callable[[Floats], Floats]  # directions east, north, up, of pixels, (n, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Where the landmarks and the camera of a job are, N landmarks and F frames.
+
+    Positions are Earth-centred, metres. Frames are named by number and image, as the job may
+    have been divided.
+    """
+
+    names: tuple[str, ...]  # of the landmarks
+    landmark_m: Floats  # (N, 3) as solved, if they are solved for
+    check: Bools  # (N,) check landmarks: predicted, not used
+    camera_m: Floats  # (F, 3) NaN where not known
+    index: Callable[[int, str], int]  # of a frame in these, by its number and its image's name
+    sight: Callable[[int, str], tuple[Ints, Floats]]
+    """Measured lines of sight of a frame: landmarks (n,), Earth-centred unit vectors (n, 3)."""
+    image: Callable[[int, str], ImageScene] | None = None  # None: a film, which has no pixels
+    photograph: Callable[[int, str], Any] | None = None  # a PIL image; None: none is named
+    crs: str = ""  # of the landmarks, if it is projected
+    plane: Callable[[Floats], tuple[Floats, Floats]] | None = None
+    """Easting and northing in `crs`, and the convergence of its grid, degrees, of positions."""
