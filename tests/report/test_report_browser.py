@@ -100,7 +100,7 @@ def test_it_loads_without_a_word_and_asks_for_nothing(browser: Any, tmp_path: Pa
     asked = {one["request"]["url"] for one in sent}
     assert {url for url in asked if not url.startswith("data:")} == {case4.current_url}
     sizes = case4.execute_script("return [...document.images].map((image) => image.naturalWidth)")
-    assert len(sizes) == 4 and min(sizes) > 100
+    assert len(sizes) == 5 and min(sizes) > 100
 
 
 @pytest.mark.parametrize("made", ["case4", "film"])
