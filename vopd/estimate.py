@@ -19,7 +19,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.records import Rows
 
 if TYPE_CHECKING:
-    from vopd.scene import Scene
+    from vopd.scene import JobScene
 
 
 class FrameStatus(IntEnum):
@@ -217,7 +217,7 @@ class FrameEstimate(Rows):
     gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
     rate_unknown: Bools | None = None
     """(F,) with a rolling shutter: no other frame says how fast the camera turns in this one."""
-    scene: Callable[[], Scene] | None = field(default=None, repr=False, compare=False)
+    scene: Callable[[], JobScene] | None = field(default=None, repr=False, compare=False)
     """Makes the surroundings of all frames of the job, for figures."""
     moved: Floats | None = None  # (F, 3) east, north, up from the stated to the solved position
     position_sigma: Floats | None = None  # (F, 3) of the position as solved, east, north, up

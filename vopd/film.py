@@ -47,7 +47,7 @@ from vopd.program.vopd import run_jobs
 from vopd.results import Outcome, Results, SolvedJob
 
 if TYPE_CHECKING:
-    from vopd.scene import Scene
+    from vopd.scene import JobScene
 
 DOWN_1974 = "toward the Earth's centre (as in 1974)"
 TOGETHER = 4000  # frames
@@ -217,7 +217,7 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
     ]
 
 
-def deck_scene(estimate: Estimate, job: Job) -> Scene:
+def deck_scene(estimate: Estimate, job: Job) -> JobScene:
     """Describe the surroundings of a job's frames, for figures.
 
     Positions are drawn on WGS 84: their latitudes, longitudes and altitudes are those of the
@@ -246,9 +246,9 @@ def deck_scene(estimate: Estimate, job: Job) -> Scene:
         own = np.array([index[one] for one in estimate.landmark[k, here].tolist()], dtype=np.int64)
         return own, ray @ axes @ np.stack([east, north, -down])
 
-    from vopd.scene import Scene
+    from vopd.scene import JobScene
 
-    return Scene(
+    return JobScene(
         tuple(map(str, number)),
         earth_centred_m(
             marks.latitude_deg + marks.latitude_min / 60.0,

@@ -24,7 +24,7 @@ class ImageScene:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class JobScene:
     """Where the landmarks and the camera of a job are, N landmarks and F frames.
 
     Positions are Earth-centred, metres. Frames are named by number and image, as the job may

@@ -26,7 +26,7 @@ from vopd.findings import VopdError, count_text
 from vopd.geometry.earth import geodetic
 
 if TYPE_CHECKING:
-    from vopd.scene import ImageScene, Scene
+    from vopd.scene import ImageScene, JobScene
 
 # Draw the image of one frame: where its landmarks were measured and where they were computed.
 
@@ -65,7 +65,7 @@ TRUE_LENGTH = 0.3  # of the image's width: an arrow that would be longer is draw
 ROOM_IN = (0.9, 1.9)  # width and height of a figure that labels, title and legend take, inches
 
 
-def _draw_pixels(figure: Any, history: History, k: int, scene: Scene, photograph: Any) -> str:
+def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photograph: Any) -> str:
     e = history.estimate
     number, name = int(e.frame[k]), e.frame_names[k] if e.frame_names else ""
     assert scene.image is not None
@@ -162,7 +162,7 @@ def _photograph(read: Photograph, number: int, name: str) -> tuple[Any, str]:
         return None, f"no photograph: {plain(str(error))}"
 
 
-def _culprits(history: History, k: int, scene: Scene, view: ImageScene) -> Bools:
+def _culprits(history: History, k: int, scene: JobScene, view: ImageScene) -> Bools:
     """Mark the picks of a frame that do not fit, or were set aside as blunders, (P,)."""
     rows = frame_landmarks(history)
     here = (rows.frame == k) & rows.outlier
@@ -177,7 +177,7 @@ HORIZON = "#7a3b9a"
 AZIMUTHS = {0: "N", 45: "NE", 90: "E", 135: "SE", 180: "S", 225: "SW", 270: "W", 315: "NW"}
 
 
-def _horizon(axis: Any, history: History, k: int, scene: Scene, view: ImageScene) -> list[str]:
+def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageScene) -> list[str]:
     """Draw the horizon with azimuths, or if it is not in the picture the way north; say what."""
     camera = scene.camera_m[camera_index(history, k, scene)]
     height = geodetic(camera).height_m - geodetic(scene.landmark_m).height_m.min()
@@ -239,7 +239,7 @@ def _inside(pixel: Floats, size_px: tuple[int, int]) -> Bools:
         return np.asarray(((pixel >= -0.5) & (pixel <= np.array(size_px) - 0.5)).all(axis=1))
 
 
-def camera_index(history: History, k: int, scene: Scene) -> int:
+def camera_index(history: History, k: int, scene: JobScene) -> int:
     """Find a frame of a history among those of its scene."""
     e = history.estimate
     return scene.index(int(e.frame[k]), e.frame_names[k] if e.frame_names else "")

@@ -25,7 +25,7 @@ from vopd.findings import VopdError, count_text
 from vopd.geometry.earth import geodetic, local_axes
 
 if TYPE_CHECKING:
-    from vopd.scene import Scene
+    from vopd.scene import JobScene
 
 NO_MAP = "no map: where landmarks and camera are is not known"
 BEYOND = 1.3  # how far the footprint of a view toward the horizon goes: of the farthest landmark
@@ -183,7 +183,7 @@ def draw_map(
     return f"{caption([history])}\n{'; '.join(told)}"
 
 
-def _culprits(history: History, k: int, scene: Scene) -> Bools:
+def _culprits(history: History, k: int, scene: JobScene) -> Bools:
     """Mark the landmarks that do not fit in this frame, (N,)."""
     rows = frame_landmarks(history)
     here = (rows.frame == k) & rows.outlier
@@ -200,7 +200,7 @@ def _limits(points: Floats, box_in: Floats) -> tuple[Floats, Floats]:
 
 
 def _footprint(
-    scene: Scene, history: History, k: int, camera_m: Floats, axes: Floats, away_m: float
+    scene: JobScene, history: History, k: int, camera_m: Floats, axes: Floats, away_m: float
 ) -> tuple[Floats | None, bool]:
     """Find where the image's border meets the mean height of the landmarks, Earth-centred.
 
@@ -248,7 +248,7 @@ def _scale_bar(axis: Any, low: Floats, high: Floats, unit: str) -> None:
     )  # fmt: skip
 
 
-def _north(axis: Any, scene: Scene, camera_m: Floats) -> None:
+def _north(axis: Any, scene: JobScene, camera_m: Floats) -> None:
     """Draw the way to true north in the upper right corner; on a grid it is not straight up."""
     turned = 0.0
     if scene.plane is not None:

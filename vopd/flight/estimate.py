@@ -60,7 +60,7 @@ from vopd.geometry.rotations import (
 from vopd.landmark_layout import LandmarkLayout
 
 if TYPE_CHECKING:
-    from vopd.scene import Scene
+    from vopd.scene import JobScene
 
 # Angles of attack
 
@@ -419,7 +419,7 @@ class FlightEstimates:
         """The flight that was solved."""
         return self.solved.flight
 
-    def scene(self) -> Scene:
+    def scene(self) -> JobScene:
         """Describe the surroundings of the frames, for figures."""
         from vopd.flight.scene import FlightScene  # which few need
 

@@ -16,7 +16,7 @@ from vopd.flight.readout import row_shifts_px
 from vopd.flight.solve import SolvedFlight
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import project, ray_of_pixel
-from vopd.scene import ImageScene, Scene
+from vopd.scene import ImageScene, JobScene
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -32,12 +32,12 @@ class FlightScene:
     def __init__(self, solved: SolvedFlight) -> None:
         self._solved, self._flight = solved, solved.flight
 
-    def scene(self) -> Scene:
+    def scene(self) -> JobScene:
         """Make the record that figures are drawn from."""
         flight, places = self._flight, self._landmark_m
         grid = flight.grid
         named = flight.video is not None or bool(flight.image_name and flight.folder)
-        return Scene(
+        return JobScene(
             flight.landmarks.name,
             places,
             ~flight.landmarks.takes_part,
