@@ -40,6 +40,7 @@ class Clicks:
     by_click: Floats  # (R, 2, 2) shift of the reading by a shift of the click
     own_px: Floats  # (R,) standard deviation of u and of v besides the click's error
     lost: Ints  # numbers of frames in which fewer than two landmarks are found
+    shared: bool = False  # readings of a pick have one error: by how little they differ tells none
     root: Floats | None = None
     """Times its transpose the covariance of u, v of all clicks, (2C, C'); None: by `sigma_px`."""
 

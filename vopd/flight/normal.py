@@ -106,7 +106,8 @@ class Normal:
             squares = clicks.squares(state.click_px)
             self.cost += float(squares.sum())
             frame = model.flight.picks.frame[model.pick]
-            self.frame_cost += np.bincount(frame, squares, model.frames)
+            if clicks.telling.any():
+                self.frame_cost += np.bincount(frame, squares, model.frames)
         self.right = RightSide(
             self._turn[..., None],
             self._place[..., None],

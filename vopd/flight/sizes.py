@@ -63,7 +63,7 @@ def readings(solution: JointSolution) -> int:
         solution: of the flight
     """
     model = solution.model
-    return len(model.pick) + (0 if model.clicks is None else int(model.clicks.spare.sum()))
+    return len(model.pick) + (0 if model.clicks is None else int(model.clicks.telling.sum()))
 
 
 def squares_of_readings(solution: JointSolution) -> float:
@@ -74,7 +74,9 @@ def squares_of_readings(solution: JointSolution) -> float:
     """
     residual, clicks = solution.normal.residual, solution.model.clicks
     total = float((residual**2).sum())
-    return total if clicks is None else total + float(clicks.squares(solution.state.click_px).sum())
+    if clicks is None or not clicks.telling.any():
+        return total
+    return total + float(clicks.squares(solution.state.click_px).sum())
 
 
 def residual_freedom(solution: JointSolution) -> tuple[float, float]:
@@ -165,7 +167,7 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     freedom = float((2.0 * picks - 3.0)[count].sum()) - free
     if model.clicks is not None:
         own = count[model.flight.picks.frame[model.pick]]
-        freedom += 2.0 * float(model.clicks.spare[own].sum())
+        freedom += 2.0 * float(model.clicks.telling[own].sum())
     if not freedom > 0.0:
         return 1.0, 1.0
     cost = float(cost_of_frames(solution)[count].sum()) - _by_stated(solution, count)

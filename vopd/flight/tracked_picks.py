@@ -80,20 +80,24 @@ def join_tracks(
     rows, first = by_point(frame, own_of[read.landmark.which])
     clicked = tracks.status[rows] == CLICKED
     own_px = np.where(clicked, CLICK_ALONE * tracks.sigma_px[rows], tracks.sigma_px[rows])
+    pick = np.repeat(np.arange(len(first) - 1), np.diff(first))
+    if tracks.shared:  # together they are no better than one
+        matches = np.bincount(pick, ~clicked)[pick]
+        own_px = np.where(clicked, own_px, own_px * np.sqrt(np.maximum(matches, 1)))
     mark, source = own_of[read.landmark.which[rows]], tracks.from_frame[rows]
     keys, click = np.unique(np.stack([mark, source]), axis=1, return_inverse=True)
     click_px = np.ones(keys.shape[1])
     click_px[click[clicked]] = tracks.sigma_px[rows][clicked]
-    pick = np.repeat(np.arange(len(first) - 1), np.diff(first))
     weight = own_px**-2.0
     total = np.bincount(pick, weight, len(first) - 1)
     pixel = np.zeros((len(total), 2))
     np.add.at(pixel, pick, tracks.pixel[rows] * weight[:, None])
     pixel /= total[:, None]
-    usual = float(np.median(own_px[~clicked] if not clicked.all() else own_px))
+    usual = float(np.median(tracks.sigma_px[rows][~clicked] if not clicked.all() else own_px))
     clicks = Clicks(
         np.searchsorted(number, keys[1]), keys[0], click_px, pick, click,
         tracks.pixel[rows] - pixel[pick], tracks.by_click[rows], own_px, tracks.lost,
+        tracks.shared,
     )  # fmt: skip
     at = rows[first[:-1]]
     picks = Picks(

@@ -372,16 +372,13 @@ def _scale(journal: Journal, clicks: ClickedPixels) -> tuple[float, bool]:
     they count once.
     """
     squares, freedom = 0.0, -2.0 * len(clicks.frame)
-    for block in journal.blocks("row"):
+    for block in _frames_whole(journal):
         own = block[block["status"] == FOUND]
-        if not len(own):
-            continue
-        _, point = np.unique(np.stack([own["frame"], own["landmark"]]), axis=1, return_inverse=True)
+        points = np.stack([own["frame"], own["landmark"]])
+        pairs, point = np.unique(points, axis=1, return_inverse=True)
         each = (own["residual"].astype(float) ** 2).sum(axis=1) / own["sigma"] ** 2
-        mean = np.bincount(point, each) / np.bincount(point)
-        pairs = np.unique(np.stack([own["frame"], own["landmark"]]), axis=1)
+        squares += float((np.bincount(point, each) / np.bincount(point)).sum())
         _, count = np.unique(pairs[0], return_counts=True)
-        squares += float(mean.sum())
         freedom += float((2 * count - 3).sum())
     if freedom < LEAST_FREEDOM:
         return 1.0, False
@@ -392,14 +389,11 @@ def _lines(
     journal: Journal, footage: Footage, clicks: ClickedPixels, scale: float, digests: dict[str, str]
 ) -> Iterator[str]:
     """Write the lines of the tracked file."""
-    head = 2 + len(digests)
+    head = 3 + len(digests)
     names = footage.flight.landmarks.name
     for index, block in enumerate(_frames_whole(journal)):
         tracked = block["status"] == FOUND
-        point = np.stack([block["frame"], block["landmark"], ~tracked])
-        _, which, several = np.unique(point, axis=1, return_inverse=True, return_counts=True)
-        # the matches of a landmark in a frame have one error, whichever click they are from
-        match = np.maximum(scale * block["sigma"], LEAST_MATCH_PX) * np.sqrt(several[which])
+        match = np.maximum(scale * block["sigma"], LEAST_MATCH_PX)
         source = np.where(block["click"] < 0, 0, block["click"])
         rows = TrackedRows(
             footage.number[block["frame"]],
@@ -411,6 +405,7 @@ def _lines(
             block["correlation"].astype(float),
             block["status"].astype(np.int64),
             digests,
+            shared=True,
         )
         yield from islice(tracked_lines(rows), head if index else 0, None)
 
