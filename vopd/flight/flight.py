@@ -397,7 +397,7 @@ class Flight:
     mount_sigma_deg: float = 0.0  # about each of the vehicle's axes; 0: not stated
     vehicle: VehicleAttitudes | None = None  # known from elsewhere
     folder: Path | None = None  # of the project, where images are looked for
-    video: Path | None = None  # that was picked in
+    video: tuple[Path, ...] = ()  # the files of the video that was picked in
 
     @property
     def grid_convergence_deg(self) -> float:

@@ -654,10 +654,11 @@ def _frame_rate_hz(project: Project, times: FrameTimes) -> float | None:
     return section.number("frame_rate_hz")
 
 
-def _video(project: Project) -> Path | None:
-    """Find the video that was picked in."""
+def _video(project: Project) -> tuple[Path, ...]:
+    """Find the files of the video that was picked in."""
     section = project.section("picks")
-    return project.folder / section.text("video") if section.has("video") else None
+    names = section.files("video") if section.has("video") else ()
+    return tuple(project.folder / name for name in names)
 
 
 def _all_as_one(project: Project) -> bool:

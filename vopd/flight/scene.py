@@ -36,7 +36,7 @@ class FlightScene:
         """Make the record that figures are drawn from."""
         flight, places = self._flight, self._landmark_m
         grid = flight.grid
-        named = flight.video is not None or bool(flight.image_name and flight.folder)
+        named = bool(flight.video) or bool(flight.image_name and flight.folder)
         return JobScene(
             flight.landmarks.name,
             places,
@@ -156,8 +156,7 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
     from vopd.video import open_frames
 
     if not name:
-        assert flight.video is not None
-        frames = open_frames([str(flight.video)])
+        frames = open_frames([str(one) for one in flight.video])
         if not 0 <= number < len(frames):
             raise VopdError(f"{frames.source}: has no frame {number}")
         (picture,) = frames.pictures([number])
