@@ -21,7 +21,8 @@ from tests.kit.estimates import POINTS, WORDS, estimate
 from tests.kit.jobs import case, film, only, turned, without
 from tests.tolerances import assert_close, within
 from vopd.attitude.conventions import GENERAL, conventions
-from vopd.attitude.flags import MEANING, Flags, flags, jumps, meanings, model_error
+from vopd.attitude.findings import HistorySummary, errata_text, findings_of, summary_of
+from vopd.attitude.flags import MEANING, Flags, flags, jumps, meanings
 from vopd.attitude.geometry import LandmarkGeometry
 from vopd.attitude.history import History, history
 from vopd.attitude.long_history import frame_landmarks
@@ -46,12 +47,9 @@ def history_of(job: Job) -> History:
 
 
 def flagged(job: Job, rate: float | None = None) -> dict[str, list[int]]:
-    """The indices of the frames that have each flag, of the flags that are raised.
-
-    The films here are on the Earth of 1974, which is an error only on a real one.
-    """
+    """The indices of the frames that have each flag, of the flags that are raised."""
     (one,) = run(job).histories(max_rate_deg_s=rate)
-    raised = {name: here for name, here in one.flags.raised.items() if name != "model_error"}
+    raised = one.flags.raised
     return {name: np.flatnonzero(here).tolist() for name, here in raised.items() if here.any()}
 
 
@@ -465,35 +463,50 @@ def effect(*rows: dict[int, float]) -> np.ndarray:
     return found
 
 
+def told(given: np.ndarray, sigma: np.ndarray) -> HistorySummary:
+    """The summary of a job with these effects and standard deviations."""
+    one = history(estimates.estimate(SLIP_TRUTH, slip_effect_deg=given))
+    return summary_of([replace(one, uncertainty=replace(one.uncertainty, total=sigma))])
+
+
 def test_an_angle_of_vehicle_or_camera_beyond_one_sigma() -> None:
     """Below sigma; above; an angle of attack alone; negative, in sigmas; not determined."""
     given = effect({3: 0.099}, {4: 0.101}, {6: 5.0}, {0: -0.3, 5: 0.4}, {})
     given[4] = np.nan
     sigma = SIGMA.copy()
     sigma[3, 5] = 0.2  # two sigmas of vehicle roll, three of camera yaw
-    marked, worst = model_error(estimates.estimate(SLIP_TRUTH, slip_effect_deg=given), sigma)
-    assert marked.tolist() == [False, True, False, True, False]
-    assert (worst[1], worst[3]) == ("vehicle_pitch", "camera_yaw")
+    one = told(given, sigma)
+    assert (one.frames, one.errata) == (5, 2)
+    assert one.errata_deg == (0.0, 0.101, 0.4, 0.3, 0.0, 0.0)
+    assert_close("unit rotation", np.array(one.errata_sigmas), [0.0, 1.01, 2.0, 3.0, 0.0, 0.0])
+    assert_approved(errata_text(one))
 
 
 def test_of_the_same_angle_of_camera_and_vehicle_the_vehicle_is_named() -> None:
-    given = effect({1: 0.3, 4: -0.3 * (1.0 - 1e-12)})
-    _, worst = model_error(estimates.estimate(SLIP_TRUTH, slip_effect_deg=given), SIGMA)
-    assert worst[0] == "vehicle_pitch"
+    one = told(effect({1: 0.3, 4: -0.3 * (1.0 - 1e-12)}, *[{}] * 4), SIGMA)
+    assert "vehicle pitch by up to 0.3 degree" in errata_text(one)
 
 
-def test_no_sigma_no_flag() -> None:
-    given = effect({4: 100.0})
+def test_parts_of_a_job_are_told_as_one() -> None:
+    """The most of either part, and the frames of both."""
+    one = history(
+        estimates.estimate(SLIP_TRUTH, slip_effect_deg=effect({3: 0.2}, {4: 0.7}, {}, {3: 0.3}, {}))
+    )
+    one = replace(one, uncertainty=replace(one.uncertainty, total=SIGMA))
+    parts = [one.take(slice(0, 2)), one.take(slice(2, 5))]
+    assert summary_of(parts) == summary_of([one]) and summary_of(parts).errata == 3
+
+
+def test_no_sigma_no_warning() -> None:
+    given = effect({4: 100.0}, *[{}] * 4)
     for sigma in (np.nan, np.inf):
-        marked, _ = model_error(
-            estimates.estimate(SLIP_TRUTH, slip_effect_deg=given), np.full((5, 9), sigma)
-        )
-        assert not marked.any()
+        one = told(given, np.full((5, 9), sigma))
+        assert not one.errata and errata_text(one) == ""
 
 
 def test_without_errata_there_are_neither_flags_nor_columns_nor_words() -> None:
     one = history(estimates.estimate(SLIP_TRUTH))
-    assert not one.flags.raised["model_error"].any()
+    assert not findings_of(one.about, summary_of([one]))
     assert not [column.name for column in columns_of([one]) if "slip" in column.name]
     assert "errata" not in conventions([one])["sigmas"]
 
@@ -505,11 +518,13 @@ def low_film() -> History:
     return one
 
 
-def test_a_low_flight_is_flagged_in_every_frame() -> None:
+def test_a_low_flight_is_warned_of_once() -> None:
     one = low_film()
-    assert one.flags.raised["model_error"].all()
-    assert all("model_error:vehicle_pitch" in text for text in one.flag_text)
+    (found,) = findings_of(one.about, summary_of([one]))
     worst = np.abs(one.estimate.slip_effect_deg[:, :6]).max()
+    frames = len(one.landmarks)
+    assert f"in {frames} of {frames} frames" in found.message
+    assert f"vehicle pitch by up to {worst:.3g} degree" in found.message
     assert f"up to {worst:.3f} degree" in conventions([one])["sigmas"]
 
 
@@ -537,9 +552,9 @@ def test_the_table_has_what_all_fixes_change() -> None:
 @pytest.mark.parametrize("fix", [(), ("--fix", "all")], ids=["faithful", "fixed"])
 def test_strict_sees_it(fix: tuple[str, ...]) -> None:
     job, _ = wgs84_film.film(33.08, -106.33, decimals=3)
-    done = vopd("attitude", "-", "--strict", "-q", *fix, stdin=write_deck([job]))
+    done = vopd("attitude", "-", "--strict", *fix, stdin=write_deck([job]))
     assert done.status == (0 if fix else 3)
-    assert ("model_error:vehicle_pitch" in done.stdout) == (not fix)
+    assert "errata of the program" in done.stderr or fix
 
 
 # Readings and tables with absurd numbers: one bad frame is flagged, the others come out

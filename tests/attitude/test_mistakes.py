@@ -20,7 +20,7 @@ from tests.kit.jobs import reread
 from tests.kit.repeated_frame import misread
 from tests.tolerances import assert_close
 from vopd.attitude import mistakes as label_search
-from vopd.attitude.findings import misfit_findings, misfits, summary_of
+from vopd.attitude.findings import findings_of, misfits, summary_of
 from vopd.attitude.history import History
 from vopd.attitude.mistakes import (
     MOST_FRAMES,
@@ -44,7 +44,7 @@ from vopd.attitude.residuals import Pool, ResidualEquations, equations_of
 from vopd.attitude.sigmas import Sigmas, in_force
 from vopd.cards.write import write_deck
 from vopd.estimate import Estimate
-from vopd.findings import frames_text
+from vopd.findings import Finding, frames_text
 from vopd.job import Job
 from vopd.pipeline import read_deck, run
 
@@ -327,6 +327,12 @@ def with_details(*details: str) -> History:
         detail=one.flags.detail | {"misfit": [*details, *[""] * (20 - len(details))]},
     )
     return replace(one, flags=flags)
+
+
+def misfit_findings(one: History) -> list[Finding]:
+    """The warnings but for that of the errata, which a film on the sphere of 1974 has none of."""
+    found = findings_of(one.about, summary_of([one]))
+    return [finding for finding in found if "misfit" in finding.message]
 
 
 def test_frames_with_the_same_repair_are_one_warning() -> None:

@@ -17,7 +17,6 @@ from tests.kit.jobs import film, only, reread
 from tests.tolerances import assert_close
 from vopd.arrays import Bools, Floats
 from vopd.attitude import residuals as residual_test
-from vopd.attitude.flags import model_error
 from vopd.attitude.history import History, history
 from vopd.attitude.long_history import HistoryParts, frame_landmarks, one_part
 from vopd.attitude.residuals import (
@@ -93,22 +92,6 @@ def test_names_of_outliers_keep_no_semicolon() -> None:
     assert named == ["", "bridge, north end", "", NAMES[7], ""]
     numbered = history(estimate(ANGLES, outlier=outlier, landmark_names={}))
     assert numbered.flags.detail["outlier"] == ["", "8", "", "7", ""]
-
-
-def test_the_angle_that_errata_change_by_the_most_standard_deviations() -> None:
-    """Of vehicle and camera; an effect of exactly one standard deviation is none."""
-    sigma = np.tile([1.0, 2.0, 0.1, 1.0, 0.5, 1.0, 0.01, 0.01, 0.01], (5, 1))
-    effect = np.zeros((5, 9))
-    effect[0, [0, 2]] = 3.0, -0.5  # 3 and 5 times
-    effect[1, [1, 4]] = 2.0, 0.5  # once
-    effect[2, [3, 0]] = 2.0, 2.0  # of two alike the vehicle's
-    effect[3, 6:] = 9.0  # angles of attack are not tested
-    effect[4, 5] = np.nan
-    found, worst = model_error(estimate(ANGLES, slip_effect_deg=effect), sigma)
-    assert found.tolist() == [True, False, True, False, False]
-    assert (worst[0], worst[2]) == ("camera_roll", "vehicle_yaw")
-    none, empty = model_error(estimate(ANGLES), sigma)
-    assert not none.any() and empty == [""] * 5
 
 
 FIRST = ["flight", "job", "frame", "image", "status", "time_s", "camera_yaw_deg"]

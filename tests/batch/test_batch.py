@@ -320,14 +320,14 @@ def test_an_error_in_the_program_costs_one_source(
     """The others of its chunk are solved again, one by one."""
     from vopd.batch import solve as solved_source
 
-    right = solved_source.misfit_findings
+    right = solved_source.findings_of
 
-    def wrong(history: Any) -> Any:
-        if history.about.source.endswith("deck001.dat"):
+    def wrong(about: Any, summary: Any) -> Any:
+        if about.source.endswith("deck001.dat"):
             raise ZeroDivisionError("by design")
-        return right(history)
+        return right(about, summary)
 
-    monkeypatch.setattr(solved_source, "misfit_findings", wrong)
+    monkeypatch.setattr(solved_source, "findings_of", wrong)
     folder = small_decks(tmp_path / "in", 3)
     ran = vopd("batch", folder, "-d", tmp_path / "out")
     found = rows(tmp_path / "out")

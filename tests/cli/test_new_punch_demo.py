@@ -113,7 +113,7 @@ def test_every_option_of_a_synthetic_flight(
     usual = {
         "frames": 24, "landmarks": 4, "seed": 0, "noise_in": 0.003, "jobs": 1,
         "trajectory_rows": 50, "swing_deg": 20.0, "focal_length_mm": 10.4,
-        "frame_in": (14.47, 10.457),
+        "frame_in": (14.47, 10.457), "earth": "1974",
     }  # fmt: skip
     assert vars(plan) == usual | {field: value} and (output, truth) == ("-", "t.csv")
 

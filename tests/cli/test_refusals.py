@@ -524,7 +524,7 @@ Said = pytest.CaptureFixture[str]
 
 
 def record(status: str, flagged: int = 0, error: str = "") -> Any:
-    return SimpleNamespace(status=status, flagged=flagged, error=error, mistaken=0)
+    return SimpleNamespace(status=status, flagged=flagged, error=error, mistaken=0, errata=0)
 
 
 GOOD, FLAGGED, LOST = record("solved"), record("solved", 1), record("not converged", 1)

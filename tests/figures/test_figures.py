@@ -216,20 +216,6 @@ def test_flagged_frames_are_marked() -> None:
         assert times == time_s[raised[name.replace(" ", "_")] & one.has_attitude].tolist() != []
 
 
-def marked() -> History:
-    """The flight with an effect of the errata of 2 degrees in one frame, and of a millionth."""
-    (one,) = flight()
-    effect = np.full((30, 9), 1e-6)
-    effect[10] = 2.0
-    return history(replace(one.estimate, slip_effect_deg=effect))
-
-
-def test_frames_whose_errata_exceed_sigma_are_marked() -> None:
-    rows = flag_rows(draw("attack", [marked()]))
-    count = int(marked().has_attitude.sum())
-    assert rows[f"model error\n1 of {count}"] == [marked().estimate.time_s[10]]
-
-
 def test_the_image_of_a_misfit_says_what_explains_it() -> None:
     (one,) = flight()
     title = draw("image", [one], int(one.estimate.frame[4])).subfigs[0].get_suptitle()
@@ -318,7 +304,7 @@ def test_a_figure_for_a_pipe() -> None:
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_smallest_size_holds_every_panel(name: str) -> None:
     """No warning of the layout, panels that can be read, legends that cover no label."""
-    for made in (histories("appendix_h/cases_1_2_3"), [marked()]):
+    for made in (histories("appendix_h/cases_1_2_3"), list(flight())):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             figure = draw(name, made, size_in=least_size_in(name))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, radians, sin
+from math import cos, hypot, radians, sin, sqrt
 
 import numpy as np
 import pytest
@@ -321,6 +321,25 @@ def test_the_camera_and_landmarks_stand_where_the_program_has_them() -> None:
     up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
     found = landmark_km(np.array([-106.25]), np.array([34.5]), np.array([5000.0]))
     assert_close("position of a program", found[0], (6378.165 + 5000.0 / 3280.8336) * up)
+
+
+def test_the_camera_and_landmarks_stand_on_wgs_84() -> None:
+    """The origin RZ less 20925.698 thousand feet above the ellipsoid, up along its normal."""
+    path = trajectory(Plan(), 60.0)
+    seen = view(path, np.array([[0.0, 0.0, 9000.0]]), np.zeros((1, 3)), "wgs84")
+    marks = landmark_km(np.array([-106.3333]), np.array([33.083333]), np.array([9000.0]), "wgs84")
+    lat, lon, square = (
+        radians(33.083333),
+        radians(-106.3333),
+        (2 - 1 / 298.257223563) / 298.257223563,
+    )
+    normal, height = 6378.137 / sqrt(1 - square * sin(lat) ** 2), 9000.0 / 3280.8336
+    across, along = (normal + height) * cos(lat), (normal * (1 - square) + height) * sin(lat)
+    where = np.array([across * cos(lon), across * sin(lon), along])
+    assert_close("position of a program", seen.position_km[0], where)
+    assert_close("position of a program", marks[0], where)
+    up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    assert_close("unit rotation", seen.axes[0, 1], up)
 
 
 @pytest.mark.parametrize("latitude", [-60.0, 0.0, 33.0, 89.0])

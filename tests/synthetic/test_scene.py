@@ -14,6 +14,7 @@ from tests.kit.cards import cut
 from tests.kit.jobs import reread
 from tests.tolerances import assert_close, within
 from vopd.cards.write import write_deck
+from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.job import Job, Landmarks, Trajectory
 from vopd.program.vopd import run
@@ -94,16 +95,17 @@ def test_a_deck_without_noise_gives_the_truth_back(frames: int, landmarks: int, 
         Plan(frames=300, noise_in=0.0),
         Plan(frames=100, noise_in=0.0, seed=9, focal_length_mm=25.0, frame_in=(20.0, 20.0)),
         Plan(frames=100, noise_in=0.0, seed=3, landmarks=8, swing_deg=40.0, trajectory_rows=3),
+        Plan(frames=100, noise_in=0.0, seed=5, earth="wgs84"),
     ],
 )
 def test_readings_of_full_precision_give_the_truth_to_eight_digits(plan: Plan) -> None:
     (job,), truth = make(plan)
-    seen = view(job.trajectory, truth.position_ft, truth.camera_deg)
+    seen = view(job.trajectory, truth.position_ft, truth.camera_deg, plan.earth)
     marks, which, image = choose_landmarks(plan, seen, job.landmarks)
     assert marks == job.landmarks
     assert (marks.number[which] == job.readings.landmark).all()
     sharp = reread(job.readings, landmark_in=np.repeat(image[:, :, None], 3, axis=2))
-    results = run(replace(job, readings=sharp))
+    results = run(replace(job, readings=sharp), fixes(*["all"] * (plan.earth == "wgs84")))
     assert_close("angle from readings", turned(results.camera_deg, truth.camera_deg), 0.0)
     assert_close("film of eight digits", results.residual_mm, 0.0)
 

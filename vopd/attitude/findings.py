@@ -1,4 +1,4 @@
-"""Findings about all frames of a job: counts of flags, and repairs of misfits."""
+"""Findings about all frames of a job: counts of flags, repairs of misfits, effect of errata."""
 
 from __future__ import annotations
 
@@ -8,22 +8,32 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.residuals import SIGNIFICANCE
+from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import About
 from vopd.findings import Finding, count_text, frames_text
 
 # Summary of a job's frames.
 
+TESTED = (3, 4, 5, 0, 1, 2)  # indices in ANGLES: the vehicle's angles, then the camera's
+
 
 @dataclass
 class HistorySummary:
-    """Counts of a job's frames, and its misfits."""
+    """Counts of a job's frames, its misfits, and the effect of the errata of the program."""
 
     unconverged: int = 0
     flagged: int = 0
     misfits: list[tuple[str, str]] = field(default_factory=list)
     """The label of each frame that misfits, and what explains it."""
+    frames: int = 0
+    errata: int = 0
+    """Frames of which the errata change an angle by more than its standard deviation."""
+    errata_deg: tuple[float, ...] = (0.0,) * len(TESTED)
+    errata_sigmas: tuple[float, ...] = (0.0,) * len(TESTED)
+    """The largest effect on each of the angles `TESTED`: degrees, and standard deviations."""
 
     def add(self, part: History) -> None:
         """Count some more frames.
@@ -37,6 +47,25 @@ class HistorySummary:
         texts = flags.detail["misfit"]
         frames = np.flatnonzero(flags.raised["misfit"]).tolist()
         self.misfits += [(estimate.frame_label(k), texts[k]) for k in frames]
+        self.frames += len(estimate.frame)
+        if estimate.slip_effect_deg is not None:
+            self._add_errata(estimate.slip_effect_deg, part.uncertainty.total)
+
+    def _add_errata(self, effect_deg: Floats, sigma_deg: Floats) -> None:
+        """Count the frames of which errata change an angle by more than a standard deviation.
+
+        Args:
+            effect_deg: of all errata on the nine angles, (F, 9)
+            sigma_deg: standard deviations of these, (F, 9)
+        """
+        size, sigma = np.abs(effect_deg[:, TESTED]), sigma_deg[:, TESTED]
+        with np.errstate(all="ignore"):
+            times = np.where(size > sigma, size / sigma, 0.0)
+        beyond = times > 0.0
+        self.errata += int(beyond.any(axis=1).sum())
+        for own, values in (("errata_deg", size), ("errata_sigmas", times)):
+            most = np.where(beyond, values, 0.0).max(axis=0, initial=0.0)
+            setattr(self, own, tuple(np.maximum(getattr(self, own), most).tolist()))
 
 
 def summary_of(parts: Iterable[History]) -> HistorySummary:
@@ -86,17 +115,28 @@ def _repair(texts: list[str]) -> str:
     return CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", texts[0]) or "not searched"
 
 
-def misfit_findings(history: History) -> list[Finding]:
-    """Warn of the frames of one job that misfit, in a few lines.
+def errata_text(summary: HistorySummary) -> str:
+    """Say how far the errata of the original program change a job; empty if within the sigmas.
+
+    The angle that is named is the one that they change by the most standard deviations.
 
     Args:
-        history: the job
+        summary: the frames of the job
     """
-    return findings_of(history.about, summary_of([history]))
+    if not summary.errata:
+        return ""
+    worst = int(np.argmax(np.round(summary.errata_sigmas, 6)))  # of two alike the first
+    angle = ANGLES[TESTED[worst]].replace("_", " ")
+    some = f"{summary.errata} of {count_text(summary.frames, 'frame')}"
+    return (
+        f"errata of the original program, in no sigma, change {angle} by up to "
+        f"{summary.errata_deg[worst]:.3g} degree ({summary.errata_sigmas[worst]:.2g} sigmas), some "
+        f"angle by more than a sigma in {some}: --fix all corrects them"
+    )
 
 
 def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
-    """Warn of misfits from the summary of a job.
+    """Warn of misfits, and of the errata's effect, from the summary of a job.
 
     Args:
         about: the job
@@ -113,6 +153,7 @@ def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
             f"{count_text(left, 'more frame misfits', 'more frames misfit')}; the flags say what "
             f"explains {'it' if left == 1 else 'them'}"
         )
+    messages += filter(None, [errata_text(summary)])
     return [
         Finding(one, about.source, job=about.finding_job, severity="warning") for one in messages
     ]

@@ -9,42 +9,10 @@ import numpy as np
 from vopd.arrays import Bools, Floats, distinct_in_rows
 from vopd.attitude.geometry import LandmarkGeometry, free_turn_text, weak_axis_text
 from vopd.attitude.residuals import outliers
-from vopd.attitude.uncertainty import ANGLES, Uncertainty
+from vopd.attitude.uncertainty import Uncertainty
 from vopd.estimate import COMMON_PART, Estimate, Words
 from vopd.geometry.rotations import LARGEST_DEG, angle_between_deg
 from vopd.records import Rows
-
-# Model error: errata that change an angle by more than one sigma.
-
-TESTED = (3, 4, 5, 0, 1, 2)  # indices in ANGLES: the vehicle's angles, then the camera's
-MODEL_ERROR = (
-    "correcting all errata of the original program changes an angle of vehicle or camera by more "
-    "than its standard deviation, which does not include them; the angle is named",
-    "correct the errata: --fix all",
-)
-"""What the flag means, and what to do."""
-
-
-@np.errstate(all="ignore")
-def model_error(estimate: Estimate, sigma_deg: Floats) -> tuple[Bools, list[str]]:
-    """Find the frames whose errata exceed one standard deviation, and the worst angle of each.
-
-    Args:
-        estimate: the job
-        sigma_deg: standard deviations of the nine angles, (F, 9)
-
-    Returns:
-        The frames (F,), and for each frame the name of the angle of vehicle or camera
-        whose error is the most standard deviations.
-    """
-    frames = len(estimate.frame)
-    if estimate.slip_effect_deg is None:
-        return np.zeros(frames, bool), [""] * frames
-    effect, sigma = np.abs(estimate.slip_effect_deg[:, TESTED]), sigma_deg[:, TESTED]
-    times = np.where(effect > sigma, effect / sigma, 0.0)
-    worst = times.round(6).argmax(axis=1)  # of two alike but for rounding, the first
-    return np.asarray((times > 0.0).any(axis=1)), [ANGLES[TESTED[k]] for k in worst]
-
 
 # Table of flags.
 
@@ -106,7 +74,6 @@ MEANING = {
         "explains it is named, with the chance of the residuals that then remain",
         "look at the landmarks that are named",
     ),
-    "model_error": MODEL_ERROR,
     "rate_unknown": (
         "no other frame within three frame intervals and half a second says how fast the camera "
         "turns while the rows of this one are read; its picks count as of one time",
@@ -181,7 +148,6 @@ def flags(
     outlier = outliers(e) if e.outlier is None else e.outlier
     poles = {"camera_pitch": e.camera_deg[:, 1], "vehicle_pitch": e.vehicle_deg[:, 1]}
     near = {name: np.abs(np.cos(np.radians(a))) < _NEAR for name, a in poles.items()}
-    beyond_sigma, worst_angle = model_error(e, doubt.total)
     other_deg = e.other_solution_deg
     elsewhere = np.zeros(len(has), bool) if other_deg is None else np.isfinite(other_deg)
     undetermined = (e.solved & ~determined) | (has & (count < 2))
@@ -198,7 +164,6 @@ def flags(
         "pitch_near_90": has & np.any(list(near.values()), axis=0),
         "outlier": outlier.any(axis=1),
         "misfit": doubt.reading.misfit,
-        "model_error": beyond_sigma,
         "rate_unknown": np.zeros_like(has) if e.rate_unknown is None else has & e.rate_unknown,
     }
     detail = {
@@ -208,7 +173,6 @@ def flags(
         "pitch_near_90": _names_of(near),
         "outlier": _names(e, outlier),
         "misfit": misfit_text,
-        "model_error": worst_angle,
     }
     return Flags(raised, detail)
 

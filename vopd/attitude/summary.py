@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.attitude.findings import HistorySummary, misfits
+from vopd.attitude.findings import HistorySummary, errata_text, misfits
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.included import errors_texts
@@ -40,7 +40,7 @@ class ShownFrames:
     half_deg: list[Floats] = field(default_factory=list)  # of vehicle yaw, pitch, roll, 95 %
     flagged: dict[str, list[str]] = field(default_factory=dict)  # labels of frames by flag
     details: dict[str, set[str]] = field(default_factory=dict)  # of each flag, all that there are
-    misfits: HistorySummary = field(default_factory=HistorySummary)
+    summary: HistorySummary = field(default_factory=HistorySummary)
 
     def add(self, part: History, several: bool) -> None:
         """Count some more frames.
@@ -56,7 +56,7 @@ class ShownFrames:
         self.attitudes += int(has.sum())
         self.attack |= bool(np.isfinite(estimate.attack_deg[:, :2]).any())
         self.half_deg.append(part.uncertainty.half_width_95[has, 3:6])
-        self.misfits.add(part)
+        self.summary.add(part)
         prefix = f"{part.about.label}: " if several else ""
         for name, raised in part.flags.raised.items():
             frames = np.flatnonzero(raised).tolist()
@@ -285,7 +285,7 @@ def doubt_lines(frames: ShownFrames) -> list[str]:
     """
     letters = flag_letters(frames)
     said = meanings(frames.head[0].about.words)
-    repairs, _ = misfits(frames.misfits)
+    repairs, _ = misfits(frames.summary)
     lines = []
     for name in (one for one in frames.head[0].flags.raised if one in frames.flagged):
         labels, own = frames.flagged[name], frames.details[name]
@@ -298,6 +298,7 @@ def doubt_lines(frames: ShownFrames) -> list[str]:
         if name == "misfit" and repairs:
             detail = f" ({repairs[0][1]})"
         lines.append(f"{letters.get(name, '')} {name}, {where}{detail}: {said[name][1]}".strip())
+    lines += filter(None, [errata_text(frames.summary)])
     missing = frames.count - frames.attitudes
     if missing:
         lines.insert(0, f"{count_text(missing, 'frame')} without an attitude")

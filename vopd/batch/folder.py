@@ -147,6 +147,7 @@ class SourceRecord:
         flagged: frames that have any flag
         warnings: number of warnings
         mistaken: 1 where residuals or track of a flight speak for an error of its inputs
+        errata: jobs in which errata change an angle by more than its standard deviation
         flags: frames that have each flag, of flags that any frame has
         outputs: the files that were written, in the output folder, and their hashes
         seconds: the time that it took; of sources that are solved together, in proportion
@@ -167,6 +168,7 @@ class SourceRecord:
     flagged: int = 0
     warnings: int = 0
     mistaken: int = 0
+    errata: int = 0
     flags: dict[str, int] = field(default_factory=dict)
     outputs: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
@@ -487,6 +489,7 @@ COLUMNS = {
     "flagged": "frames that have any flag",
     "warnings": "number of warnings",
     "mistaken": "1 where residuals or track of a flight speak for an error of its inputs",
+    "errata": "jobs in which errata change an angle by more than its standard deviation",
 }
 """The columns of the Parquet file before those of the flags."""
 

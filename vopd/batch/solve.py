@@ -11,7 +11,7 @@ from itertools import islice
 
 import numpy as np
 
-from vopd.attitude.findings import misfit_findings
+from vopd.attitude.findings import findings_of, summary_of
 from vopd.attitude.history import History
 from vopd.batch.folder import (
     FAILED,
@@ -91,6 +91,7 @@ class SolvedSource:
         listing: of a deck
         histories: of each job, or of the flight
         tables: by format; the error of one that cannot be made
+        errata: jobs in which errata change an angle by more than its standard deviation
     """
 
     source: BatchSource
@@ -102,6 +103,7 @@ class SolvedSource:
     listing: bytes = b""
     histories: list[History] = field(default_factory=list)
     tables: dict[str, bytes | VopdError] = field(default_factory=dict)
+    errata: int = 0
 
     @property
     def has_attitude(self) -> bool:
@@ -153,7 +155,10 @@ def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
         one.histories = list(islice(histories, len(one.jobs)))
         if one.flight is not None:
             one.histories.append(one.flight.history_parts(settings.history).whole)
-        one.findings.extend(finding for h in one.histories for finding in misfit_findings(h))
+        for h in one.histories:
+            summary = summary_of([h])
+            one.findings.extend(findings_of(h.about, summary))
+            one.errata += summary.errata > 0
     with_tables = [one for one in sources if one.has_attitude]
     for form in settings.formats:
         files = [
@@ -212,6 +217,7 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
         flagged=sum(int(h.flags.any().sum()) for h in histories),
         warnings=len(now.findings),
         mistaken=int(now.flight is not None and now.flight.mistaken),
+        errata=now.errata,
         flags={flag: count for flag, count in raised.items() if count},
         outputs={file: hashlib.sha256(one).hexdigest() for file, one in contents.items()},
     )

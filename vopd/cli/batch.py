@@ -196,7 +196,8 @@ def _status(records: Sequence[SourceRecord], options: SharedOptions) -> int:
     if records and len(failed) == len(records):
         return 1
     doubtful = any(
-        one.status in (UNCONVERGED, MISFITS) or (options.strict and (one.flagged or one.mistaken))
+        one.status in (UNCONVERGED, MISFITS)
+        or (options.strict and (one.flagged or one.mistaken or one.errata))
         for one in records
     )
     return 3 if failed or doubtful else 0

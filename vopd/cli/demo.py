@@ -11,7 +11,7 @@ from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import VopdError
-from vopd.synthetic import LIMITS, Plan, PlanError
+from vopd.synthetic import EARTHS, LIMITS, Plan, PlanError
 
 
 def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..., Any]:
@@ -44,6 +44,13 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
 )
 @_option("--focal", "focal_length_mm", "Focal length.", "MM")
 @_option("--frame-size", "frame_in", "Size of a frame of the film on the reader.", "X Y")
+@click.option(
+    "--earth",
+    type=click.Choice(EARTHS),
+    default=Plan.earth,
+    show_default=True,
+    help="Earth on which the film was taken: that of the program, or for --fix all.",
+)
 @output_option("Write the deck to this file.")
 @click.option(
     "--truth",
@@ -64,6 +71,8 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
     north, up in feet. The Earth, the lens and the camera are those of the 1974
     program, so a run gives the truth back but for the noise of the readings.
     With --noise 0 they are rounded to the reader's last digit (.001 in) only.
+    With --earth wgs84 a run with --fix all gives the truth back, and one without
+    is wrong by what the errata cost.
 
     With --jobs several jobs are stacked: job 2 ignores landmark 1 in all frames,
     job 3 does not, job 4 has another first estimate, job 5 has the film read
@@ -74,6 +83,7 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
       vopd demo --frames 200 --seed 7 -o flight.dat --truth flight.csv
       vopd run flight.dat -o flight.lst
       vopd demo --noise 0 --landmarks 2 | vopd run -
+      vopd demo --earth wgs84 | vopd run --fix all -
 
     Exit status: 0 all well; 1 the deck cannot be made or written; 2 wrong usage.
     """

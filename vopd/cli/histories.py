@@ -12,7 +12,7 @@ from vopd.attitude.history import History
 from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import SharedOptions
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.pipeline import in_groups, solve_sources
 from vopd.results import SolvedJob, SourceEnd
 from vopd.solved import histories_of_run
@@ -33,7 +33,8 @@ class Collected(NamedTuple):
         """Tell what is known once all parts have been made; return the exit status.
 
         It is 3 where a frame did not converge, a flight misfits, or with `--strict` a frame has
-        any flag, or the residuals or the track of a flight speak for an error of its inputs.
+        any flag, the errata of the program change a job by more than its standard deviations, or
+        the residuals or the track of a flight speak for an error of its inputs.
         """
         for job in self.untold:
             for finding in findings_of(job.about, job.summary):
@@ -49,8 +50,14 @@ class Collected(NamedTuple):
             of = "a flight" if self.mistaken == 1 else f"{self.mistaken} flights"
             speaks = f"--strict: residuals or track of {of} speak for an error of the inputs"
             click.echo(speaks, err=True)
+        errata = sum(job.summary.errata > 0 for job in self.jobs)
+        if options.strict and errata and not options.quiet:
+            which = count_text(errata, "job")
+            click.echo(
+                f"--strict: the errata of the program change {which} by more than a sigma", err=True
+            )
         unconverged = any(job.summary.unconverged for job in self.jobs)
-        doubtful = options.strict and (flagged or self.mistaken)
+        doubtful = options.strict and (flagged or self.mistaken or errata)
         return 3 if unconverged or self.misfits or doubtful else 0
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections import Counter
 from collections.abc import Sequence
 from importlib.resources import files
 from typing import TYPE_CHECKING
@@ -14,7 +13,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.attitude.conventions import conventions, reading_sigma_text
-from vopd.attitude.findings import misfits, summary_of
+from vopd.attitude.findings import errata_text, misfits, summary_of
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
@@ -193,7 +192,7 @@ def summary(histories: Sequence[History]) -> dict[str, str]:
         "Frames with a flag": str(int(flagged.sum())),
         "Frames that did not converge": str(int(strays.sum())),
         "Frames that misfit": _misfits(histories),
-        **_model_error(histories),
+        **_errata(histories),
         "Time": _span(np.concatenate([h.estimate.time_s for h in histories])[has]),
         "Median residual (root mean square)": _median(rms, f"{units.residual} {words.surface}"),
     }
@@ -227,22 +226,17 @@ def _misfits(histories: Sequence[History]) -> str:
     return "; ".join([str(count), *texts[:MOST_SHOWN], *more])
 
 
-def _model_error(histories: Sequence[History]) -> dict[str, str]:
-    """Count the frames that errata change by more than one sigma, with the worst angles."""
+def _errata(histories: Sequence[History]) -> dict[str, str]:
+    """Say how far the errata change each job of a run that has them."""
     if all(h.estimate.slip_effect_deg is None for h in histories):
         return {}
-    worst = Counter(
-        angle
-        for h in histories
-        for angle, raised in zip(
-            h.flags.detail["model_error"], h.flags.raised["model_error"], strict=True
-        )
-        if raised
-    )
-    texts = [f"{angle.replace('_', ' ')} in {count}" for angle, count in worst.most_common()]
-    most = ["the angle changed most is " + ", ".join(texts)] if texts else []
-    name = "Frames that the errata change by more than one sigma"
-    return {name: "; ".join([str(worst.total()), *most])}
+    texts = []
+    for h in histories:
+        if told := errata_text(summary_of([h])):
+            texts.append((f"{h.about.label}: " if len(histories) > 1 else "") + told)
+    more = [f"{len(texts) - MOST_SHOWN} more jobs likewise"] if len(texts) > MOST_SHOWN else []
+    none = "their effect on every angle is below its standard deviation"
+    return {"Errata of the original program": "; ".join([*texts[:MOST_SHOWN], *more]) or none}
 
 
 def _span(time_s: Floats) -> str:

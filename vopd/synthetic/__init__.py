@@ -17,7 +17,11 @@ LIMITS: dict[str, tuple[float, float]] = {
     "focal_length_mm": (1.0, 1000.0),
     "frame_in": (1.0, 100.0),
 }
-"""The smallest and the largest value of each parameter of a `Plan`."""
+"""The smallest and the largest value of each parameter of a `Plan` that is a number."""
+
+SPHERE_1974 = "1974"
+EARTHS = (SPHERE_1974, "wgs84")
+"""The Earth of the program of 1974, and the ellipsoid of its fix `earth`."""
 
 
 class PlanError(VopdError):
@@ -46,6 +50,7 @@ class Plan:
         swing_deg: the most that yaw differs from its mean, degrees; pitch and roll differ less
         focal_length_mm: focal length, mm
         frame_in: size of a frame of the film on the film reader, x and y, in
+        earth: on which the film was taken, one of `EARTHS`
 
     Raises:
         PlanError: for a value outside its `LIMITS`.
@@ -60,6 +65,7 @@ class Plan:
     swing_deg: float = 20.0
     focal_length_mm: float = 10.4
     frame_in: tuple[float, float] = (14.47, 10.457)
+    earth: str = SPHERE_1974
 
     def __post_init__(self) -> None:
         for name, (low, high) in LIMITS.items():
@@ -67,3 +73,5 @@ class Plan:
             for number in value if isinstance(value, tuple) else (value,):
                 if not low <= number <= high:  # nor for what is not a number
                     raise PlanError(name, f"{number:,.9g} is not within {low:,.9g} to {high:,.9g}")
+        if self.earth not in EARTHS:
+            raise PlanError("earth", f"{self.earth!r} is not one of {', '.join(EARTHS)}")

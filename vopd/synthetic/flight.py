@@ -11,10 +11,13 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
+from vopd.geometry.earth import earth_centred, geodetic_latitude
+from vopd.geometry.ellipsoids import WGS84
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 from vopd.program.constants import eradkm, factor, ftpkm, vftpkm
+from vopd.program.earth import SEA_LEVEL_KFT
 from vopd.program.geocentric import LANDMARK_FOUR_PHI, ORIGIN_FOUR_PHI, geocentric
-from vopd.synthetic import LIMITS, Plan
+from vopd.synthetic import LIMITS, SPHERE_1974, Plan
 
 if TYPE_CHECKING:
     from numpy.random import Generator
@@ -156,7 +159,7 @@ def camera_swing(plan: Plan, time_s: Floats) -> tuple[Floats, Floats]:
 # The camera model of TM X-3050, Appendix A, without its formulas. The optical
 # axis points at azimuth sigma 1 and elevation sigma 2; image x and y lie across
 # it, turned by sigma 3, with x to the left and y up when sigma 3 is zero. The
-# vertical is the line to the Earth's centre.
+# vertical is the line to the Earth's centre, or on WGS 84 the ellipsoid's normal.
 
 LENS_ROWS = 25
 
@@ -173,26 +176,39 @@ class CameraView:
         return CameraView(self.position_km[frames], self.axes[frames])
 
 
-def view(path: Trajectory, position_ft: Floats, camera_deg: Floats) -> CameraView:
+def view(
+    path: Trajectory, position_ft: Floats, camera_deg: Floats, earth: str = SPHERE_1974
+) -> CameraView:
     """Place the camera in Earth-fixed axes.
 
     Args:
         path: the trajectory, for its origin
         position_ft: east, north, up of the origin, ft (F, 3)
         camera_deg: yaw, pitch, roll of the camera, degrees (F, 3)
+        earth: of `Plan`
     """
-    latitude = geocentric(path.origin_latitude_deg, ORIGIN_FOUR_PHI)
-    east, north, up = local_axes(np.array(path.origin_longitude_deg), latitude)
-    centre = up * (path.origin_radius_kft * 1000.0 / ftpkm)
-    position = centre + (position_ft * vftpkm) @ np.stack([east, north, up])
+    origin_deg = np.array(path.origin_longitude_deg)
+    if earth == SPHERE_1974:
+        east, north, up = local_axes(
+            origin_deg, geocentric(path.origin_latitude_deg, ORIGIN_FOUR_PHI)
+        )
+        centre, km_per_ft = up * (path.origin_radius_kft * 1000.0 / ftpkm), vftpkm
+    else:
+        east, north, up = local_axes(origin_deg, np.array(path.origin_latitude_deg))
+        above_ft = np.array((path.origin_radius_kft - SEA_LEVEL_KFT) * 1000.0)
+        centre = landmark_km(origin_deg, np.array(path.origin_latitude_deg), above_ft, earth)
+        km_per_ft = 1.0 / ftpkm
+    position = centre + (position_ft * km_per_ft) @ np.stack([east, north, up])
     longitude = np.degrees(np.arctan2(position[:, 1], position[:, 0]))
-    latitude = np.degrees(np.arctan2(position[:, 2], np.hypot(position[:, 0], position[:, 1])))
-    local = np.stack(local_axes(longitude, latitude), axis=1)  # (F, 3, 3): east, north, up as rows
+    latitude = np.arctan2(position[:, 2], np.hypot(position[:, 0], position[:, 1]))
+    if earth != SPHERE_1974:
+        latitude = geodetic_latitude(WGS84, position.T)
+    local = np.stack(local_axes(longitude, np.degrees(latitude)), axis=1)  # (F, 3, 3) as rows
     return CameraView(position, camera_axes(camera_deg) @ local)
 
 
 def local_axes(longitude_deg: Floats, latitude_deg: Floats) -> tuple[Floats, Floats, Floats]:
-    """Resolve east, north, up (..., 3) at longitudes and geocentric latitudes in degrees."""
+    """Resolve east, north, up (..., 3) at longitudes and latitudes of the vertical in degrees."""
     lon, lat = np.radians(longitude_deg), np.radians(latitude_deg)
     zero = np.zeros_like(lon)
     east = np.stack([-np.sin(lon), np.cos(lon), zero], axis=-1)
@@ -254,7 +270,7 @@ def distorted(plan: Plan, straight_mm: Floats) -> Floats:
 
 
 def seen_ground(plan: Plan, seen: CameraView, point_in: Floats, height_ft: Floats) -> Floats:
-    """Trace undistorted images to points on the ground.
+    """Trace undistorted images to points on the ground, which is a sphere.
 
     Args:
         plan: the flight
@@ -276,8 +292,13 @@ def seen_ground(plan: Plan, seen: CameraView, point_in: Floats, height_ft: Float
     return np.asarray(camera + (-along - reach)[..., None] * sight)
 
 
-def landmark_km(longitude_deg: Floats, latitude_deg: Floats, height_ft: Floats) -> Floats:
-    """Place landmarks in Earth-fixed axes, km (N, 3), as the program does."""
+def landmark_km(
+    longitude_deg: Floats, latitude_deg: Floats, height_ft: Floats, earth: str = SPHERE_1974
+) -> Floats:
+    """Place landmarks in Earth-fixed axes, km (..., 3): as the program does, or on WGS 84."""
+    if earth != SPHERE_1974:
+        latitude, longitude = np.radians(latitude_deg), np.radians(longitude_deg)
+        return np.moveaxis(earth_centred(WGS84, latitude, longitude, height_ft / ftpkm), 0, -1)
     _, _, up = local_axes(longitude_deg, geocentric(latitude_deg, LANDMARK_FOUR_PHI))
     return up * (eradkm + height_ft / ftpkm)[:, None]
 
@@ -331,11 +352,11 @@ def place_landmarks(plan: Plan, seen: CameraView) -> Landmarks:
     return chosen
 
 
-def points_km(marks: Landmarks) -> Floats:
-    """Place the landmarks of group 9 in Earth-fixed axes, km (N, 3)."""
+def points_km(marks: Landmarks, earth: str = SPHERE_1974) -> Floats:
+    """Place the landmarks of group 9 on the Earth of a plan, km (N, 3)."""
     longitude = marks.longitude_deg + marks.longitude_min / 60.0
     latitude = marks.latitude_deg + marks.latitude_min / 60.0
-    return landmark_km(longitude, latitude, marks.altitude_ft)
+    return landmark_km(longitude, latitude, marks.altitude_ft, earth)
 
 
 def _points(plan: Plan, seen: CameraView, random: np.random.Generator) -> Landmarks:
@@ -412,7 +433,7 @@ def _needs(plan: Plan, seen: CameraView, marks: Landmarks) -> Ints:
 
 def _zones(plan: Plan, seen: CameraView, marks: Landmarks) -> Bools:
     """Find the landmarks in each zone of each frame (F, 2, N)."""
-    image, slope = images(plan, seen, points_km(marks))
+    image, slope = images(plan, seen, points_km(marks, plan.earth))
     image = image / plan.frame_in
     visible = slope > FLATTEST
     return np.stack([visible & in_view(image, (low, high)) for low, high in ZONES], axis=1)
@@ -457,7 +478,7 @@ def choose_landmarks(
 
 
 def _choose_in_frames(plan: Plan, seen: CameraView, marks: Landmarks) -> tuple[Ints, Floats]:
-    where = points_km(marks)
+    where = points_km(marks, plan.earth)
     image, slope = images(plan, seen, where)
     free = in_view(image / plan.frame_in, IN_X) & (slope > FLATTEST)
     apart = np.linalg.norm(where[:, None] - where, axis=-1)
@@ -504,6 +525,7 @@ MULTIPLIER = np.ones(3)  # group 3, as in case 1
 OFFSET_DEG = np.array([0.0, 0.0, -210.0])
 RETURN_GROUPS = (12, 9, 8, 2)  # in turn: where the next job starts reading
 STOP = 13
+TITLE_OF = {SPHERE_1974: "", "wgs84": " ON WGS 84"}
 
 
 @dataclass(frozen=True)
@@ -539,7 +561,7 @@ def make(plan: Plan) -> tuple[list[Job], Truth]:
     path = trajectory(plan, float(times.time_s[-1]))
     where = position_ft(path, time_s)
     estimate, camera_deg = camera_swing(plan, time_s)
-    seen = view(path, where, camera_deg)
+    seen = view(path, where, camera_deg, plan.earth)
     marks, which, image = choose_landmarks(plan, seen, place_landmarks(plan, seen))
 
     def film(time: int) -> Readings:
@@ -550,7 +572,7 @@ def make(plan: Plan) -> tuple[list[Job], Truth]:
     )
     no_cards = np.zeros(0, np.int64), np.zeros((0, 6), np.int64)
     first = Job(
-        title=f"1   SYNTHETIC FLIGHT {plan.seed}".ljust(80),
+        title=f"1   SYNTHETIC FLIGHT {plan.seed}{TITLE_OF[plan.earth]}".ljust(80),
         camera=camera,
         trajectory=path,
         wind=wind(plan),
