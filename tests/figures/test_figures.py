@@ -304,7 +304,7 @@ def test_a_figure_for_a_pipe() -> None:
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_smallest_size_holds_every_panel(name: str) -> None:
     """No warning of the layout, panels that can be read, legends that cover no label."""
-    for made in (histories("appendix_h/cases_1_2_3"), list(flight())):
+    for made in (histories("appendix_h/cases_1_2_3"),):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             figure = draw(name, made, size_in=least_size_in(name))
