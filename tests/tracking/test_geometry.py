@@ -146,14 +146,14 @@ def test_most_landmarks_outvote_one() -> None:
     eye = np.tile(np.eye(2), (5, 1, 1))
     warps = Warps(np.zeros((5, 625, 2)), np.zeros((5, 2)), eye, by_turns, np.ones(5, bool))
     found = no_matches(5)._replace(shift=shift, good=np.ones(5, bool), sigma_px=np.full(5, 0.05))
-    agreed = agreement(warps, found, patches)
+    agreed = agreement(warps, found, patches, np.zeros(5))
     assert agreed is not None
     assert agreed[1].tolist() == [True, True, True, False, True]
     assert_close("turn by drawn shifts", agreed[0], turn)
     same = np.tile(by_turns[:1], (5, 1, 1))
     apart = found._replace(shift=np.array([[0.0, 0.0], [7.0, 0.0]] + [[0.0, 0.0]] * 3))
     apart.good[2:] = False
-    assert agreement(warps._replace(by_turns=same), apart, patches) is None
+    assert agreement(warps._replace(by_turns=same), apart, patches, np.zeros(5)) is None
 
 
 def test_a_frame_that_has_turned() -> None:

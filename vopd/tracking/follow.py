@@ -124,15 +124,18 @@ def read_footage(project: Project) -> Footage:
         velocity_m_s=None if read.path.velocity_m_s is None else read.path.velocity_m_s[index],
         lever_arm_m=read.path.lever_arm_m,
     )
+    fixes = read.path.fixes
+    own_m = None if fixes is None else np.linalg.norm(fixes.frame_sigma_m[index], axis=1)
     scene = Scene(
-        flight.lens, path, flight.landmarks, flight.refraction, flight.mount, flight.shutter
+        flight.lens, path, flight.landmarks, flight.refraction, flight.mount, flight.shutter, own_m
     )
     own = np.asarray(every) if not flight.image_name else np.array(_image_numbers(project, frames))
-    place = {name: k for k, name in enumerate(frames.image_name or own.tolist())}
+    by_name = list(frames.image_name) if flight.image_name else own.tolist()
+    place = {name: k for k, name in enumerate(by_name)}
     label = flight.image_name or flight.frame.tolist()
     missing = [one for one in label if one not in place]
     if missing:
-        has = f"{frames.source} has {count_text(len(frames), 'frame')}, counted from 0"
+        has = f"{frames.source} has {count_text(len(frames), 'frame')}, {own[0]} to {own[-1]}"
         what = missing[0] if flight.image_name else f"frame {missing[0]}"
         raise section.error("video", f"{what} is clicked, and {has}")
     at = np.array([place[one] for one in label])
@@ -267,6 +270,8 @@ def follow(
     wanted[first : last + 1 : options.every] = True
     _second(run, journal, pictures, first, min(seen, last), wanted)
     scale, by = _scale(journal, clicks)
+    if footage.scene.place_sigma_m is not None:
+        scale, by = 1.0, False  # residuals are of the places, too
     with whole_file(output) as file:
         for text in _lines(journal, footage, clicks, scale, digests):
             file.write(text.encode())
@@ -456,7 +461,7 @@ def _summary(journal: Journal, footage: Footage, run: Tracker, scale: float, by:
         usual = float(np.median(np.maximum(scale * every, LEAST_MATCH_PX)))
         source = (
             "from the residuals" if by
-            else f"by the inverse Hessian times {SIGMA_FACTOR:g}: too few residuals to tell"
+            else f"by the inverse Hessian times {SIGMA_FACTOR:g}: residuals do not tell it"
         )  # fmt: skip
         lines.append(f"sigma of a match: {usual:.3f} px, {source}")
     for one in run.beginnings[1:]:

@@ -44,6 +44,8 @@ HIDDEN = 45  # frames whose view may be hidden before it is a cut
 PREDICTED = 300  # frames by the alignment alone before the track is given up
 SURE = 3  # landmarks that agree are enough also where whole frames are not alike
 PAIRS = 200  # of patches that are tried for the turn that most agree with
+SLACK = 2.0  # standard deviations of the camera's place
+SHAKE_RAD = 0.003  # of a turn within a readout, besides what the frames beside a frame show
 PRIOR_RAD = 0.03  # of a turn, where landmarks do not determine it
 
 CLICKED, FOUND, OCCLUDED, EDGE, LOST, AMBIGUOUS = map(
@@ -437,7 +439,9 @@ class Tracker:
                     found.put(rows, part)
             else:
                 found = _matched(grey, warps, places, start, radius)
-            agreed = agreement(warps, found, places)
+            agreed = agreement(
+                warps, found, places, self._slack_px(view, places), self._late(warps)
+            )
             if agreed is None:
                 continue
             for _ in range(2):
@@ -445,7 +449,9 @@ class Tracker:
                 view = View(frame, rotation, view.rate_rad_s, view.velocity_m_s)
                 warps, places = self._warps(view, patches)
                 found = _matched(grey, warps, places, np.zeros((len(places), 2)), NEAR_PX)
-                agreed = agreement(warps, found, places)
+                agreed = agreement(
+                    warps, found, places, self._slack_px(view, places), self._late(warps)
+                )
                 if agreed is None:
                     break
                 if np.abs(agreed[0]).max() * self.scene.lens.focal_px[0] < 0.3:
@@ -457,6 +463,24 @@ class Tracker:
             marks = {one.patch.landmark for one, ok in zip(places, inlier, strict=True) if ok}
             return Located(final, warps, found, inlier, residual, len(marks))
         return None
+
+    def _slack_px(self, view: View, patches: list[GroundedPatch]) -> Floats:
+        """Find what the errors of the camera's place may add to residuals, pixels, (C,)."""
+        sigma_m = self.scene.place_sigma_m
+        if sigma_m is None:
+            return np.zeros(len(patches))
+        place = self.scene.camera_m(view.frame, view.rotation)
+        away = [np.linalg.norm(one.clicked_m - place) for one in patches]
+        each = np.array([np.hypot(sigma_m[view.frame], sigma_m[p.patch.frame]) for p in patches])
+        return np.asarray(SLACK * self.scene.lens.focal_px[0] * each / np.array(away))
+
+    def _late(self, warps: Warps) -> Floats | None:
+        """Find when the rows of patches are read, from -.5 to .5 of the readout, (C,)."""
+        if self.scene.shutter is None:
+            return None
+        axis = int(self.scene.shutter.way in ("down", "up"))
+        part = np.nan_to_num(warps.clicked[:, axis]) / self.scene.lens.size_px[axis] - 0.5
+        return np.asarray(part)
 
     def _warps(self, view: View, patches: list[GroundedPatch]) -> tuple[Warps, list[GroundedPatch]]:
         """Lay patches on a frame: those of one size together, in the order given."""
@@ -577,15 +601,20 @@ def _matched(
 
 
 def _turn(by_turns: Floats, shift: Floats, weight: Floats) -> Floats:
-    """Fit a small turn of the camera to shifts, (3,)."""
+    """Fit a small turn of the camera to shifts, (3,); or that and one within the readout, (6,)."""
     normal = np.einsum("c,cij,cik->jk", weight, by_turns, by_turns)
-    normal[np.diag_indices(3)] += 1.0 / PRIOR_RAD**2
+    size = len(normal)
+    normal[np.diag_indices(size)] += np.repeat([PRIOR_RAD, SHAKE_RAD], 3)[:size] ** -2.0
     return np.linalg.solve(normal, np.einsum("c,cij,ci->j", weight, by_turns, shift))
 
 
 @np.errstate(all="ignore")
 def agreement(
-    warps: Warps, found: Matches, patches: list[GroundedPatch]
+    warps: Warps,
+    found: Matches,
+    patches: list[GroundedPatch],
+    slack_px: Floats,
+    late: Floats | None = None,
 ) -> tuple[Floats, Bools, Floats] | None:
     """Find the turn of the camera that the shifts of most landmarks agree with.
 
@@ -593,6 +622,8 @@ def agreement(
         warps: the patches laid on a frame
         found: their shifts
         patches: the patches, C
+        slack_px: what residuals may be larger by than `RESIDUAL_PX`, (C,)
+        late: of a rolling shutter: when their rows are read, in readouts, (C,)
 
     Returns:
         The turn (3,), the patches that agree (C,), and their residuals (C, 2); None where fewer
@@ -604,6 +635,9 @@ def agreement(
     if len(marks) < 2:
         return None
     by, shift = warps.by_turns, found.shift
+    limit = RESIDUAL_PX + slack_px
+    if late is not None:  # shake between frames turns the camera while its rows are read
+        by = np.concatenate([by, by * late[:, None, None]], axis=2)
     weight = found.sigma_px**-2.0
     best: Bools | None = None
     score = (0, 0.0)
@@ -614,10 +648,10 @@ def agreement(
         rows = np.array(pair)
         turn = _turn(by[rows], shift[rows], np.ones(2) * 100.0)
         off = np.hypot(*(shift[usable] - by[usable] @ turn).T)
-        near = off < RESIDUAL_PX
+        near = off < limit[usable]
         if not near.any():
             continue
-        own = len(np.unique(mark[usable[near]])), -float(np.minimum(off, RESIDUAL_PX).sum())
+        own = len(np.unique(mark[usable[near]])), -float(np.minimum(off, limit[usable]).sum())
         if own > score:
             score, best = own, near
     if best is None or score[0] < max(2, (len(marks) + 1) // 2):
@@ -626,7 +660,7 @@ def agreement(
     for _ in range(3):
         turn = _turn(by[rows], shift[rows], weight[rows])
         off = shift - by @ turn
-        near = usable[np.hypot(*off[usable].T) < RESIDUAL_PX]
+        near = usable[np.hypot(*off[usable].T) < limit[usable]]
         if np.array_equal(near, rows):
             break
         rows = near
@@ -634,4 +668,4 @@ def agreement(
         return None
     inlier = np.zeros(len(patches), bool)
     inlier[rows] = True
-    return turn, inlier, off
+    return turn[:3], inlier, off

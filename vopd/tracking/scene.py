@@ -33,6 +33,8 @@ class Scene:
         refraction: of the lines of sight
         mount: from camera axes to body axes, for the lever arm, (3, 3)
         shutter: a rolling one, or None
+        place_sigma_m: standard deviation of the camera's place in each frame by itself, (F,); None:
+            it is exact, or the same error in all frames
     """
 
     lens: Lens
@@ -41,6 +43,7 @@ class Scene:
     refraction: Refraction
     mount: Floats
     shutter: Shutter | None = None
+    place_sigma_m: Floats | None = None
 
     @cached_property
     def _origin(self) -> Floats:
