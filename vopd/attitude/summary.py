@@ -369,6 +369,53 @@ def text(
     return "\n".join(pages)
 
 
+def means_text(
+    histories: Sequence[History],
+    columns_wide: int = LEAST,
+    steps: Mapping[str, str] | None = None,
+) -> str:
+    """Write the mean attitude of each job in short, and what is to be known about it.
+
+    Args:
+        histories: of one or more jobs
+        columns_wide: of the screen
+        steps: how to get all columns (`table`); None: those of the library
+
+    Raises:
+        VopdError: if no frame of a job has an attitude, or frames are 90 degrees or more apart
+    """
+    means = [one.mean() for one in histories]
+    estimates = [one.estimate for one in histories]
+    camera, vehicle = (
+        np.array([getattr(one, name) for one in means]) for name in ("camera_deg", "vehicle_deg")
+    )
+    half, has = np.array([one.half_width_95 for one in means]), np.ones(len(means), bool)
+    shown = [ShownColumn(estimates[0].about.words.source, "", [e.about.source for e in estimates],
+                         left=True)]  # fmt: skip
+    if estimates[0].about.words.jobs:
+        shown.append(ShownColumn("job", "", [str(e.about.job) for e in estimates]))
+    shown.append(ShownColumn("frames", "", [str(one.frames) for one in means]))
+    shown.append(ShownColumn("flagged", "", [str(one.flagged) for one in means]))
+    for k, name in enumerate(ANGLES[3:6]):
+        values = _in_half_circle(vehicle[:, k]) if name.endswith("roll") else vehicle[:, k]
+        shown += _angle(name.removeprefix("vehicle_"), values, half[:, 3 + k], has, 2)
+    if (np.abs(_in_half_circle(camera - vehicle)) > SAME_DEG).any():
+        for k, name in enumerate(ANGLES[:3]):
+            values = _in_half_circle(camera[:, k]) if name.endswith("roll") else camera[:, k]
+            shown += _angle(name.replace("_", " "), values, half[:, k], has, 2)[:1]
+    lines = [*_laid_out(shown, NAME), ""]
+    told = ["+- is half of the 95 % interval of the mean, degrees"]
+    left = []
+    for _, included, missing in errors_texts(histories, means):
+        told += [f"the sigmas include errors of: {included}"] * bool(included)
+        left += [missing] * bool(missing)
+    table = (steps or {"table": ".mean() has all"})["table"]
+    paragraphs = ("; ".join(told), "; ".join(left) or "nothing that can be stated", table)
+    for label, said in zip((LABELS[0], LABELS[1], LABELS[3]), paragraphs, strict=True):
+        lines.append(wrapped(f"{label:{len(INDENT)}}{said}", columns_wide, INDENT))
+    return "\n".join(lines) + "\n"
+
+
 def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
     """Write the same for a notebook: the table with all its columns, flags and warnings.
 

@@ -133,7 +133,7 @@ converge, a flight misfits, or with --strict some frame has a flag.
     "--mean",
     is_flag=True,
     help="Write a row a job instead: the mean attitude of its frames, and how sure that is; "
-    "for csv, jsonl, npz and parquet.",
+    "for text, csv, jsonl, npz and parquet.",
 )
 @history_options
 @click.pass_context
@@ -151,10 +151,8 @@ def command(
     **names: Any,
 ) -> None:
     """Write the attitude table, or the attitude history in the format of another tool."""
-    screen = form == TEXT or (form is None and output == "-" and sys.stdout.isatty() and not mean)
+    screen = form == TEXT or (form is None and output == "-" and sys.stdout.isatty())
     chosen = FORMATS["csv"] if screen else _format(output, form)
-    if mean and form == TEXT:
-        raise click.UsageError(f"--mean is for {', '.join(MEAN_FORMATS)}, not {TEXT}.")
     if mean and (columns or roll):
         raise click.UsageError("--columns and --roll are for a row a frame: leave out --mean.")
     if mean and chosen.name not in MEAN_FORMATS:
@@ -166,7 +164,7 @@ def command(
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    found = collect_jobs(sources, options, chosen.by_parts and not mean, misfits=not screen)
+    found = collect_jobs(sources, options, chosen.by_parts and not mean, misfits=mean or not screen)
     request = _with_epoch(chosen, request, [job.head for job in found.jobs])
     messages = Messages(options.quiet)
     if columns:
@@ -179,7 +177,9 @@ def command(
     jobs = [job.watched(progress.add) for job in found.jobs]
     coding = sys.stdout.encoding if output == "-" else "utf-8"
     with whole_file(output) as file:
-        if screen and not columns:
+        if screen and mean:
+            file.write(_means(jobs).encode(coding, ESCAPED))
+        elif screen and not columns:
             file.write(_short(jobs, sources, found, options.quiet).encode(coding, ESCAPED))
         elif screen:
             file.write(_listed(jobs, request, roll).encode(coding, ESCAPED))
@@ -229,6 +229,14 @@ def _short(
         steps={"table": table, "next": "; ".join(steps)},
         printed=0 if quiet else found.warnings,
     )
+
+
+def _means(jobs: Sequence[HistoryParts]) -> str:
+    """Write the mean attitude of each job in short."""
+    from vopd.attitude.summary import means_text
+
+    table = "-o FILE.csv writes it with all columns"
+    return means_text([job.whole for job in jobs], screen_columns(), {"table": table})
 
 
 def _listed(jobs: Sequence[HistoryParts], request: FileRequest, roll: str | None) -> str:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import click
 
 from vopd.cli.console import Messages, Progress
-from vopd.cli.options import FILE_NAME, quiet_option
+from vopd.cli.options import SOURCE_NAME, quiet_option
 from vopd.cli.output import refuse_to_overwrite
 
 GOES_ON = "the same command goes on"
 
 
 @click.command("track")
-@click.argument("project", type=FILE_NAME, metavar="PROJECT")
+@click.argument("project", type=SOURCE_NAME, metavar="PROJECT")
 @click.option("--from", "from_s", type=float, metavar="T", help="Time of the first frame, seconds.")
 @click.option("--to", "to_s", type=float, metavar="T", help="Time of the last frame, seconds.")
 @click.option(

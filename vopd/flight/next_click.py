@@ -38,7 +38,7 @@ class NextClick(NamedTuple):
 def next_clicks(joint: JointSolution, count: int = 3) -> list[NextClick]:
     """Find the clicks that would lower the stated sigmas most, the best one first.
 
-    Each is the best beside those before it. Frames are tried that are spread over the flight, and
+    Each is the best beside those before it, and of another landmark. Frames are tried that are spread over the flight, and
     in each the landmarks that would be in the picture.
 
     Args:
@@ -59,6 +59,7 @@ def next_clicks(joint: JointSolution, count: int = 3) -> list[NextClick]:
         at = 2 * np.arange(len(told) // 2)[:, None, None] + np.arange(2)
         left = np.linalg.inv(np.eye(2) + between[at.swapaxes(1, 2), at])
         gain = np.einsum("nij,nji->n", left, told[at.swapaxes(1, 2), at])
+        gain[np.isin(tried.picks.landmark, [one.landmark for one in found])] = 0.0
         best = int(gain.argmax())
         after = total - float(gain[best])
         before_deg, after_deg = np.degrees(np.sqrt(np.maximum([total, after], 0.0) / scale))
