@@ -389,21 +389,29 @@ def means_text(
     camera, vehicle = (
         np.array([getattr(one, name) for one in means]) for name in ("camera_deg", "vehicle_deg")
     )
-    half, has = np.array([one.half_width_95 for one in means]), np.ones(len(means), bool)
+    half = np.array([one.half_width_95 for one in means])
     shown = [ShownColumn(estimates[0].about.words.source, "", [e.about.source for e in estimates],
                          left=True)]  # fmt: skip
     if estimates[0].about.words.jobs:
         shown.append(ShownColumn("job", "", [str(e.about.job) for e in estimates]))
     shown.append(ShownColumn("frames", "", [str(one.frames) for one in means]))
     shown.append(ShownColumn("flagged", "", [str(one.flagged) for one in means]))
-    for k, name in enumerate(ANGLES[3:6]):
-        values = _in_half_circle(vehicle[:, k]) if name.endswith("roll") else vehicle[:, k]
-        shown += _angle(name.removeprefix("vehicle_"), values, half[:, 3 + k], has, 2)
+    both = [(name, vehicle[:, k], half[:, 3 + k]) for k, name in enumerate(ANGLES[3:6])]
     if (np.abs(_in_half_circle(camera - vehicle)) > SAME_DEG).any():
-        for k, name in enumerate(ANGLES[:3]):
-            values = _in_half_circle(camera[:, k]) if name.endswith("roll") else camera[:, k]
-            shown += _angle(name.replace("_", " "), values, half[:, k], has, 2)[:1]
-    lines = [*_laid_out(shown, NAME), ""]
+        both += [(name, camera[:, k], half[:, k]) for k, name in enumerate(ANGLES[:3])]
+    for name, values, widths in both:
+        own = _in_half_circle(values) if name.endswith("roll") else values
+        label = name.removeprefix("vehicle_").replace("_", " ")
+        rows = [_angle(label, own[k : k + 1], widths[k : k + 1], np.ones(1, bool), 2)
+                for k in range(len(means))]  # fmt: skip
+        for of_all in zip(*rows, strict=True):
+            shown.append(of_all[0]._replace(cells=[one.cells[0] for one in of_all]))
+    if max(map(width, _laid_out(shown, LEAST_NAME))) > columns_wide:
+        shown = [one for k, one in enumerate(shown) if k < len(shown) - 6 or len(both) == 3]
+    lines = _laid_out(shown, NAME)
+    if max(map(width, lines)) > columns_wide:
+        lines = _laid_out(shown, LEAST_NAME)
+    lines.append("")
     told = ["+- is half of the 95 % interval of the mean, degrees"]
     left = []
     for _, included, missing in errors_texts(histories, means):

@@ -38,8 +38,8 @@ class NextClick(NamedTuple):
 def next_clicks(joint: JointSolution, count: int = 3) -> list[NextClick]:
     """Find the clicks that would lower the stated sigmas most, the best one first.
 
-    Each is the best beside those before it, and of another landmark. Frames are tried that are spread over the flight, and
-    in each the landmarks that would be in the picture.
+    Each is the best beside those before it, and of another landmark. Frames are tried that are
+    spread over the flight, and in each the landmarks that would be in the picture.
 
     Args:
         joint: the solution of a flight with clicks
