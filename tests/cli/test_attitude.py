@@ -350,6 +350,7 @@ class Job:
 
     frames = 4
     misfits = mistaken = False
+    next_clicks = ()
 
     def __init__(self, name: str, has: bool = True, is_counted: bool = True) -> None:
         self.findings = (Finding(f"{name} is odd", severity="warning"),)
