@@ -54,7 +54,7 @@ def next_clicks(joint: JointSolution, count: int = 3) -> list[NextClick]:
     between, told = _covariances(joint, tried)
     total = float(np.nansum(np.einsum("fii->f", joint.covariance.turn)))
     scale = 3.0 * joint.model.solved
-    found = []
+    found: list[NextClick] = []
     for _ in range(count):
         at = 2 * np.arange(len(told) // 2)[:, None, None] + np.arange(2)
         left = np.linalg.inv(np.eye(2) + between[at.swapaxes(1, 2), at])
