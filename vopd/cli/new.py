@@ -19,7 +19,11 @@ if TYPE_CHECKING:
 
 _FILES = (
     ("--gcp", "gcp", "gcp_list.txt of OpenDroneMap: picks and landmarks in one."),
-    ("--lens", "lens", "The lens: OpenCV, COLMAP, OpenSfM or ODM, Metashape, mrcal."),
+    (
+        "--lens",
+        "lens",
+        "The lens: OpenCV, COLMAP, OpenSfM or ODM, Metashape, mrcal; or FX,FY,CX,CY,K1,K2.",
+    ),
     ("--picks", "picks", "The picks: CSV, CVAT, LabelMe, gcp_list.txt."),
     ("--landmarks", "landmarks", "The landmarks: CSV, GeoJSON, gcp_list.txt."),
     ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt, .MRK, .SRT, a GoPro's video."),
@@ -42,7 +46,7 @@ _ANSWERS = (
     ("--epoch", "TIME", "The moment of t = 0, such as 2026-05-01T11:58:42Z.", ("flight.epoch",)),
     ("--first-frame", "SECONDS", "Time of frame 0, after the epoch.", ("picks.first_frame_t_s",)),
     ("--pixel-grid", "NAME", "Where picks count from: centre, corner, one-based.",
-     ("picks.pixel_grid",)),
+     ("picks.pixel_grid", "camera.pixel_grid")),
     ("--image-size", "W,H", "Width and height of the images, pixels.", ("camera.image_size_px",)),
     ("--sigma-position", "METRES", "Standard deviation of track or position: 3, or 2,2,4.",
      ("track.sigma_m", "position.sigma_m")),
@@ -122,10 +126,19 @@ def command(
     Exit status: 0 the project is written; 1 a file could not be read, or one that
     would be written is there already; 2 wrong usage.
     """
-    from vopd.flight.new import NAME, example_project, project_of_files
+    from vopd.flight.new import (
+        NAME,
+        Answer,
+        example_project,
+        lens_of_numbers,
+        project_of_files,
+    )
 
     files = {key: name for _, key, _ in _FILES if (name := given[key]) is not None}
     answers = _answers(given, position, columns, keys)
+    if "lens" in files and (table := lens_of_numbers(files["lens"])):
+        del files["lens"]
+        answers.append(Answer("--lens", [("camera", "lens")], table, at_once=True))
     if answers and not files and not video:
         raise click.UsageError(f"{answers[0].option} is for a project of files: give --picks, ...")
     if deck is not None and (files or video):
@@ -184,6 +197,8 @@ def _answers(
             key = section, last
             if key not in ROWS:
                 near = did_you_mean(name.strip(), [f"{a}.{b}" for a, b in ROWS if "." not in a])
+                if "lens" in section.split("."):
+                    near = "; numbers of a lens: --lens FX,FY,CX,CY,K1,K2"
                 raise click.UsageError(f"--set: there is no key {name}{near}")
             value = answer_value("--set", key, text)
             found.append(Answer("--set", [key], value, at_once=True))

@@ -100,6 +100,8 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
     try:
         found = read_by_content(LENS_FORMATS, file, LensQuestion())
     except VopdError as error:
+        if "not recognised" in str(error):
+            raise VopdError(f"{error}; numbers serve, too: --lens FX,FY,CX,CY,K1,K2") from error
         keys = [
             key for key in ("image_size_px", "model", "camera") if f"[camera] {key}" in str(error)
         ]
@@ -110,6 +112,40 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
         return
     values["camera", "image_size_px"] = toml_numbers(*found.lens.size_px)
     new.said.append(found.said)
+
+
+def lens_of_numbers(text: str) -> str:
+    """Write a lens that is given as numbers as a table of TOML; empty if these are no numbers.
+
+    Args:
+        text: focal length, or fx, fy, cx, cy and up to five coefficients k1, k2, p1, p2, k3 of
+            OpenCV, pixels
+    """
+    numbers = [part.strip() for part in text.split(",")]
+    if not all(map(is_number, numbers)) or len(numbers) not in (1, 4, 5, 6, 8, 9):
+        return ""
+    values = [repr(float(one)) for one in numbers]
+    told = [
+        f"{name}_px = {one}" for name, one in zip(("fx", "fy", "cx", "cy"), values, strict=False)
+    ]
+    if k := values[4:]:
+        k += ["0.0"] * (-len(k) % 4 if len(k) < 4 else 0)
+        told.append(f"k = [{', '.join(k)}]")
+    return f'{{ model = "brown", {", ".join(told)} }}'
+
+
+def look_at_numbers(new: NewProject, values: KeyValues) -> None:
+    """Ask what a lens that is a table leaves open.
+
+    Args:
+        new: what is asked, to be added to
+        values: the keys that are known
+    """
+    if ("camera", "image_size_px") not in values:
+        new.needed["camera", "image_size_px"] = "the lens's table does not say it"
+    lens = values["camera", "lens"]
+    if ("cx_px" in lens or "cy_px" in lens) and ("camera", "pixel_grid") not in values:
+        new.needed["camera", "pixel_grid"] = "where the lens's cx_px and cy_px count from"
 
 
 FOCAL_REL = 0.05
@@ -450,6 +486,13 @@ def project_of_files(
             if key == "columns":
                 new.columns[section] = tomllib.loads(f"x = {one.value}")["x"]
     look_at_files(new, values, folder, given, video)
+    for one in [one for one in answers if one.at_once]:
+        for section, key in one.keys:
+            if (other := values[section, key]) != one.value:
+                raise VopdError(
+                    f"{one.option}: [{section}] {key} = {one.value}, and by a file or option it is "
+                    f"{other}: leave one out"
+                )
     rate, times = ("picks", "frame_rate_hz"), ("picks", "times")
     if times in new.needed and any(rate in one.keys for one in answers):  # numbers in names
         why = new.needed.pop(times)
@@ -497,6 +540,8 @@ def look_at_files(
         tagged = Path(images or named.get("track") or "")
         if "lens" not in named and images_in(tagged):
             look_at_focal(new, values, tagged)
+    elif values["camera", "lens"].startswith("{"):
+        look_at_numbers(new, values)
     if video:
         look_at_video(new, values, folder, video, named)
         new.needed.pop(("camera", "image_size_px"), None)
