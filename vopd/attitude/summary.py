@@ -23,6 +23,7 @@ from vopd.screen import LEAST, aligned, shortened, width, wrapped
 ROWS = 20  # frames of a table
 NAME = 28  # columns of the name of an image or a source, if there is room
 LEAST_NAME = 12  # and if there is none
+CONTRADICTED = "?"  # in the place of a 95 % half-width that the residuals contradict
 SAME_DEG = 1e-6  # angles of camera and vehicle that are printed alike
 
 # Frames of one kind of source, counted, and the first of them kept
@@ -123,6 +124,8 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
     rms = np.concatenate([part.residual_rms for part in parts])[:ROWS]
     marks = np.concatenate([part.landmarks for part in parts])[:ROWS]
     has = np.concatenate([part.has_attitude for part in parts])[:ROWS]
+    misfit = np.concatenate([part.flags.raised["misfit"] for part in parts])[:ROWS]
+    half = np.where(misfit[:, None], -np.inf, half)  # printed as contradicted
     labels = [one.frame_label(k) for one in e for k in range(len(one.frame))][:ROWS]
     sources = [one.about.source for one in e for _ in one.frame][:ROWS]
     numbers = [str(one.about.job) for one in e for _ in one.frame][:ROWS]
@@ -174,13 +177,20 @@ def _angle(
     """List the column of an angle, and that of its 95 % half-width."""
     decimals = _decimals(half[has], digits)
     shown = np.where(has, values, np.nan)
+    known = has & np.isfinite(values)
     widths = [
-        "free" if one and not isfinite(h) else f"{h:.{decimals}f}" if one else ""
-        for h, one in zip(half.tolist(), (has & np.isfinite(values)).tolist(), strict=True)
+        _half_text(h, decimals) if one else ""
+        for h, one in zip(half.tolist(), known.tolist(), strict=True)
     ]
     body, _, angle = name.rpartition(" ")
     head = (body, angle) if body else (angle, "deg")
     return ShownColumn(*head, _fixed(shown, decimals)), ShownColumn("+-", "", widths, close=True)
+
+
+def _half_text(half: float, decimals: int) -> str:
+    if half < 0.0:
+        return CONTRADICTED
+    return f"{half:.{decimals}f}" if isfinite(half) else "free"
 
 
 def _decimals(sizes: Floats, digits: int) -> int:
@@ -260,7 +270,10 @@ def sure_text(frames: ShownFrames) -> str:
     if len(half):
         middle = np.median(np.where(np.isnan(half), np.inf, half), axis=0)
         median = "in the median " if len(half) > 1 else ""
-        told = f"+- is half of the 95 % interval, degrees: {median}" + ", ".join(
+        told = "+- is half of the 95 % interval, degrees"
+        if "misfit" in frames.flagged:
+            told += f" ({CONTRADICTED}: the residuals contradict it)"
+        told += f": {median}" + ", ".join(
             f"{name} {'free' if not isfinite(size) else f'{size:.2g}'}"
             for name, size in zip(("yaw", "pitch", "roll"), middle.tolist(), strict=True)
         )
