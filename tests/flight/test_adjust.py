@@ -9,6 +9,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved
+from tests.kit.command import vopd as command
 from tests.kit.dense_minimum import NAMES, dense_minimum, drawn, freed_problem
 from tests.kit.joint_flights import FOCAL, Dense, drone, flight_of
 from tests.tolerances import assert_close, within
@@ -166,6 +167,12 @@ def test_the_library_takes_a_project() -> None:
     made = vopd.adjust("examples/summits/flight.toml", ["focal"])
     (row,) = made.parameters
     assert row.held and abs(row.after - 3900.0) < FOCAL * 1e-3
+
+
+def test_an_adjustment_shows_the_table_of_the_command() -> None:
+    path = "examples/summits/flight.toml"
+    made, ran = adjust(path, ["focal"]), command("adjust", path, "--free", "focal")
+    assert str(made) == ran.stdout and made._repr_html_() == f"<pre>{ran.stdout}</pre>"
 
 
 # Solved, and doubtful

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from html import escape
 from os import PathLike
 
 import numpy as np
@@ -89,6 +90,14 @@ class Adjustment:
         known = np.isfinite(np.diag(found))
         found[known, known] = 1.0  # whatever the rounding
         return np.asarray(found)
+
+    def __str__(self) -> str:
+        from vopd.flight.adjusted_table import as_text
+
+        return as_text(self, correlations=False)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(str(self))}</pre>"
 
 
 def adjust(
