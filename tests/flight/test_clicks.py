@@ -160,7 +160,7 @@ def test_other_clicks_need_another_track(tmp_path: Path) -> None:
 def test_another_lens_is_said_and_the_picks_serve(tmp_path: Path) -> None:
     path = clicked_project(tmp_path)
     path.write_text(path.read_text().replace("fx_px = 1500.0", "fx_px = 1501.0"))
-    said = " ".join(solve_flight(path).about)
+    said = " ".join(one.message for one in solve_flight(path).findings)
     assert "lens, landmarks or positions have changed" in said and "run vopd track again" in said
 
 

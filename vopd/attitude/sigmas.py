@@ -132,9 +132,10 @@ COMPONENTS = (
 
 INPUTS = (
     "position", "landmark", "focal", "principal_point", "distortion", "refraction", "time",
-    "readout", "mount", "velocity", "wind", "click",
+    "readout", "mount", "velocity", "wind", "click", "drift_of_matches",
 )  # fmt: skip
-"""Components that only the user or the source can state; the others are estimated."""
+"""Components that only the user or the source can state; the others are estimated. The drift of
+matches can be stated by nobody yet: it is named as left out."""
 
 COMMON = (
     "principal_point", "distortion", "landmark", "focal", "time", "readout", "mount", "refraction",

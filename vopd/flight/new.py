@@ -297,6 +297,8 @@ def look_at_track(
 
 CLICKS = "clicks.csv"
 """What `vopd pick` saves."""
+TRACKED = "tracked.csv"
+"""What `vopd track` writes."""
 
 
 def look_at_video(
@@ -323,8 +325,12 @@ def look_at_video(
         values["camera", "image_size_px"] = toml_numbers(picture.shape[1], picture.shape[0])
     if "picks" not in named:
         values["picks", "file"] = toml_text(CLICKS)
+        values["picks", "tracked"] = toml_text(TRACKED)
         new.then = "pick {} -o pick.html"
-        new.said.append(f"no picks yet: click them with vopd pick, and save {CLICKS} in {folder}")
+        new.said.append(
+            f"no picks yet: click landmarks in a few frames with vopd pick, save {CLICKS} in "
+            f"{folder}, and follow them through the others with vopd track"
+        )
     if "track" in named or any(section == "position" for section, _ in values):
         return
     beside = [Path(names[0]).with_suffix(suffix) for suffix in (".SRT", ".srt")]

@@ -608,7 +608,7 @@ def _flight_of(project: Project) -> Flight:
         joined, findings = join_picks(picks, label, landmarks.name, name)
     camera, wind_said = add_wind(project, path.path)
     outside = outside_area(landmark_crs(project.section("landmarks"), rows), landmarks.position_m)
-    doubts = [*path.doubts, *([f"[landmarks] crs: {outside}"] if outside else [])]
+    doubts = [*picks.doubts, *path.doubts, *([f"[landmarks] crs: {outside}"] if outside else [])]
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, label)
     refraction = refraction_of(project.section("atmosphere"))

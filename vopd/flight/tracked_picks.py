@@ -35,7 +35,10 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
     Raises:
         VopdError: where the file is not as `vopd track` writes it, or is of other clicks
     """
-    section, file = project.section("picks"), project.open("picks", "tracked")
+    section = project.section("picks")
+    if not (project.folder / section.text("tracked")).exists():
+        raise section.error("tracked", f"{section.text('tracked')} is not there: run vopd track")
+    file = project.open("picks", "tracked")
     if not recognises_tracked(file):
         raise section.error(
             "tracked",
@@ -57,9 +60,17 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
         raise file.error(f"{message} of {size_px[0]} x {size_px[1]}: {AGAIN}")
     clicked = int((rows.status == CLICKED).sum())
     said = f"{file.name}: {count_text(clicked, 'click')} and {len(rows.frame) - clicked} tracked "
-    said += "places from them; " + "; ".join(doubts) if doubts else "places from them"
+    said += "places from them"
     return PickRows(
-        rows.frame, rows.landmark, rows.pixel, rows.sigma_px, "centre", None, said, tracks=rows
+        rows.frame,
+        rows.landmark,
+        rows.pixel,
+        rows.sigma_px,
+        "centre",
+        None,
+        said,
+        tracks=rows,
+        doubts=() if project.section("uncertainty").has("covariance") else tuple(doubts),
     )
 
 

@@ -101,6 +101,7 @@ class PickRows:
     stated: bool = False  # whether the project or the file states `sigma_px`
     interpolated: Bools | None = None  # (P,) by the program that wrote the file; None: unknown
     tracks: TrackedRows | None = None  # the same picks with the clicks that they are from
+    doubts: tuple[str, ...] = ()  # warnings about the file
     by_size: bool = False  # pixels are from the image's middle, by its longer side
 
     def where(self, kept: Bools) -> PickRows:
