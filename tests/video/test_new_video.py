@@ -38,7 +38,7 @@ def test_a_video_with_a_track_beside_it(folder: Path) -> None:
     new = project_of_files(folder, {"landmarks": "l.csv"}, video=["a.mp4", "b.mp4"])
     found = values(new)
     assert found["picks"] == {
-        "file": "clicks.csv", "tracked": "tracked.csv", "tracked": "tracked.csv", "first_frame_t_s": 0.0, "times": "video",
+        "file": "clicks.csv", "tracked": "tracked.csv", "first_frame_t_s": 0.0, "times": "video",
         "video": ["a.mp4", "b.mp4"],
     }  # fmt: skip
     assert found["camera"] == {"image_size_px": list(SIZE)}

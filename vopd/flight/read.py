@@ -228,7 +228,7 @@ class CameraLens(NamedTuple):
 
     read: LensRead  # of all images, or the first of several
     table: InputFile | None = None  # which lens each image has; None: all have one
-    each: tuple[Lens, ...] = ()
+    lenses: tuple[Lens, ...] = ()
     of_image: Mapping[str, int] = {}  # which of them
 
     def of_names(self, names: Sequence[str]) -> Lens:
@@ -247,7 +247,7 @@ class CameraLens(NamedTuple):
             more = f" and {len(missing) - 1} more of the picks' images" if missing[1:] else ""
             first = f"frame {missing[0]}" if missing[0].isdigit() else missing[0]
             raise self.table.error(f"no row for {first}{more}: add its name and its lens")
-        return Lenses.join(self.each, np.array([self.of_image[name] for name in names], np.int64))
+        return Lenses.join(self.lenses, np.array([self.of_image[name] for name in names], np.int64))
 
 
 def read_camera(project: Project) -> CameraLens:
