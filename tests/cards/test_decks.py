@@ -22,6 +22,7 @@ from vopd.cards import read as basic_data
 from vopd.cards.deck import CardBlock, CardDeck, byte_matrix
 from vopd.cards.read import open_deck, read_jobs
 from vopd.cards.sequence import strip_sequence
+from vopd.cards.text import CardText
 from vopd.findings import BASIC_DATA, Finding, InputError, VopdError
 from vopd.job import Job, Readings
 from vopd.pipeline import ReadJob, read_deck, read_decks
@@ -480,6 +481,12 @@ TEXT = Path(CASE_1).read_text("ascii")
 RECORDS = "".join(card.ljust(80) for card in TEXT.splitlines())
 
 
+def described(width: int = 0) -> bytes:
+    """Write each card as a record of variable length: two bytes of length, two zeros, EBCDIC."""
+    cards = [card.ljust(width).encode("cp037") for card in TEXT.splitlines()]
+    return b"".join(bytes([0, 4 + len(card), 0, 0]) + card for card in cards)
+
+
 @pytest.mark.parametrize(
     "content",
     {
@@ -489,7 +496,10 @@ RECORDS = "".join(card.ljust(80) for card in TEXT.splitlines())
         "the last record shorter": RECORDS.rstrip().encode(),
         "EBCDIC lines": TEXT.encode("cp037"),
         "EBCDIC with NEL": TEXT.encode("cp037").replace(b"\x25", b"\x15"),
+        "EBCDIC with LF": TEXT.encode("cp037").replace(b"\x25", b"\x0a"),
         "EBCDIC records": RECORDS.encode("cp500"),
+        "EBCDIC records with descriptors": described(80),
+        "EBCDIC records of their own lengths": described(),
     }.items(),
     ids=lambda one: one[0],
 )
@@ -497,6 +507,15 @@ def test_a_deck_in_another_code_or_in_records(content: tuple[str, bytes]) -> Non
     (job,) = read_jobs(io.BytesIO(content[1]), "a")
     (usual,) = read_jobs(io.BytesIO(TEXT.encode()), "a")
     assert job == usual
+
+
+def test_a_record_without_its_descriptor_is_a_bad_card() -> None:
+    """Everything after it is passed on as it is: no card is lost without a word."""
+    cut = described(80)
+    whole = CardText(io.BytesIO(cut[: 84 * 9])).all()
+    damaged = CardText(io.BytesIO(cut[: 84 * 9] + cut[84 * 9 + 1 :])).all()
+    assert whole.decode() == "".join(f"{card:80}\n" for card in TEXT.splitlines()[:9])
+    assert damaged.startswith(whole) and len(damaged) == 9 * 81 + len(cut) - 84 * 9 - 1
 
 
 def test_a_deck_without_its_sequence_numbers_is_the_deck() -> None:

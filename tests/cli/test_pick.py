@@ -62,6 +62,17 @@ def test_a_project_names_video_and_landmarks(tmp_path: Path) -> None:
     assert len(data()["frames"]) == 12 and "mast" in data()["landmarks"]
 
 
+def test_the_folder_of_a_project_is_the_project(tmp_path: Path) -> None:
+    """With images in it, it is a folder of images."""
+    write_project(tmp_path, TOML.replace("[landmarks]", 'video = "a.mp4"\n[landmarks]'))
+    Path("picks.csv").unlink()
+    assert vopd("pick", ".", "-o", "p.html").status == 0
+    assert len(data()["frames"]) == 12 and len(data()["landmarks"]) == 6
+    Image.new("RGB", (8, 6)).save("one.png")
+    assert vopd("pick", ".", "-o", "p.html").status == 0
+    assert [one["name"] for one in data()["frames"]] == ["one.png"]
+
+
 def test_images_of_a_folder() -> None:
     Path("photographs").mkdir()
     for name in ("b.png", "a.png"):

@@ -260,6 +260,32 @@ def test_the_kind_of_each_set_of_columns(header: str) -> None:
     assert (found.kind, found.ignored) == (KINDS[header], ())
 
 
+RENAMED = {  # a header: its columns, and what is said
+    "x,y,ra,dec": (
+        "x_px,y_px,ra_deg,dec_deg",
+        "x, y, ra, dec read as x_px, y_px, ra_deg, dec_deg; "
+        "if they are mm, name them x_mm, y_mm; if ra is hours, name it ra_hours",
+    ),
+    "x,y,name": (
+        "x_px,y_px,name",
+        "x, y read as x_px, y_px; if they are mm, name them x_mm, y_mm",
+    ),
+    "x_mm,y_mm,ra_h,dec": ("x_mm,y_mm,ra_hours,dec_deg", "ra_h, dec read as ra_hours, dec_deg"),
+    "x_mm,y_mm,ra,dec_deg": (
+        "x_mm,y_mm,ra_deg,dec_deg",
+        "ra read as ra_deg; if ra is hours, name it ra_hours",
+    ),
+    "x_mm,y_mm,u,v,w,ra,dec": ("x_mm,y_mm,u,v,w,ra,dec", ""),
+    "x_px,y_px,name,x,y,dec": ("x_px,y_px,name,x,y,dec", ""),
+}
+
+
+@pytest.mark.parametrize("header", RENAMED)
+def test_other_names_of_columns(header: str) -> None:
+    found = read_columns(tuple(header.split(",")), images_only=False)
+    assert (",".join(found.names), found.read_as) == RENAMED[header]
+
+
 REFUSED = (
     "y_mm,x_mm,u,y_mm,v,w,x_mm",
     "y_px,u,v,w",
@@ -290,6 +316,8 @@ REFUSED = (
     f"{MM},sigma_x_px,sigma_y_px",
     f"{PX},sigma_y_mm",
     f"{PX},sigma_mm",
+    "x,y,z,u,v,w",
+    "x,y,sigma_mm,name",
 )
 
 

@@ -14,11 +14,12 @@ NUMBERS = r"[\d .+\-EeDd]*"
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 EBCDIC = (
     bytes(range(256)).decode("cp037").encode("latin-1").translate(
-        bytes.maketrans(b"\x85", b"\n")  # NEL ends a line too
+        bytes.maketrans(b"\x85\x8e", b"\n\n")  # NEL ends a line too, and byte 0A, ASCII's LF
     )
 )  # fmt: skip
 """The character of each byte in code page 037; digits and signs are those of all EBCDIC pages."""
 RETURNS = bytes.maketrans(b"\r", b"\n")
+DESCRIPTOR = 4  # bytes before a record of variable length: its length with them, and two zeros
 START = 1 << 14  # bytes by which the code and the records are told
 
 
@@ -26,7 +27,8 @@ class CardText:
     """Reads a deck's file as ASCII, a card a line.
 
     EBCDIC becomes ASCII, a byte-order mark is skipped, and a file without line ends is cut into
-    records of 80 bytes. Any other file is passed on as it is.
+    records of 80 bytes. In EBCDIC each record may begin with its descriptor word. Any other
+    file is passed on as it is.
 
     Args:
         file: the deck, open for reading bytes
@@ -37,6 +39,7 @@ class CardText:
         self._started = False
         self._table: bytes | None = None
         self._records = False
+        self._described = False
         self._rest = b""
 
     def read(self, size: int) -> bytes:
@@ -50,6 +53,8 @@ class CardText:
             self._started = True
             block = block.removeprefix(BYTE_ORDER_MARK)
             self._recognise(block[:START])
+        if self._described:
+            block = self._without_descriptors(self._rest + block, ended=not block)
         if self._table is not None:
             block = block.translate(self._table)
         if self._records:
@@ -63,6 +68,10 @@ class CardText:
     def _recognise(self, start: bytes) -> None:
         if is_ebcdic(start):
             self._table = EBCDIC
+            length = _record_length(start, 0)
+            self._described = length > 0 and _record_length(start, length) > 0
+            if self._described:
+                return
         elif b"\n" not in start and b"\r" in start:
             self._table = RETURNS
         text = start if self._table is None else start.translate(self._table)
@@ -78,6 +87,25 @@ class CardText:
         newlines = np.full((len(records), 1), ord("\n"), np.uint8)
         lines = np.concatenate([records, newlines], axis=1).tobytes()
         return lines + data[whole:] if ended else lines
+
+    def _without_descriptors(self, data: bytes, *, ended: bool) -> bytes:
+        """Cut data into records, each with an EBCDIC newline in place of its descriptor word."""
+        lines, begin = b"", 0
+        while length := _record_length(data, begin):
+            if begin + length > len(data):
+                break
+            lines += data[begin + DESCRIPTOR : begin + length] + b"\x25"
+            begin += length
+        self._described = not ended and (length > 0 or len(data) - begin < DESCRIPTOR)
+        self._rest = data[begin:] if self._described else b""
+        return lines if self._described else lines + data[begin:]  # what is no record is a bad card
+
+
+def _record_length(data: bytes, begin: int) -> int:
+    """Read a descriptor word: a card's length with the word's own 4 bytes, or 0 for none."""
+    length = int.from_bytes(data[begin : begin + 2], "big")
+    zeros = data[begin + 2 : begin + DESCRIPTOR] == b"\0\0"
+    return length if zeros and DESCRIPTOR <= length <= DESCRIPTOR + COLUMNS else 0
 
 
 def is_ebcdic(start: bytes) -> bool:

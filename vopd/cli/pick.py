@@ -31,7 +31,7 @@ def command(
     """Make a page on which landmarks are picked: one HTML file, for any browser.
 
     FRAMES is a video, or its files in their order, a folder of images, images, or a
-    flight project whose [picks] video names a video. Of a video the page has 12
+    flight project, or its folder, whose [picks] video names a video. Of a video the page has 12
     frames that are spread over it, or those of --at; of images all, up to 60. They
     are inside the page: it loads nothing, and nothing leaves the browser. It zooms
     to 16 times, moves a pick by a tenth of a pixel with the arrow keys, keeps each
@@ -56,11 +56,14 @@ def command(
     from vopd.flight.formats.landmarks import LANDMARK_FORMATS
     from vopd.flight.formats.picks import CLICKS, read_clicks
     from vopd.report.pick import pick_page
-    from vopd.video import open_frames, spread
+    from vopd.video import STILLS, open_frames, spread
 
     check_page_name(output)
     refuse_to_overwrite((*frames, *filter(None, (landmarks, clicks))), output)
     named = _numbers(at)
+    own = Path(frames[0], "flight.toml")
+    if own.is_file() and not any(one.suffix.lower() in STILLS for one in own.parent.iterdir()):
+        frames = (str(own), *frames[1:])
     if frames[0].endswith(".toml"):
         frames, landmarks = _of_project(frames, landmarks)
     names: list[str] = []

@@ -149,7 +149,7 @@ def _undistorted(points: Floats, file: StarFile, axes: ImageAxes) -> Floats:
 
 
 def _missing(file: StarFile, text: str) -> MissingOption:
-    return MissingOption(str(file.finding(text)))
+    return MissingOption(str(file.finding(text + f" ({file.read_as})" * bool(file.read_as))))
 
 
 def _width(file: StarFile, axes: ImageAxes) -> float:

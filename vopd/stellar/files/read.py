@@ -34,6 +34,15 @@ KINDS = {
 }
 """Columns that tell where a star or point is; a file has one of these sets, or only names."""
 
+SYNONYMS = {
+    "ra_deg": ("ra",),
+    "ra_hours": ("ra_h", "ra_hour", "ra_hr", "ra_hrs"),
+    "dec_deg": ("dec",),
+    "x_px": ("x",),
+    "y_px": ("y",),
+}
+"""Other names of columns that may stand where no column says otherwise; it is said which do."""
+
 WORDS = ("name", "image", "utc")
 """Columns of text: the star's name, the photograph that it is in, and its date."""
 
@@ -73,11 +82,12 @@ class StarColumns:
     """What the header of a star file says.
 
     Attributes:
-        names: all columns, in their order
+        names: all columns, in their order, as they are called here
         unit: of the image coordinates, "mm" or "px"
         kind: a key of KINDS, or "" for a file of images alone
         sigmas: the columns of standard deviations: none, one, or x, y and possibly rho_xy
         ignored: columns that mean nothing here
+        read_as: which columns have other names in the file, as a sentence; empty if none has
     """
 
     names: tuple[str, ...]
@@ -85,6 +95,7 @@ class StarColumns:
     kind: str
     sigmas: tuple[str, ...]
     ignored: tuple[str, ...]
+    read_as: str = ""
 
     @property
     def image(self) -> tuple[str, str]:
@@ -105,6 +116,13 @@ def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     twice = sorted({name for name in names if name and names.count(name) > 1})
     if twice:
         raise ColumnError(f"the header names a column twice: {', '.join(twice)}")
+    own, names = names, _renamed(names)
+    other = [k for k, name in enumerate(own) if name != names[k]]
+    read_as = f"{', '.join(own[k] for k in other)} read as {', '.join(names[k] for k in other)}"
+    if "x" in own and "x" not in names:
+        read_as += "; if they are mm, name them x_mm, y_mm"
+    if "ra" in own and "ra" not in names:
+        read_as += "; if ra is hours, name it ra_hours"
     given = [unit for unit in UNITS if f"x_{unit}" in names or f"y_{unit}" in names]
     if len(given) > 1:
         raise ColumnError("the header must name x_mm and y_mm, or x_px and y_px, not both")
@@ -121,7 +139,27 @@ def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     ignored = (
         () if images_only else tuple(filter(None, (name for name in names if name not in known)))
     )
-    return StarColumns(names, unit, kind, sigmas, ignored)
+    return StarColumns(names, unit, kind, sigmas, ignored, read_as if other else "")
+
+
+def _renamed(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Call the columns of a header by the names of this module.
+
+    `x` and `y` are pixels unless a column in mm or a `z` stands beside them; `ra` and `dec` are
+    of no account beside positions of another kind.
+    """
+    images = {"x", "y"} <= {*names} and "z" not in names
+    images = images and not any(name.endswith("_mm") or name in ("x_px", "y_px") for name in names)
+    vectors = any(name in names for name in (*KINDS["u,v,w"], *KINDS["x_m,y_m,z_m"]))
+    both = all(any(name.startswith(one) for name in names) for one in ("ra", "dec"))
+    here = {}
+    for name, others in SYNONYMS.items():
+        fits = images if name.endswith("_px") else both and not vectors
+        there = [other for other in others if other in names]
+        taken = name in names or (name.startswith("ra_") and {"ra_deg", "ra_hours"} & {*names})
+        if fits and len(there) == 1 and not taken:
+            here[there[0]] = name
+    return tuple(here.get(name, name) for name in names)
 
 
 def read_cell(text: str, name: str) -> float:
@@ -270,6 +308,7 @@ class StarFile:
         utc: when the photograph was taken; None: not stated
         pixels: what the format says about pixels
         line_word: what a line is called in messages
+        read_as: which columns have other names in the file, as a sentence; empty if none has
     """
 
     source: str
@@ -286,6 +325,7 @@ class StarFile:
     utc: datetime | None = None
     pixels: PixelFormat = PixelFormat()
     line_word: str = "line"
+    read_as: str = ""
 
     def error(self, message: str, *stars: int) -> InputError:
         """Make an error about some stars (counted from 0) that names their lines."""
@@ -388,6 +428,9 @@ def read_star_csv(
         columns = read_columns(names, images_only=images_only)
     except ColumnError as error:
         raise _error(f"line {header}: {error}", source) from None
+    names = columns.names
+    if columns.read_as:
+        report(Finding(f"line {header}: {columns.read_as}", source=source, severity="warning"))
     several = "image" in names and not images_only
     groups: dict[str, list[Star]] = {}
     for number, cells in rows:
@@ -475,6 +518,7 @@ def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, source: 
         magnitude=known_numbers("mag"),
         elongation=known_numbers("elongation"),
         utc=_moment(stars, source),
+        read_as=columns.read_as,
     )
 
 
