@@ -117,8 +117,8 @@ def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     if twice:
         raise ColumnError(f"the header names a column twice: {', '.join(twice)}")
     own, names = names, _renamed(names)
-    other = [k for k, name in enumerate(own) if name != names[k]]
-    read_as = f"{', '.join(own[k] for k in other)} read as {', '.join(names[k] for k in other)}"
+    changed = [k for k, name in enumerate(own) if name != names[k]]
+    read_as = f"{', '.join(own[k] for k in changed)} read as {', '.join(names[k] for k in changed)}"
     if "x" in own and "x" not in names:
         read_as += "; if they are mm, name them x_mm, y_mm"
     if "ra" in own and "ra" not in names:
@@ -139,7 +139,7 @@ def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     ignored = (
         () if images_only else tuple(filter(None, (name for name in names if name not in known)))
     )
-    return StarColumns(names, unit, kind, sigmas, ignored, read_as if other else "")
+    return StarColumns(names, unit, kind, sigmas, ignored, read_as if changed else "")
 
 
 def _renamed(names: tuple[str, ...]) -> tuple[str, ...]:
