@@ -242,13 +242,41 @@ def test_whose_latitude_and_longitude_are_exchanged(tmp_path: Path) -> None:
     assert_approved(far(one, earth_centred_m([47.0] * 5, [16.4759] * 5, [0.0] * 5), east))
 
 
+def test_a_lost_sign_and_radians_are_named(tmp_path: Path) -> None:
+    one = flight(tmp_path)
+    marks = one.landmarks.position_m
+    where = geodetic(marks)
+    radians = earth_centred_m(
+        np.deg2rad(where.latitude_deg), np.deg2rad(where.longitude_deg), where.height_m
+    )
+    (longitude,) = far(one, marks_m=marks * [1.0, -1.0, 1.0])
+    assert "the other sign of longitude of the landmarks" in longitude
+    (latitude,) = far(one, marks_m=marks * [1.0, 1.0, -1.0])
+    assert "the other sign of latitude of the landmarks" in latitude
+    (found,) = far(one, marks_m=radians)
+    assert "latitude and longitude of the landmarks in radians" in found
+
+
+def test_an_exchanged_position_is_not_the_landmarks(tmp_path: Path) -> None:
+    """The landmarks are in the area of their CRS as they stand; exchanged they leave it."""
+    shutil.copytree(Path(__file__).parents[2] / "examples" / "summits", tmp_path / "p")
+    path = tmp_path / "p" / "flight.toml"
+    one = read_flight(str(path))
+    camera = check_module._grid_exchanged(one, one.path.position_m)
+    (found,) = far(one, camera)
+    assert "with x and y of the position exchanged" in found
+
+
 def test_easting_and_northing_are_named_before_latitude_and_longitude(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     one = flight(tmp_path)
     where = geodetic(one.landmarks.position_m)
     turned = earth_centred_m(where.longitude_deg, where.latitude_deg, where.height_m)
-    monkeypatch.setattr(check_module, "_grid_exchanged", lambda flight: one.landmarks.position_m)
+    words, _ = check_module.COORDINATE_MISTAKES[0]
+    grid = words, lambda flight, position_m: one.landmarks.position_m
+    every = (grid, *check_module.COORDINATE_MISTAKES[1:])
+    monkeypatch.setattr(check_module, "COORDINATE_MISTAKES", every)
     assert_approved(far(one, marks_m=turned))
 
 
@@ -303,3 +331,61 @@ def test_a_solve_that_is_refused_is_an_error_without_the_file_s_name(
     assert check_flight(path) == [
         Finding("of the files", path, severity="warning"), Finding("odd", path),
     ]  # fmt: skip
+
+
+def test_rows_of_a_track_that_are_no_fixes_are_named(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    track = tmp_path / "track.csv"
+    rows = track.read_text().splitlines()
+    t_s = rows[2].split(",")[0]
+    for row, said in (
+        (f"{t_s},0,0.0,0", "line 3: latitude 0, longitude 0: a receiver without a fix"),
+        (rows[1], "line 3: its time is not after the one before; it repeats that one, remove it"),
+    ):
+        track.write_text("\n".join([*rows[:2], row, *rows[3:]]))
+        (found,) = messages(path)
+        assert said in found
+        new = vopd("new", tmp_path / "p", "--track", track)
+        assert said in new.stderr
+
+
+@pytest.mark.parametrize("own", ["t_ms", "time_ms"])
+def test_times_in_milliseconds_are_read_as_such(tmp_path: Path, own: str) -> None:
+    path = write_project(tmp_path)
+    before = read_flight(str(path))
+    changed(path, "track.csv", lambda r: [f"{1e3 * float(r[0]):.3f}", *r[1:]])
+    track = tmp_path / "track.csv"
+    track.write_text(track.read_text().replace("t_s", own, 1))
+    after = read_flight(str(path))
+    assert np.array_equal(after.path.position_m, before.path.position_m)
+    assert any(f"{own} read as t_s, the time in milliseconds" in one for one in after.about)
+
+
+def test_milliseconds_since_1970_in_a_column_of_seconds_are_suspected(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    changed(path, "track.csv", lambda r: [f"{1767225600000 + 1e3 * float(r[0]):.0f}", *r[1:]])
+    (found,) = messages(path)
+    assert "milliseconds since 1970? then name the column t_unix_ms" in found
+
+
+def test_a_focal_length_in_millimetres_is_suspected(tmp_path: Path) -> None:
+    """A side of 4000 px is 2 atan(2000 / 24) = 178.6 degrees wide with 24 px."""
+    shutil.copytree(Path(__file__).parents[2] / "examples" / "summits", tmp_path / "p")
+    path = tmp_path / "p" / "flight.toml"
+    text = path.read_text().splitlines()
+    lens = ['lens = { model = "brown", fx_px = 24.0 }' if t[:4] == "lens" else t for t in text]
+    path.write_text("\n".join(lens))
+    assert any(
+        "fx_px = 24: the image would be 179 degrees wide; is that millimetres?" in one
+        for one in messages(path)
+    )
+
+
+def test_a_table_of_a_projected_crs_is_asked_for_x_and_y(tmp_path: Path) -> None:
+    shutil.copytree(Path(__file__).parents[2] / "examples" / "summits", tmp_path / "p")
+    marks = tmp_path / "p" / "summits.csv"
+    marks.write_text(marks.read_text().replace("x_m,y_m", "x_own_m,y_own_m", 1))
+    (found,) = messages(tmp_path / "p" / "flight.toml")
+    assert "no column x_m: rename x_own_m to x_m" in found
+    new = vopd("new", tmp_path / "q", "--landmarks", marks, "--crs", "EPSG:32633")
+    assert "--columns landmarks:x_m=x_own_m" in new.stderr

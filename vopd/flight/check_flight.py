@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.blunders import ARE_EXCHANGED, WRONG
-from vopd.flight.coordinates import HeightDatum, earth_centred_positions, map_grid
+from vopd.flight.coordinates import (
+    HeightDatum,
+    earth_centred_positions,
+    map_grid,
+    outside_area,
+)
 from vopd.flight.flight import Flight, frame_label
 from vopd.flight.misfit import SPEAK_FOR
 from vopd.flight.mistakes import other_clock, usual_mistakes
@@ -82,44 +87,84 @@ def messages_of_files(flight: Flight) -> Iterator[str]:
 
 
 def far_landmarks(flight: Flight) -> Iterator[str]:
-    """Look for landmarks that cannot be seen: latitude and longitude may be exchanged."""
+    """Look for landmarks that cannot be seen, and for the mistake of coordinates that explains it.
+
+    Of a mistake of the landmarks and one of the camera, that counts which puts both into the
+    area of the landmarks' CRS.
+    """
     marks, camera = flight.landmarks.position_m, flight.path.position_m
     if not _distance(flight, marks, camera) > FAR_M:
         return
-    whose = [
-        what
-        for what, one, other in (
-            ("the landmarks", _exchanged(marks), camera),
-            ("the camera", marks, _exchanged(camera)),
-        )
-        if _distance(flight, one, other) < FAR_M
-    ]
+    crs = None if flight.grid is None else flight.grid.crs
+    camera_said = "the position" if flight.path.stands else "the camera"
     why = ""
-    if _distance(flight, _grid_exchanged(flight), camera) < FAR_M:
-        why = "; with x and y of the landmarks exchanged they are not: x is the easting"
-    elif whose:
-        why = f"; with latitude and longitude of {' or of '.join(whose)} exchanged they are not"
+    for said, change in COORDINATE_MISTAKES:
+        both = (
+            ("the landmarks", change(flight, marks), camera),
+            (camera_said, marks, change(flight, camera)),
+        )
+        near = [one for one in both if _distance(flight, one[1], one[2]) < FAR_M]
+        inside = [one for one in near if outside_area(crs, one[1]) is None]
+        if near:
+            whose = " or of ".join(what for what, *_ in inside or near)
+            why = f"; {said.format(whose)}"
+            break
     yield f"landmarks are more than 300 km from the camera{why}"
 
 
-def _exchanged(position_m: Floats) -> Floats:
+def _exchanged(flight: Flight, position_m: Floats) -> Floats:
     """Exchange latitude and longitude of positions; NaN if that is no latitude."""
     where = geodetic(position_m)
     latitude = np.where(np.abs(where.longitude_deg) <= 90.0, where.longitude_deg, np.nan)
     return earth_centred_m(latitude, where.latitude_deg, where.height_m)
 
 
-def _grid_exchanged(flight: Flight) -> Floats:
-    """Exchange easting and northing of the landmarks; NaN if that is no position."""
-    marks = flight.landmarks.position_m
-    grid = None if flight.grid is None else map_grid(flight.grid.crs, marks)
+def _grid_exchanged(flight: Flight, position_m: Floats) -> Floats:
+    """Exchange easting and northing in the landmarks' CRS; NaN if that is no position."""
+    grid = None if flight.grid is None else map_grid(flight.grid.crs, position_m)
     if grid is None:
-        return np.full_like(marks, np.nan)
-    coordinate = np.stack([grid.northing, grid.easting, geodetic(marks).height_m], axis=1)
+        return np.full_like(position_m, np.nan)
+    coordinate = np.stack([grid.northing, grid.easting, geodetic(position_m).height_m], axis=1)
     try:
         return earth_centred_positions(coordinate, False, grid.crs, HeightDatum("same"), "")
     except VopdError:
-        return np.full_like(marks, np.nan)
+        return np.full_like(position_m, np.nan)
+
+
+def _other_longitude(flight: Flight, position_m: Floats) -> Floats:
+    return position_m * np.array([1.0, -1.0, 1.0])
+
+
+def _other_latitude(flight: Flight, position_m: Floats) -> Floats:
+    return position_m * np.array([1.0, 1.0, -1.0])
+
+
+def _as_radians(flight: Flight, position_m: Floats) -> Floats:
+    """Read the numbers of latitude and longitude as radians; NaN if one is beyond a half turn."""
+    where = geodetic(position_m)
+    latitude, longitude = where.latitude_deg, where.longitude_deg
+    if np.nanmax(np.abs(latitude)) > 1.6 or np.nanmax(np.abs(longitude)) > 3.2:
+        return np.full_like(position_m, np.nan)
+    return earth_centred_m(np.rad2deg(latitude), np.rad2deg(longitude), where.height_m)
+
+
+COORDINATE_MISTAKES: tuple[tuple[str, Callable[[Flight, Floats], Floats]], ...] = (
+    (
+        "with x and y of {} exchanged they are not: x is the easting",
+        _grid_exchanged,
+    ),
+    ("with latitude and longitude of {} exchanged they are not", _exchanged),
+    (
+        "with the other sign of longitude of {} they are not: west of Greenwich it is below 0",
+        _other_longitude,
+    ),
+    (
+        "with the other sign of latitude of {} they are not: south of the equator it is below 0",
+        _other_latitude,
+    ),
+    ("with latitude and longitude of {} in radians they are not: give degrees", _as_radians),
+)
+"""Words, and the positions as they would be without the mistake."""
 
 
 def _distance(flight: Flight, landmark_m: Floats, camera_m: Floats) -> float:

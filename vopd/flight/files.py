@@ -67,12 +67,14 @@ class InputFile:
         given: its text, where that is not read from the file
         columns: of a CSV, its own header names by the names here, or the names of all its columns
             where it has no header
+        crs: that the project gives its coordinates
     """
 
     name: str
     path: Path
     given: str | None = None
     columns: Columns | None = None
+    crs: str | None = None
 
     @cached_property
     def text(self) -> str:
@@ -164,13 +166,16 @@ class InputFile:
         return VopdError(": ".join([*where, message]))
 
 
-def open_input(name: str, folder: Path, columns: Columns | None = None) -> InputFile:
+def open_input(
+    name: str, folder: Path, columns: Columns | None = None, crs: str | None = None
+) -> InputFile:
     """Find a file of a project.
 
     Args:
         name: as the project has it, relative to the project's folder
         folder: the project's
         columns: what the project says of the columns of a CSV
+        crs: that it gives the file's coordinates
 
     Raises:
         VopdError: where it cannot be read, or is not text
@@ -181,7 +186,7 @@ def open_input(name: str, folder: Path, columns: Columns | None = None) -> Input
             raise VopdError("the name of a file is needed")
         if kind := no_file(path):
             raise VopdError(f"{name}: {kind}")
-        file = InputFile(name, path, columns=columns)
+        file = InputFile(name, path, columns=columns, crs=crs)
         _ = file.head
         return file
     except ValueError as error:  # a name that no file can have
@@ -297,11 +302,14 @@ Of several that are there the first is taken, and of heights none.
 TIMES = (
     "time", "timestamp", "t", "utc", "datetime", "date_time", "time_utc", "utc_time", "time_s",
     "t_sec", "seconds", "sec", "elapsed", "elapsed_s", "unix", "unix_time", "unix_s", "posix_time",
+    "t_ms", "time_ms", "timestamp_ms", "elapsed_ms", "unix_ms", "milliseconds", "ms",
 )  # fmt: skip
 """Other names of a time: dates are `t_utc`, numbers `t_s`, or seconds since 1970."""
 DATES = ("date", "gps_date", "utc_date", "date_utc", "day")
 """Names of a column of dates beside one of times of day."""
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
+MILLISECONDS = re.compile(r"(^|_)(ms|msec|milliseconds)$")
+"""Ends of names of columns of times in thousandths of a second."""
 LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 HEIGHTS = ("h_m", "z_m")
@@ -352,17 +360,20 @@ def own_names(
             message = f"{header[there[0]]} or {header[there[1]]} is the height: say which"
             raise file.error(f"{message}, {_mapped(name, header[there[0]])}", 1)
         for k in there[:1]:
-            found[k] = _time_name(first[k] if k < len(first) else "") if name == TIME[0] else name
+            cell = first[k] if k < len(first) else ""
+            found[k] = _time_name(cell, plain[k]) if name == TIME[0] else name
     return found
 
 
-def _time_name(cell: str) -> str:
-    """Name a column of times by its first cell."""
+def _time_name(cell: str, own: str) -> str:
+    """Name a column of times by its first cell, and by its own name if that says milliseconds."""
     try:
         value = plain_number(cell)
     except ValueError:
         return "t_utc"
-    return "t_s" if value < LATE else "t_unix_s" if value < 1e3 * LATE else "t_unix_ms"
+    if value >= 1e3 * LATE:
+        return "t_unix_ms"
+    return "t_s" if value < LATE or MILLISECONDS.search(own) else "t_unix_s"
 
 
 def _mapped(name: str, own: str) -> str:
@@ -421,7 +432,8 @@ class CsvTable:
         """Say which columns have other names here; empty if none has."""
         there = [k for k, own in enumerate(self.own) if own != self.header[k]]
         own, here = (", ".join(names[k] for k in there) for names in (self.own, self.header))
-        return f" ({own} read as {here})" if there else ""
+        unit = ", the time in milliseconds" if self.in_ms(TIME[0]) else ""
+        return f" ({own} read as {here}{unit})" if there else ""
 
     def has(self, name: str) -> bool:
         """Tell whether there is such a column."""
@@ -523,7 +535,7 @@ class CsvTable:
         try:
             if plain_digits(texts):
                 found = np.array(texts, dtype=np.float64)
-                if (np.abs(found) <= MOST_NUMBER).all():
+                if (np.abs(found) <= self._most(name)).all():
                     return found
         except ValueError:
             pass
@@ -534,7 +546,7 @@ class CsvTable:
             return words[text]
         hint = _instead(words)
         if not text:
-            raise self.error("the cell is empty", row, name)
+            raise self.error("the cell is empty: fill it, or remove the line", row, name)
         try:
             value = plain_number(text)
         except ValueError as error:
@@ -542,10 +554,16 @@ class CsvTable:
             raise self.error(f"{shown(text)} is not a number{hint}", row, name) from error
         if not np.isfinite(value):
             raise self.error(f"{text[:LONG_WORD]} is not a finite number{hint}", row, name)
-        if abs(value) > MOST_NUMBER:
-            message = f"{text[:LONG_WORD]} is too large: {MOST_NUMBER:.0e} at most"
+        if abs(value) > self._most(name):
+            message = f"{text[:LONG_WORD]} is too large: {self._most(name):.0e} at most"
+            if name in TIME and 1e3 * LATE < value < 1e13:
+                message += "; milliseconds since 1970? then name the column t_unix_ms"
             raise self.error(message, row, name)
         return value
+
+    def _most(self, name: str) -> float:
+        """Choose the largest number of a column: of milliseconds as many seconds as elsewhere."""
+        return MOST_NUMBER * (1e3 if name == "t_unix_ms" or self.in_ms(name) else 1.0)
 
     def clock(self, order: Sequence[str]) -> tuple[Floats, bool]:
         """Read the times, and whether they are seconds since 1970 and not of the flight.
@@ -556,8 +574,13 @@ class CsvTable:
         name = next(filter(self.has, order), TIME[0])
         if name == "t_utc":
             return self.times(name), True
-        unit = 1e-3 if name == "t_unix_ms" else 1.0
+        unit = 1e-3 if name == "t_unix_ms" or self.in_ms(name) else 1.0
         return self.numbers(name) * unit, name != TIME[0]
+
+    def in_ms(self, name: str) -> bool:
+        """Tell whether the file's own name of a column of seconds says milliseconds."""
+        own = self.own[self.header.index(name)] if self.own and self.has(name) else ""
+        return name == TIME[0] and bool(MILLISECONDS.search(plain_name(own)))
 
     def times(self, name: str) -> Floats:
         """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset."""

@@ -28,7 +28,7 @@ from vopd.flight.files import (
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS, Names
-from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
+from vopd.flight.formats.track import TRACK_FORMATS, TrackRows, row_out_of_order
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import (
@@ -57,6 +57,7 @@ class NewProject:
     said: list[str] = field(default_factory=list)  # a sentence for each file that was looked at
     needed: dict[tuple[str, str], str] = field(default_factory=dict)  # keys, and why
     columns: dict[str, Columns] = field(default_factory=dict)  # of CSV files, by section
+    crs: dict[str, str] = field(default_factory=dict)  # that the user gives, by section
     then: str = ""  # the command to go on with, {} for the project; empty for the usual one
 
 
@@ -75,8 +76,14 @@ def _read(
     formats: Sequence[InputFormat[R]],
 ) -> tuple[InputFile, R]:  # fmt: skip
     """Read a user's file by its content, and name it in the project."""
-    file = open_input(name, Path(), new.columns.get(section))
-    rows = read_by_content(formats, file)
+    file = open_input(name, Path(), new.columns.get(section), new.crs.get(section))
+    try:
+        rows = read_by_content(formats, file)
+    except VopdError as error:
+        if mapped := re.search(r'columns = \{ (\S+) = "(.*)" \}', str(error)):
+            option = f"--columns {section}:{mapped[1]}={mapped[2]}"
+            raise VopdError(f"{error}, or give {option}") from error
+        raise
     values[section, "file"] = _named(file.name, folder)
     return file, rows
 
@@ -274,6 +281,8 @@ def look_at_track(
         _sigma(new, "track", "sigma_m")
         return None
     file, rows = _read(new, values, folder, "track", name, TRACK_FORMATS)
+    if rows.time_s is not None and not rows.image and (wrong := row_out_of_order(rows)):
+        raise VopdError(f"{file.name}: {wrong}")
     new.said.append(f"{file.name}: {rows.said}")
     if ("camera", "image_size_px") not in values and images_in(file.path):
         size = read_tags(images_in(file.path)[0]).size_px
@@ -491,6 +500,9 @@ def project_of_files(
             values[section, key] = one.value
             if key == "columns":
                 new.columns[section] = tomllib.loads(f"x = {one.value}")["x"]
+    for one in answers:
+        given_crs = [section for section, key in one.keys if key == "crs"]
+        new.crs |= dict.fromkeys(given_crs, str(tomllib.loads(f"x = {one.value}")["x"]))
     look_at_files(new, values, folder, given, video)
     for one in [one for one in answers if one.at_once]:
         for section, key in one.keys:

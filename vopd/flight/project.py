@@ -537,7 +537,9 @@ class Project:
         where = self.section(section)
         try:
             columns = where.columns() if key == "file" else None
-            return open_input(where.text(key), self.folder, columns)
+            crs = where.values.get("crs") if key == "file" else None
+            crs = crs if isinstance(crs, str) else None
+            return open_input(where.text(key), self.folder, columns, crs)
         except VopdError as error:
             raise error if where.project in str(error) else where.error(key, str(error)) from error
 

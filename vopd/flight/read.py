@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -609,6 +609,8 @@ def _flight_of(project: Project) -> Flight:
     camera, wind_said = add_wind(project, path.path)
     outside = outside_area(landmark_crs(project.section("landmarks"), rows), landmarks.position_m)
     doubts = [*picks.doubts, *path.doubts, *([f"[landmarks] crs: {outside}"] if outside else [])]
+    if camera_lens.table is None:
+        doubts += doubts_of_focal(lens.lens)
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, label)
     refraction = refraction_of(project.section("atmosphere"))
@@ -670,6 +672,20 @@ def _all_as_one(project: Project) -> bool:
     return one
 
 
+SHORT = 0.1  # of the longer side: an image without the distortion of a fisheye is 157 degrees wide
+
+
+def doubts_of_focal(lens: Lens) -> Iterator[str]:
+    """Doubt a focal length that is as short as one in millimetres."""
+    fx_px, side_px = float(lens.focal_px[0]), max(lens.size_px)
+    if lens.kind is LensKind.BROWN and fx_px < SHORT * side_px:
+        wide = np.rad2deg(2.0 * np.arctan(side_px / 2.0 / fx_px))
+        yield (
+            f"[camera] lens: fx_px = {fx_px:g}: the image would be {wide:.0f} degrees wide; is "
+            "that millimetres? focal_mm and sensor_mm take those"
+        )
+
+
 def _first(times: FrameTimes) -> FrameTimes:
     return times._replace(time_s=times.time_s[:1], image=times.image[:1])
 
@@ -687,7 +703,10 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
     where = f"{section.project}: [landmarks]"
     position = earth_centred_positions(rows.coordinate, rows.geodetic, crs, datum, where)
     check = set(_known_names(project.section("solve"), "check_landmarks", rows.name))
-    said = f"{file.name}: {rows.said}, {count_text(len(rows.name), 'landmark')}, {crs or 'WGS 84'}"
+    system = crs or "WGS 84"
+    if system.startswith("+"):  # which a spreadsheet would take for a formula
+        system = f"PROJ {system}"
+    said = f"{file.name}: {rows.said}, {count_text(len(rows.name), 'landmark')}, {system}"
     if datum is not None:
         said += f", {datum.said}"
     notes.said.append(said)

@@ -14,7 +14,12 @@ from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positio
 from vopd.flight.files import TIME, InputFile, frames_of_column, read_csv
 from vopd.flight.flight import CameraPath, TrackFixes
 from vopd.flight.formats.picks import Names, PickRows
-from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows
+from vopd.flight.formats.track import (
+    TRACK_FORMATS,
+    VELOCITY_SIGMAS,
+    TrackRows,
+    row_out_of_order,
+)
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import VIDEO, Project, Section
 from vopd.flight.stated import MissingSigma, Notes, RowSigmas, key_sigma, row_sigmas
@@ -555,11 +560,8 @@ def path_by_time(
     """Interpolate a track at the times of the frames."""
     assert rows.time_s is not None
     time_s = track_on_clock(section, rows, times) + section.number("offset_s")
-    backward = np.flatnonzero(~(np.diff(time_s) > 0.0))
-    if len(backward):
-        row = int(backward[0]) + 1
-        line = f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
-        raise section.error("file", f"{name}: {line}: its time is not after the one before")
+    if wrong := row_out_of_order(rows):
+        raise section.error("file", f"{name}: {wrong}")
     if len(time_s) < 2:
         raise section.error("file", f"{name}: one position is no track: give it as [position]")
     if not np.isfinite(times.time_s).any():

@@ -14,6 +14,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import count_text
+from vopd.flight.coordinates import crs_is_geographic, crs_name
 from vopd.flight.files import (
     GEODETIC,
     PLANE,
@@ -129,10 +130,18 @@ def recognises_csv_landmarks(file: InputFile) -> bool:
     return has_columns(file, COLUMNS, ("landmark",), ("lat_deg", "lon_deg"), ("x_m", "y_m"))
 
 
+def has_latitudes(table: CsvTable) -> bool:
+    """Tell whether a table has, or lacks, latitude and longitude, and not x and y of its CRS."""
+    if table.has("lat_deg") or table.has("x_m") or table.has("y_m"):
+        return table.has("lat_deg")
+    crs = table.file.crs
+    return crs is None or crs_is_geographic(crs_name(crs), table.file.name)
+
+
 def read_csv_landmarks(file: InputFile) -> LandmarkRows:
     """Read the landmarks of a CSV."""
     table = read_csv(file, COLUMNS)
-    geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
+    geodetic = has_latitudes(table)
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
     names = table.column("landmark")
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)

@@ -27,6 +27,7 @@ from vopd.flight.formats.landmarks import (
     LATITUDE_FIRST,
     SIGMA,
     SIGMAS,
+    has_latitudes,
     parse_gpx,
     recognises_geojson,
     recognises_gpx,
@@ -74,6 +75,21 @@ class TrackRows:
     by_video: bool = False  # seconds after the first frame of the video that it came with
 
 
+def row_out_of_order(rows: TrackRows) -> str:
+    """Name the first row whose time is not after the one before, and what to do; empty if none."""
+    assert rows.time_s is not None
+    backward = np.flatnonzero(~(np.diff(rows.time_s) > 0.0))
+    if not len(backward):
+        return ""
+    row = int(backward[0]) + 1
+    line = f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
+    advice = "sort the rows by time"
+    if rows.time_s[row] == rows.time_s[row - 1]:
+        same = np.array_equal(rows.coordinate[row], rows.coordinate[row - 1])
+        advice = "it repeats that one, remove it" if same else "remove one of the two"
+    return f"{line}: its time is not after the one before; {advice}"
+
+
 # A track as a CSV: times, images or both, positions, and perhaps velocities and sigmas
 
 VELOCITY = ("vn_m_s", "ve_m_s", "vd_m_s")
@@ -90,7 +106,7 @@ def recognises_csv_track(file: InputFile) -> bool:
 def read_csv_track(file: InputFile) -> TrackRows:
     """Read the track of a CSV."""
     table = read_csv(file, COLUMNS)
-    geodetic = table.has("lat_deg") or not (table.has("x_m") or table.has("y_m"))
+    geodetic = has_latitudes(table)
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
     velocity = velocity_sigma = None
@@ -101,6 +117,12 @@ def read_csv_track(file: InputFile) -> TrackRows:
     time_s, utc = (None, False) if timeless else table.clock(TIME[::-1])
     sigma = table.sigmas_of_axes(SIGMAS, SIGMA)
     if geodetic:
+        no_fix = (coordinate[:, :2] == 0.0).all(axis=1)
+        if no_fix.any() and not no_fix.all():
+            more = count_text(int(no_fix.sum()), "such line")
+            message = "latitude 0, longitude 0: a receiver without a fix writes that; remove "
+            message += "the line" if no_fix.sum() == 1 else f"all {more}"
+            raise table.error(message, int(np.argmax(no_fix)))
         for row, latitude in enumerate(coordinate[:, 1]):
             if abs(latitude) > 90.0:
                 raise table.error(f"{latitude:g} is no latitude", row, "lat_deg")
