@@ -132,11 +132,11 @@ def _grid_exchanged(flight: Flight, position_m: Floats) -> Floats:
 
 
 def _other_longitude(flight: Flight, position_m: Floats) -> Floats:
-    return position_m * np.array([1.0, -1.0, 1.0])
+    return np.asarray(position_m * np.array([1.0, -1.0, 1.0]))
 
 
 def _other_latitude(flight: Flight, position_m: Floats) -> Floats:
-    return position_m * np.array([1.0, 1.0, -1.0])
+    return np.asarray(position_m * np.array([1.0, 1.0, -1.0]))
 
 
 def _as_radians(flight: Flight, position_m: Floats) -> Floats:
