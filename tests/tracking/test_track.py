@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -90,6 +91,17 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     assert not list(flight.glob("*.part"))
     assert vopd("track", "flight.toml", "--every", "5", "--to", ".5").status == 0
     assert {int(row["frame"]) for row in rows(flight / "tracked.csv")} == {0, 5, 10, 15}
+
+
+def test_a_lens_of_another_camera_is_doubtful(flight: Path) -> None:
+    """With half the focal length landmarks are not where others have them."""
+    text = Path("flight.toml").read_text(encoding="utf-8")
+    change("flight.toml", re.findall(r"fx_px = [\d.]+", text)[0], "fx_px = 90.0")
+    change("flight.toml", re.findall(r"fy_px = [\d.]+", text)[0], "fy_px = 90.0")
+    done = vopd("track", "flight.toml")
+    assert done.status == 3
+    (told,) = [line for line in done.stderr.splitlines() if line.startswith("warning: ")]
+    assert_approved(told.rpartition("L")[2].partition(": ")[2])  # after the landmarks' names
 
 
 class Stopped(Exception):

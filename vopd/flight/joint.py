@@ -111,8 +111,8 @@ class JointSolution:
 
     @property
     def beside_free(self) -> State:
-        """The errors that were solved for, without those of freed parameters and of clicks: they
-        are taken as solved in all tests of residuals."""
+        """Take the errors that were solved for without those of freed parameters and of clicks,
+        which all tests of residuals take as solved."""
         free = np.isin(self.model.names, free_parameters(self.model.flight))
         return self.state._replace(
             parameter=np.where(free, 0.0, self.state.parameter),

@@ -29,7 +29,16 @@ from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
 from vopd.tracking.patches import PATCH_PX, SIGMA_FACTOR
-from vopd.tracking.run import CLICKED, FOUND, LOST, REACH, ClickedPixels, Tracker
+from vopd.tracking.run import (
+    AMBIGUOUS,
+    CLICKED,
+    FOUND,
+    LOST,
+    OCCLUDED,
+    REACH,
+    ClickedPixels,
+    Tracker,
+)
 from vopd.tracking.scene import Scene
 from vopd.version import __version__
 from vopd.video import VideoFrames, grey_frames, grey_frames_backward, open_frames
@@ -275,8 +284,14 @@ def follow(
     with whole_file(output) as file:
         for text in _lines(journal, footage, clicks, scale, digests):
             file.write(text.encode())
-    summary = _summary(journal, footage, run, scale, by)
+    summary, elsewhere = _summary(journal, footage, run, scale, by)
     findings = _findings(journal, footage, run, clicks)
+    if elsewhere:
+        message = (
+            f"{', '.join(elsewhere)}: hidden, or not where the others have it, in more frames than "
+            "found: do clicks, lens, track and video belong together? vopd check tells more"
+        )
+        findings.append(Finding(message, project.name, severity="warning"))
     if seen < last:
         message = (
             f"{footage.frames.source}: frame {footage.number[seen] + 1} cannot be decoded, and "
@@ -422,8 +437,15 @@ def _frames_whole(journal: Journal) -> Iterator[Any]:
 # The summary
 
 
-def _summary(journal: Journal, footage: Footage, run: Tracker, scale: float, by: bool) -> list[str]:
-    """Sum up which landmarks were found in how many frames, where not, and why."""
+def _summary(
+    journal: Journal, footage: Footage, run: Tracker, scale: float, by: bool
+) -> tuple[list[str], list[str]]:
+    """Sum up which landmarks were found in how many frames, where not, and why.
+
+    Returns:
+        The lines, and the names of landmarks that are elsewhere, or hidden, in more frames than
+        they are found in.
+    """
     names = footage.flight.landmarks.name
     found: Counter[tuple[int, int]] = Counter()
     frames: set[int] = set()
@@ -452,6 +474,10 @@ def _summary(journal: Journal, footage: Footage, run: Tracker, scale: float, by:
     ]
     clicked = set(footage.clicks.landmark.tolist())
     width = max(len(name) for name in names)
+    elsewhere = [
+        names[k] for k in sorted(clicked)
+        if found[k, AMBIGUOUS] + found[k, OCCLUDED] > found[k, FOUND]
+    ]  # fmt: skip
     for k in sorted(clicked):
         others = [f"{STATUSES[s]} in {found[k, s]}" for s in range(2, len(STATUSES)) if found[k, s]]
         told = f"  {names[k]:{width}}  in {count_text(found[k, FOUND], 'frame')}"
@@ -484,7 +510,7 @@ def _summary(journal: Journal, footage: Footage, run: Tracker, scale: float, by:
             f"fewer than two landmarks in {count_text(len(lost), 'frame')}: {told}{more}; "
             f"click two in frame {(longest[0] + longest[1]) // 2}"
         )
-    return lines
+    return lines, elsewhere
 
 
 def _stretches(frames: Ints, footage: Footage) -> list[tuple[int, int]]:
