@@ -130,7 +130,8 @@ def test_a_reload_loses_nothing(opened: Any) -> None:
     press(opened, Keys.ENTER)
     before = rows(opened)
     opened.refresh()
-    assert before and rows(ready(opened)) == before
+    assert before
+    WebDriverWait(ready(opened), 20).until(lambda one: rows(one) == before)
     assert opened.find_element(By.ID, "kept").text
 
 
