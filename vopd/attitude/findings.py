@@ -63,9 +63,10 @@ class HistorySummary:
             times = np.where(size > sigma, size / sigma, 0.0)
         beyond = times > 0.0
         self.errata += int(beyond.any(axis=1).sum())
-        for own, values in (("errata_deg", size), ("errata_sigmas", times)):
-            most = np.where(beyond, values, 0.0).max(axis=0, initial=0.0)
-            setattr(self, own, tuple(np.maximum(getattr(self, own), most).tolist()))
+        most_deg = np.where(beyond, size, 0.0).max(axis=0, initial=0.0)
+        self.errata_deg = tuple(np.maximum(self.errata_deg, most_deg).tolist())
+        most = times.max(axis=0, initial=0.0)
+        self.errata_sigmas = tuple(np.maximum(self.errata_sigmas, most).tolist())
 
 
 def summary_of(parts: Iterable[History]) -> HistorySummary:

@@ -140,16 +140,15 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
     if np.isfinite(time_s).any():
         found.append(ShownColumn("time", "s", _fixed(time_s, _decimals_of_times(time_s)), 2))
     for k, name in enumerate(ANGLES[3:6]):
-        values = _in_half_circle(vehicle[:, k]) if name.endswith("roll") else vehicle[:, k]
-        found += _angle(name.removeprefix("vehicle_"), values, half[:, 3 + k], has, digits)
+        label = name.removeprefix("vehicle_")
+        found += _angle(label, vehicle[:, k], half[:, 3 + k], has, digits)
     if frames.attack and e[0].about.words.attack:
         for k, name in enumerate(ANGLES[6:8]):
             own = _angle(name, attack[:, k], half[:, 6 + k], has, digits)
             found += [own[0]._replace(rank=3), own[1]._replace(rank=0)]
     if (np.abs(_in_half_circle(camera - vehicle)) > SAME_DEG).any():
         for k, name in enumerate(ANGLES[:3]):
-            values = _in_half_circle(camera[:, k]) if name.endswith("roll") else camera[:, k]
-            own = _angle(name.replace("_", " "), values, half[:, k], has, digits)
+            own = _angle(name.replace("_", " "), camera[:, k], half[:, k], has, digits)
             found.append(own[0]._replace(rank=1))
     rms, unit = rms * e[0].units.residuals_per_image, e[0].units.residual
     found.append(ShownColumn("land-", "marks", [str(n) for n in marks.tolist()]))
@@ -174,7 +173,9 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
 def _angle(
     name: str, values: Floats, half: Floats, has: Bools, digits: int
 ) -> tuple[ShownColumn, ShownColumn]:
-    """List the column of an angle, and that of its 95 % half-width."""
+    """List the column of an angle, roll in -180 to 180, and that of its 95 % half-width."""
+    if name.endswith("roll"):
+        values = _in_half_circle(values)
     decimals = _decimals(half[has], digits)
     shown = np.where(has, values, np.nan)
     known = has & np.isfinite(values)
@@ -413,9 +414,8 @@ def means_text(
     if (np.abs(_in_half_circle(camera - vehicle)) > SAME_DEG).any():
         both += [(name, camera[:, k], half[:, k]) for k, name in enumerate(ANGLES[:3])]
     for name, values, widths in both:
-        own = _in_half_circle(values) if name.endswith("roll") else values
         label = name.removeprefix("vehicle_").replace("_", " ")
-        rows = [_angle(label, own[k : k + 1], widths[k : k + 1], np.ones(1, bool), 2)
+        rows = [_angle(label, values[k : k + 1], widths[k : k + 1], np.ones(1, bool), 2)
                 for k in range(len(means))]  # fmt: skip
         for of_all in zip(*rows, strict=True):
             shown.append(of_all[0]._replace(cells=[one.cells[0] for one in of_all]))

@@ -88,12 +88,22 @@ class InputFile:
         return "".join(self.chunks())
 
     @cached_property
-    def is_video(self) -> bool:
-        """Whether it is a video by its first bytes."""
+    def _first_bytes(self) -> bytes:
+        """Read its first bytes, by which files without text are recognised."""
         if self.given is not None or not self.path.is_file():
-            return False
+            return b""
         with self.path.open("rb") as file:
-            return kind_by_first_bytes(file.read(16)) == A_VIDEO
+            return file.read(16)
+
+    @property
+    def is_video(self) -> bool:
+        """Tell whether it is a video."""
+        return kind_by_first_bytes(self._first_bytes) == A_VIDEO
+
+    @property
+    def is_matlab(self) -> bool:
+        """Tell whether it is a file of MATLAB's variables, which has no text."""
+        return self._first_bytes.startswith(MATLAB)
 
     @cached_property
     def head(self) -> str:
@@ -119,14 +129,6 @@ class InputFile:
         except UnicodeDecodeError as error:
             at = _first_wrong_byte(self.path, error)
             raise VopdError(f"{self.name}: not a text file in UTF-8, at byte {at}") from error
-
-    @cached_property
-    def is_matlab(self) -> bool:
-        """Whether it is a file of MATLAB's variables, which has no text."""
-        if self.given is not None or self.path.is_dir():
-            return False
-        with self.path.open("rb") as file:
-            return file.read(len(MATLAB)) == MATLAB
 
     def matlab(self, *names: str) -> dict[str, Any]:
         """Read variables of a file of MATLAB's, those of these names that are there.
