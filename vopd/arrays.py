@@ -16,11 +16,7 @@ FEW = 10_000  # comparisons
 
 
 def in_four_bytes(values: Ints) -> Ints:
-    """Halve the memory of whole numbers below 2**31, such as indices.
-
-    Args:
-        values: whole numbers
-    """
+    """Halve the memory of whole numbers below 2**31, such as indices."""
     return cast(Ints, values.astype(np.int32, copy=False))
 
 

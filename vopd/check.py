@@ -545,9 +545,6 @@ class EarthOf1974:
 def earth_texts(jobs: Sequence[Job]) -> list[tuple[str, int]]:
     """Warn of each job whose attitude the program's Earth turns by more than `LIMIT_DEG`.
 
-    Args:
-        jobs: their landmarks, origins and trajectories
-
     Returns:
         Of each the warning, empty if there is none, and the index of the frame turned most.
     """
@@ -580,9 +577,6 @@ def _earth_text(
 @np.errstate(all="ignore")
 def earth_cost(*jobs: Job) -> tuple[Floats, Floats, Floats]:
     """Estimate the attitude error of every frame from the program's Earth in the place of WGS 84.
-
-    Args:
-        jobs: their landmarks, origins and trajectories
 
     Returns:
         The rotation of each frame's attitude (F,), degrees, the frames of all jobs one after the

@@ -322,11 +322,7 @@ PLACE = r"(.*?):? \(?(?:at )?line (\d+),? column (\d+)\)?(?: \(char \d+\))?"
 
 
 def reason(error: BaseException) -> str:
-    """Explain in plain words why a parser or a reader gave up: where, and what is wrong.
-
-    Args:
-        error: what it raised
-    """
+    """Explain in plain words why a parser or a reader gave up: where, and what is wrong."""
     if isinstance(error, RecursionError | MemoryError):
         return TOO_DEEP
     if isinstance(error, OverflowError):

@@ -222,10 +222,6 @@ def deck_scene(estimate: Estimate, job: Job) -> JobScene:
 
     Positions are drawn on WGS 84: their latitudes, longitudes and altitudes are those of the
     cards.
-
-    Args:
-        estimate: of the job
-        job: its cards
     """
     marks, where = job.landmarks, estimate.position
     metres = estimate.units.metres_per_length
@@ -403,9 +399,6 @@ def position(joined: JoinedJobs) -> Position:
     geocentric latitude is that of a flattening of 1/297, and so is the way back. Down
     is what the run uses: toward the Earth's centre, or with the fix `earth` along the
     ellipsoid's normal.
-
-    Args:
-        joined: the jobs as they were solved
     """
     fixes = joined.results.fixes
     camera = earth_fixed(joined.origin, fixes, joined.results.vehicle_ft).T

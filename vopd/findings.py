@@ -93,9 +93,6 @@ def frames_text(labels: Sequence[str]) -> str:
     """Write frames as text: `frame 7`, `frames 7, 9-12, 20`, or `frames A.JPG, B.JPG`.
 
     Of more than `MOST_RUNS` frames and runs of frames, the others are counted.
-
-    Args:
-        labels: numbers or names of frames, one or more
     """
     runs: list[list[str]] = []
     for label in labels:
@@ -197,10 +194,6 @@ def first_of_each_kind(
     findings: Iterable[Finding], most: int
 ) -> tuple[list[Finding], list[tuple[Finding, int]]]:
     """Select the first findings of each kind, and count the others.
-
-    Args:
-        findings: the findings
-        most: how many of one kind are kept
 
     Returns:
         The findings that are kept, in their order; and for each kind that has more, its last

@@ -43,12 +43,7 @@ DOTTED = re.compile(
 
 
 def no_file(path: str | os.PathLike[str], pipes: bool = False) -> str:
-    """Say why a path is not to be read: it is a device, a pipe or a socket; empty if it may be.
-
-    Args:
-        path: where it is
-        pipes: whether it may be a pipe or a terminal, as a user gives one on the command line
-    """
+    """Say why a path is not to be read: it is a device, a pipe or a socket; empty if it may be."""
     try:
         mode = os.stat(path).st_mode  # noqa: PTH116
     except (OSError, ValueError):  # opening it says why
@@ -75,10 +70,6 @@ def _ends(path: str | os.PathLike[str]) -> bool:
 
 def read_limited(file: BinaryIO, most: int = MOST_BYTES) -> bytes:
     """Read a file to its end.
-
-    Args:
-        file: open for reading
-        most: bytes that it may have
 
     Raises:
         ValueError: if it has more
@@ -150,9 +141,6 @@ def _refuse_many(text: str, signs: str, most: int) -> None:
 
 def check_yaml(events: Iterable[Any]) -> None:
     """Check the events of a YAML file, before anything is made of them.
-
-    Args:
-        events: as PyYAML parses them
 
     Raises:
         ValueError: if there are too many, or they are nested too deep

@@ -149,9 +149,6 @@ def copied_readings_text(readings: Readings) -> str:
     Three readings of a point that agree in all digits happen by chance, but not in most
     points of a film. Where they are copies, their spread does not show how well the
     points were read.
-
-    Args:
-        readings: the basic data of a job
     """
     points = np.concatenate([
         readings.fiducial_in.reshape(-1, 3, 2),

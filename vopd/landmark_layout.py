@@ -150,12 +150,7 @@ class LandmarkLayout:
         return parts
 
     def runs(self, together: int, most: int) -> list[list[Ints]]:
-        """Divide the frames into runs of consecutive frames, and each run into `blocks`.
-
-        Args:
-            together: landmarks and frames of a run, about
-            most: how many elements an array of a block may have
-        """
+        """Divide the frames into runs of consecutive frames, and each run into `blocks`."""
         run = np.cumsum(self.count + 1) // together
         frames = np.arange(len(self.count))
         return [

@@ -176,11 +176,7 @@ def solve_sources(
 
 
 def check_project(name: str) -> list[Finding]:
-    """Find all errors and warnings of a flight project.
-
-    Args:
-        name: the path of the project file
-    """
+    """Find all errors and warnings of a flight project."""
     from vopd.flight.check_flight import check_flight  # takes scipy
 
     return check_flight(name)
@@ -214,11 +210,7 @@ def read_deck(path: str | PathLike[str], *, limits_1974: bool = False) -> Deck:
 
 
 def is_flight(name: str) -> bool:
-    """Tell a flight project by its suffix `.toml`.
-
-    Args:
-        name: the name of the file
-    """
+    """Tell a flight project by its suffix `.toml`."""
     return name.lower().endswith(".toml")
 
 
@@ -305,10 +297,6 @@ def _films(items: Iterable[ReadJob | SourceEnd]) -> Iterator[list[ReadJob | Sour
 def solve_film(jobs: Sequence[ReadJob], options: SolveOptions) -> list[SolvedJob | VopdError]:
     """Solve jobs together; an error in one job does not affect the others.
 
-    Args:
-        jobs: the jobs as they were read
-        options: how to solve them
-
     Returns:
         For each job, in order, the solved job, or the error why it cannot be solved.
     """
@@ -365,9 +353,6 @@ def _with_findings(solved: Sequence[SolvedJob | VopdError]) -> list[SolvedJob | 
 def stop_error(solved: SolvedJob) -> InputError | None:
     """Make the error of a job that a table out of order stopped; it ends the deck.
 
-    Args:
-        solved: the job
-
     Returns:
         The error, or None if the run was not stopped.
     """
@@ -379,11 +364,7 @@ def stop_error(solved: SolvedJob) -> InputError | None:
 
 
 def solve_findings(jobs: Sequence[SolvedJob]) -> list[list[Finding]]:
-    """Find the warnings about the readings and the results of each of some jobs.
-
-    Args:
-        jobs: the jobs as they were solved
-    """
+    """Find the warnings about the readings and the results of each of some jobs."""
     if not jobs:
         return []
     from vopd.check import earth_texts
@@ -493,9 +474,6 @@ def closed_form_start(seen: FilmSight) -> Floats:
 
     In each frame the two that are farthest apart are used. The estimate is NaN for a frame
     without two landmarks, or whose focal length is not positive.
-
-    Args:
-        seen: the input of the solve
     """
     angles = np.full((len(seen.cc), 3), np.nan)
     for frames in seen.alike(np.flatnonzero(seen.nj >= 2), AT_A_TIME):
@@ -529,9 +507,6 @@ def in_groups(sources: Iterator[Solved]) -> Iterator[list[Solved]]:
     """Group jobs of decks, about `TOGETHER` frames at a time.
 
     What comes between them is in the groups too, in its order; a flight is the last of its group.
-
-    Args:
-        sources: jobs of decks, flights, and ends of decks
     """
     group: list[Solved] = []
     frames = 0

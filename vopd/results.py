@@ -134,20 +134,12 @@ class Results(FrameRecord[LandmarkResults]):
     at_centre = ByLandmark[Bools]()
 
     def as_job(self, frames: Ints) -> Results:
-        """Take the results of some frames as those of a job that has no other frames.
-
-        Args:
-            frames: their indices
-        """
+        """Take the results of some frames as those of a job that has no other frames."""
         job = replace(self.job, readings=self.job.readings.take(frames))
         return replace(self.take(frames), job=job)
 
     def divided(self, jobs: Sequence[Job]) -> list[Results]:
-        """Divide the results among the jobs whose frames these are, one job after the other.
-
-        Args:
-            jobs: the jobs
-        """
+        """Divide the results among the jobs whose frames these are, one job after the other."""
         ends = np.cumsum([len(job.readings.frame) for job in jobs]).tolist()
         frames = (slice(*pair) for pair in pairwise([0, *ends]))
         return [replace(self.take(own), job=job) for own, job in zip(frames, jobs, strict=True)]

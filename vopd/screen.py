@@ -13,11 +13,7 @@ LEAST, MOST = 80, 120
 
 
 def fitted(columns: int) -> int:
-    """Limit the width of a text to what is read well.
-
-    Args:
-        columns: of the screen
-    """
+    """Limit the width of a text to what is read well."""
     return min(max(columns, LEAST), MOST)
 
 
@@ -32,12 +28,7 @@ def width(text: str) -> int:
 
 
 def shortened(text: str, most: int) -> str:
-    """Leave out the middle of a name that is too wide; its end tells it from its neighbours.
-
-    Args:
-        text: a name
-        most: columns that it may take
-    """
+    """Leave out the middle of a name that is too wide; its end tells it from its neighbours."""
     if width(text) <= most:
         return text
     begin, end = "", ""
@@ -78,11 +69,6 @@ def wrapped(text: str, columns: int, indent: str = "    ") -> str:
     """Break a line at its spaces, if it is too wide; the next ones are indented.
 
     A word that is wider than the screen, such as the name of a file, stays whole.
-
-    Args:
-        text: one line
-        columns: of the screen
-        indent: of all lines but the first
     """
     if width(text) <= columns:
         return text

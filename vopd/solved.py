@@ -165,12 +165,7 @@ class Run(Shown, Sequence[Results]):
 
 
 def histories_of_run(jobs: Sequence[SolvedJob], options: HistoryOptions) -> list[History]:
-    """Make the attitude history of every job, with uncertainty and flags.
-
-    Args:
-        jobs: solved jobs of any decks
-        options: sigmas, maximum rate and vertical
-    """
+    """Make the attitude history of every job, with uncertainty and flags."""
     from vopd.attitude.long_history import histories_of_jobs
     from vopd.film import estimates_of_jobs
 

@@ -27,12 +27,7 @@ WORTH_SAYING_M = 1.0
 
 
 def report_own_position(histories: Sequence[History], report: Report) -> None:
-    """Warn of every job whose positions are not where its own coordinates put the vehicle.
-
-    Args:
-        histories: the jobs
-        report: is given the warnings
-    """
+    """Warn of every job whose positions are not where its own coordinates put the vehicle."""
     for one in histories:
         text = farthest_from_own_text([one])
         if text:
@@ -45,9 +40,6 @@ def farthest_from_own_text(histories: Sequence[History]) -> str:
     """Describe the largest offset of a file's positions, as the end of a sentence.
 
     Empty where no position is off by `WORTH_SAYING_M`.
-
-    Args:
-        histories: one or more jobs, of one kind of source
     """
     given = [h.estimate.position.to_own_m for h in histories]
     known = [off for off in given if off is not None]
@@ -115,11 +107,7 @@ MOST_JOBS = 8  # whose reading sigma, and what else is their own, is stated
 
 
 def conventions(histories: Sequence[History]) -> dict[str, str]:
-    """State the conventions of a file about these jobs: short names, and a sentence for each.
-
-    Args:
-        histories: one or more jobs, of one kind of source
-    """
+    """State the conventions of a file about these jobs: short names, and a sentence for each."""
     about = histories[0].about
     sources = ", ".join(dict.fromkeys(h.about.source for h in histories))
     components = dict.fromkeys(c for h in histories for c in h.uncertainty.components)
@@ -178,12 +166,7 @@ def _of_each(texts: Sequence[tuple[str, str]], more: int) -> str:
 def included_statements(
     histories: Sequence[History], means: Sequence[MeanAttitude] = ()
 ) -> dict[str, str]:
-    """Name the errors that the standard deviations include and leave out, where keys state them.
-
-    Args:
-        histories: one or more jobs, of one kind of source
-        means: of each, if their standard deviations are meant
-    """
+    """Name the errors that the standard deviations include and leave out, where keys state them."""
     if not histories[0].about.words.sigma_keys:
         return {}
     include, leave_out = [], []
@@ -222,11 +205,7 @@ def _reading_sigmas(histories: Sequence[History]) -> str:
 
 
 def reading_sigma_text(history: History) -> str:
-    """Describe the reading sigma of a job: size, origin, degrees of freedom.
-
-    Args:
-        history: the job
-    """
+    """Describe the reading sigma of a job: size, origin, degrees of freedom."""
     scale, e = history.uncertainty.reading, history.estimate
     parts = [f"{scale.sigma:.3g} {e.units.image}", SOURCES[scale.source]]
     if np.isfinite(scale.freedom):

@@ -70,11 +70,7 @@ class HistorySummary:
 
 
 def summary_of(parts: Iterable[History]) -> HistorySummary:
-    """Summarise the frames of a job.
-
-    Args:
-        parts: its history, in parts
-    """
+    """Summarise the frames of a job."""
     summary = HistorySummary()
     for part in parts:
         summary.add(part)
@@ -89,9 +85,6 @@ CHANCE = re.compile(r" \(chance ([\d.]+)\)")
 
 def misfits(summary: HistorySummary) -> tuple[list[tuple[str, str]], int]:
     """Sort the frames of a job that misfit by what explains them.
-
-    Args:
-        summary: the frames of the job
 
     Returns:
         Frames and what explains them, at most `MOST` repairs, that of the most frames first;
@@ -120,9 +113,6 @@ def errata_text(summary: HistorySummary) -> str:
     """Say how far the errata of the original program change a job; empty if within the sigmas.
 
     The angle that is named is the one that they change by the most standard deviations.
-
-    Args:
-        summary: the frames of the job
     """
     if not summary.errata:
         return ""
@@ -137,12 +127,7 @@ def errata_text(summary: HistorySummary) -> str:
 
 
 def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
-    """Warn of misfits, and of the errata's effect, from the summary of a job.
-
-    Args:
-        about: the job
-        summary: its frames
-    """
+    """Warn of misfits, and of the errata's effect, from the summary of a job."""
     repairs, left = misfits(summary)
     messages = [
         f"{frames}: misfit, the residuals have a chance below {SIGNIFICANCE:g}; what explains "

@@ -37,11 +37,7 @@ class LandmarkGeometry(Rows):
 
 @np.errstate(all="ignore")
 def landmark_geometry(estimate: Estimate) -> LandmarkGeometry:
-    """Measure the landmark geometry of every frame; NaN, and axis 0, if there is no solution.
-
-    Args:
-        estimate: the job
-    """
+    """Measure the landmark geometry of every frame; NaN, and axis 0, if there is no solution."""
     radians = np.radians(estimate.camera_deg)
     turns = estimate.partials @ angles_by_turns(radians)
     # one landmark has two rows, and three singular values are needed

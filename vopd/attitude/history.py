@@ -209,10 +209,6 @@ JOBS_TOGETHER = 4000  # frames
 def histories(estimates: Sequence[Estimate], options: HistoryOptions) -> list[History]:
     """Make the attitude histories of jobs; short jobs together are faster than alone.
 
-    Args:
-        estimates: the results of solves
-        options: sigmas, maximum rate and vertical
-
     Raises:
         VopdError: where the rate is not above 0, or there is no such vertical
     """
@@ -228,11 +224,7 @@ def histories(estimates: Sequence[Estimate], options: HistoryOptions) -> list[Hi
 
 
 def taken_together(estimates: Sequence[Estimate]) -> Iterator[list[int]]:
-    """Group jobs of one kind: indices, about `JOBS_TOGETHER` frames at a time.
-
-    Args:
-        estimates: of any jobs
-    """
+    """Group jobs of one kind: indices, about `JOBS_TOGETHER` frames at a time."""
     kinds = ((_kind(one, k), len(one.frame)) for k, one in enumerate(estimates))
     return alike_together(kinds, JOBS_TOGETHER)
 

@@ -18,11 +18,7 @@ if TYPE_CHECKING:
 
 
 def label(component: str) -> str:
-    """Name a component of the uncertainty in a sentence.
-
-    Args:
-        component: its name
-    """
+    """Name a component of the uncertainty in a sentence."""
     return component.replace("_", " ")
 
 
@@ -42,10 +38,6 @@ def errors_texts(
     heads: Sequence[History], means: Sequence[MeanAttitude] = ()
 ) -> list[tuple[str, str, str]]:
     """Say which errors the sigmas contain and which not, once for sources that are alike.
-
-    Args:
-        heads: the history of each job, or of its first frames
-        means: the mean attitude of each, if that is meant
 
     Returns:
         The sources, the errors that are included, and those that are not; empty if not known.
@@ -68,10 +60,6 @@ def included_text(history: History, mean: MeanAttitude | None = None) -> str:
 
     The sizes are those of the mean, or medians over the frames that have an attitude; of a job
     that is made in parts those of its middle frame.
-
-    Args:
-        history: of a job, or of its first frames
-        mean: the mean attitude of the job, if its standard deviations are meant
     """
     of, each = "the mean attitude", {}
     if mean is None:
@@ -164,10 +152,6 @@ def left_out(blocks: Iterable[Estimate], components: Collection[str]) -> list[st
 
     Those that cannot change its angles are not listed: times of a camera that stands still,
     and velocity and wind where no angle of attack is known.
-
-    Args:
-        blocks: the frames of the job, as far as they must be known
-        components: the components of its uncertainty
     """
     attack = moves = False
     for one in blocks:
@@ -183,12 +167,7 @@ def left_out(blocks: Iterable[Estimate], components: Collection[str]) -> list[st
 
 @np.errstate(all="ignore")
 def usual_effects(estimate: Estimate, names: Collection[str]) -> dict[str, str]:
-    """Describe the effect of a round size of errors on the angles, such as `1 m is 0.46 degree`.
-
-    Args:
-        estimate: some frames of a job
-        names: components
-    """
+    """Describe the effect of a round size of errors on the angles, such as `1 m is 0.46 degree`."""
     sizes = _round_sizes(estimate.units, float(estimate.focal_length))
     gains, found = angle_gains(estimate), {}
     for name in names:

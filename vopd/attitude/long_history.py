@@ -92,11 +92,7 @@ class FrameLandmarks(NamedTuple):
 
 
 def frame_landmarks(one: History) -> FrameLandmarks:
-    """List the landmarks of all frames, without the gaps of (F, L) arrays.
-
-    Args:
-        one: the history of a job
-    """
+    """List the landmarks of all frames, without the gaps of (F, L) arrays."""
     parts = []
     for frames, e in one.estimates():
         here = e.used | e.ignored
@@ -112,12 +108,7 @@ def frame_landmarks(one: History) -> FrameLandmarks:
 
 
 def with_about(one: History, about: About) -> History:
-    """Replace the description of the source of a history.
-
-    Args:
-        one: the history of a job
-        about: what it is about
-    """
+    """Replace the description of the source of a history."""
     return replace(one, estimate=replace(one.estimate, about=about))
 
 
@@ -193,11 +184,7 @@ class HistoryParts:
         )
 
     def watched(self, tell: Callable[[int], object]) -> HistoryParts:
-        """Report progress: the frames of each part that is made.
-
-        Args:
-            tell: is given the number of frames
-        """
+        """Report progress: the frames of each part that is made."""
 
         def parts() -> Iterator[History]:
             for part in self:
@@ -208,11 +195,7 @@ class HistoryParts:
 
 
 def one_part(history: History) -> HistoryParts:
-    """Wrap a history that is made already as its only part.
-
-    Args:
-        history: of one job
-    """
+    """Wrap a history that is made already as its only part."""
     parts = HistoryParts(
         history, len(history.estimate.frame), lambda: iter((history,)), lambda: history
     )

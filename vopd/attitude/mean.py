@@ -206,10 +206,6 @@ def mean_table(
 
     The covariance is there by its elements and as a matrix.
 
-    Args:
-        histories: one or more jobs, of one kind of source
-        means: of each
-
     Raises:
         VopdError: if they have different units
     """
@@ -257,13 +253,7 @@ NOT_OF_MEANS = ("angles of attack", "position", "time", "common errors")
 def mean_statements(
     stated: dict[str, str], histories: Sequence[History], means: Sequence[MeanAttitude]
 ) -> dict[str, str]:
-    """State the conventions of a table of means.
-
-    Args:
-        stated: those of a table of the histories
-        histories: one or more jobs
-        means: of each
-    """
+    """State the conventions of a table of means."""
     kept = {name: text for name, text in stated.items() if name not in NOT_OF_MEANS}
     components = ", ".join(dict.fromkeys(name for one in means for name in one.components))
     together = any(one.sum_errors is not None for one in histories)

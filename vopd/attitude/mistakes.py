@@ -81,14 +81,7 @@ class FittedTrials(NamedTuple):
 def repairs(
     estimate: Estimate, frame: int, equations: ResidualEquations, pool: Pool
 ) -> list[Repair]:
-    """Find the repairs of a frame, the likeliest first; empty if there is none.
-
-    Args:
-        estimate: the job
-        frame: index of the frame
-        equations: those of this frame alone
-        pool: the reading sigma in force
-    """
+    """Find the repairs of a frame, the likeliest first; empty if there is none."""
     weights = ResidualWeights(equations, pool.sigma)
     fitted = fitted_trials(estimate, frame, weights.of(equations.residual[..., None])[0, :, 0])
     if fitted is None:
@@ -128,12 +121,7 @@ def fitted_trials(estimate: Estimate, frame: int, weighted: Floats) -> FittedTri
 
 
 def trial_equations(fitted: FittedTrials, given: ResidualEquations) -> ResidualEquations:
-    """Form the equations of all trials; errors of landmarks go with the landmark, others stay.
-
-    Args:
-        fitted: trials of a frame
-        given: the equations of that frame
-    """
+    """Form the equations of all trials; errors of landmarks go with the landmark, others stay."""
     sights, label = fitted.sights, fitted.label
     residual, partials = sights.equations(fitted.axes)
     used = np.tile(sights.used, 2)

@@ -33,11 +33,7 @@ MOST_NUMBERS = 20_000_000  # of the columns of all frames
 
 
 def landmarks_solved_for(estimates: Sequence[Estimate]) -> Ints | None:
-    """List the numbers of all landmarks of a job; None if each frame has errors of its own.
-
-    Args:
-        estimates: the blocks of the job
-    """
+    """List the numbers of all landmarks of a job; None if each frame has errors of its own."""
     numbers = np.unique(np.concatenate([e.landmark[e.used] for e in estimates]))
     sizes = [(len(e.frame), e.used.shape[1]) for e in estimates]
     columns = sum(f * 6 * count**2 for f, count in sizes if count <= MOST_IN_A_FRAME)
@@ -143,10 +139,6 @@ class JobFrames(Rows):
 
 def typical_sigma(parts: Sequence[JobFrames], jobs: int) -> Floats:
     """Estimate a first reading sigma from the median over frames, robust against a few wrong ones.
-
-    Args:
-        parts: frames of all jobs
-        jobs: how many jobs there are
 
     Returns:
         The sigma of each job (J,), image units; NaN where it has no frame.
@@ -429,9 +421,6 @@ SOURCES = {
 
 def least_sigmas(jobs: Sequence[Estimate]) -> tuple[Floats, Bools]:
     """Find the least reading sigma that is believed of each job.
-
-    Args:
-        jobs: their estimates, or that of one block of each
 
     Returns:
         The sigma (J,), image units; and where it is by repeated readings (J,), otherwise by their

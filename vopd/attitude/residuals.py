@@ -167,11 +167,7 @@ class Pool(NamedTuple):
 
 
 def testable(estimate: Estimate) -> Bools:
-    """Mark frames that have a solution, and so more residuals than angles (F,).
-
-    Args:
-        estimate: the job
-    """
+    """Mark frames that have a solution, and so more residuals than angles (F,)."""
     e = estimate
     known = np.isfinite(e.gain).all(axis=(1, 2)) & np.isfinite(e.residual).all(axis=1)
     known &= np.isfinite(e.partials).all(axis=(1, 2)) & np.isfinite(e.camera_deg).all(axis=1)
@@ -181,13 +177,7 @@ def testable(estimate: Estimate) -> Bools:
 def equations_of(
     estimate: Estimate, components: list[ErrorComponent], frames: Ints
 ) -> ResidualEquations:
-    """Form the residual equations of some frames, with the errors given for them.
-
-    Args:
-        estimate: the job
-        components: the errors, but for those of the readings
-        frames: indices of frames
-    """
+    """Form the residual equations of some frames, with the errors given for them."""
     none = np.zeros((len(frames), estimate.residual.shape[1], 0))
     shared = [one.residual[frames] for one in components if not one.each_landmark]
     own = [one.residual[frames] for one in components if one.each_landmark]
@@ -216,10 +206,6 @@ def chance_of(equations: ResidualEquations, pool: Pool) -> Floats:
     A chi-square test; where the reading sigma was estimated, an F test, and for a frame
     that took part in the estimate against that of the other frames. NaN where the reading
     sigma is known from this frame alone.
-
-    Args:
-        equations: of the frames
-        pool: the reading sigma
     """
     weights = ResidualWeights(equations, pool.sigma)
     weighted = weights.of(equations.residual[..., None])[..., 0]

@@ -306,12 +306,7 @@ class AngleGains(NamedTuple):
 
 
 def input_effect(estimate: Estimate, errors: InputErrors) -> Effect:
-    """Convert changes of the camera's angles to those of all nine angles, degrees.
-
-    Args:
-        estimate: the job
-        errors: of one component
-    """
+    """Convert changes of the camera's angles to those of all nine angles, degrees."""
     vehicle = estimate.vehicle_by_camera @ errors.camera
     attack = estimate.responses.attack_by_camera @ errors.camera + errors.attack
     angles = np.concatenate([errors.camera, vehicle, attack], axis=1)
@@ -327,11 +322,7 @@ def _each_landmark(gain: Floats, change: Floats) -> Floats:
 
 @np.errstate(all="ignore")
 def angle_gains(estimate: Estimate) -> AngleGains:
-    """Differentiate the angles of all frames by their residuals.
-
-    Args:
-        estimate: the job
-    """
+    """Differentiate the angles of all frames by their residuals."""
     e = estimate
     frames = len(e.frame)
     chain = np.zeros((frames, 9, 3))

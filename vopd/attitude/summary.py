@@ -69,11 +69,7 @@ class ShownFrames:
 
 
 def frames_of(jobs: Iterable[HistoryParts]) -> list[ShownFrames]:
-    """Count the frames of jobs, those of each kind of source by themselves.
-
-    Args:
-        jobs: one or more
-    """
+    """Count the frames of jobs, those of each kind of source by themselves."""
     kinds: dict[object, list[HistoryParts]] = {}
     for job in jobs:
         estimate = job.head.estimate
@@ -238,10 +234,6 @@ def _laid_out(shown: Sequence[ShownColumn], most_name: int) -> list[str]:
 def table_lines(frames: ShownFrames, columns_wide: int) -> tuple[list[str], list[str]]:
     """Lay the table out for a screen.
 
-    Args:
-        frames: of one kind of source
-        columns_wide: of the screen
-
     Returns:
         Its lines, and the names of columns that did not fit.
     """
@@ -292,11 +284,7 @@ NAMED = 60  # characters of the frames of a flag
 
 
 def doubt_lines(frames: ShownFrames) -> list[str]:
-    """Explain the flags, a line each: the letter, the frames, what to do.
-
-    Args:
-        frames: of one kind of source
-    """
+    """Explain the flags, a line each: the letter, the frames, what to do."""
     letters = flag_letters(frames)
     said = meanings(frames.head[0].about.words)
     repairs, _ = misfits(frames.summary)
@@ -438,12 +426,7 @@ def means_text(
 
 
 def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
-    """Write the same for a notebook: the table with all its columns, flags and warnings.
-
-    Args:
-        jobs: one or more
-        findings: warnings about files and solution
-    """
+    """Write the same for a notebook: the table with all its columns, flags and warnings."""
     parts = []
     for frames in frames_of(jobs):
         shown = columns(frames)

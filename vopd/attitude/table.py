@@ -271,9 +271,6 @@ def columns_of(histories: Sequence[History]) -> tuple[TableColumn, ...]:
     component that any job has; then, where any job has errata to correct, what they
     change in the nine angles.
 
-    Args:
-        histories: one or more jobs
-
     Raises:
         VopdError: where they have different units
     """
@@ -368,10 +365,6 @@ def table_values(columns: Sequence[TableColumn], histories: Sequence[History]) -
     """Collect the values of columns, one a frame, one job after the other; NaN if missing.
 
     Only what belongs to the uncertainty may be infinite: what nothing determines.
-
-    Args:
-        columns: of the table
-        histories: one or more jobs
     """
     arrays: dict[str, NDArray[Any]] = {}
     table: TableArrays = {}
@@ -419,9 +412,6 @@ def table(histories: Sequence[History]) -> TableArrays:
     """Tabulate all jobs: an array for each column, with one row for each frame.
 
     Numbers that a frame does not have are NaN; words are arrays of str.
-
-    Args:
-        histories: one or more jobs
     """
     return table_values(columns_of(histories), histories)
 
@@ -429,23 +419,14 @@ def table(histories: Sequence[History]) -> TableArrays:
 def table_blocks(
     jobs: Sequence[HistoryParts], columns: Sequence[TableColumn]
 ) -> Iterator[TableArrays]:
-    """Iterate over the rows of `table` in blocks; no more than a part of a job is kept.
-
-    Args:
-        jobs: one or more jobs
-        columns: their columns
-    """
+    """Iterate over the rows of `table` in blocks; no more than a part of a job is kept."""
     for job in jobs:
         for part in job:
             yield from row_blocks(table_values(columns, [part]))
 
 
 def row_blocks(values: TableArrays) -> Iterator[TableArrays]:
-    """Iterate over a table, `ROWS_AT_ONCE` rows at a time, to be written as text.
-
-    Args:
-        values: an array for each column
-    """
+    """Iterate over a table, `ROWS_AT_ONCE` rows at a time, to be written as text."""
     rows = len(next(iter(values.values())))
     for first in range(0, rows, ROWS_AT_ONCE):
         yield {name: column[first : first + ROWS_AT_ONCE] for name, column in values.items()}
@@ -456,8 +437,5 @@ def matrices(histories: Sequence[History]) -> TableArrays:
 
     A frame without an attitude has a matrix of NaN. Formats that hold arrays have these
     besides the columns of `table`.
-
-    Args:
-        histories: one or more jobs
     """
     return table_values(MATRICES, histories)

@@ -312,12 +312,7 @@ def _region_factor(covariance: Floats, of_readings: Floats, freedom: Floats) -> 
 
 
 def job_reading_sigmas(estimates: Sequence[Estimate], sigmas: Sigmas) -> list[JobReadingSigma]:
-    """Estimate the reading sigma of a job whose frames are in several blocks.
-
-    Args:
-        estimates: the blocks of the job
-        sigmas: standard deviations of the inputs
-    """
+    """Estimate the reading sigma of a job whose frames are in several blocks."""
     forces = [in_force(estimate, sigmas) for estimate in estimates]
     given = [given_components(e, force) for e, force in zip(estimates, forces, strict=True)]
     return reading_sigmas(estimates, given, sigmas.reading)

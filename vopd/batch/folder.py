@@ -49,9 +49,6 @@ class FolderLock:
     def acquire(self, wait: bool = False) -> bool:
         """Take the lock, if no living process has it.
 
-        Args:
-            wait: wait a minute for it
-
         Raises:
             OSError: where the file cannot be made
         """
@@ -185,14 +182,7 @@ class SourceRecord:
 def failed_record(
     source: BatchSource, settings: BatchSettings, message: str, digest: str = ""
 ) -> SourceRecord:
-    """Record a source of which there is nothing but an error.
-
-    Args:
-        source: the source
-        settings: of the batch
-        message: the error
-        digest: the hash of the input, where it was read
-    """
+    """Record a source of which there is nothing but an error."""
     return SourceRecord(
         source.name, source.path, FAILED, message, digest, __version__, settings.options
     )
@@ -351,11 +341,6 @@ class BatchFolder:
     ) -> bool:
         """Write the summary, if this shard is the last to end.
 
-        Args:
-            plan: all sources of the batch, those of other shards too
-            options: of this batch, as records have them
-            write: writes the summary of the records
-
         Returns:
             Whether it was the last.
         """
@@ -410,13 +395,7 @@ def unchanged(
     settings: BatchSettings,
     earlier: Mapping[str, SourceRecord],
 ) -> list[SourceRecord]:
-    """Find the earlier records of sources that need not be solved again.
-
-    Args:
-        sources: some sources
-        settings: of the batch
-        earlier: records by the names of their sources
-    """
+    """Find the earlier records of sources that need not be solved again."""
     return [
         earlier[one.name]
         for one in sources
@@ -437,13 +416,7 @@ def _still_holds(before: SourceRecord, digest: str, settings: BatchSettings) -> 
 def remove_others(
     before: SourceRecord | None, record: SourceRecord, settings: BatchSettings
 ) -> None:
-    """Remove outputs of an earlier run that this one has not written again.
-
-    Args:
-        before: the record of the earlier run, if there is one
-        record: the new one
-        settings: of the batch
-    """
+    """Remove outputs of an earlier run that this one has not written again."""
     for name in before.outputs if before is not None else ():
         if name not in record.outputs:
             (Path(settings.folder) / name).unlink(missing_ok=True)
@@ -451,11 +424,6 @@ def remove_others(
 
 def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
     """Write one output whole.
-
-    Args:
-        settings: of the batch
-        name: the file in the output folder, folders parted by /
-        content: all of it
 
     Raises:
         OutputError: where it cannot be written
@@ -495,12 +463,7 @@ COLUMNS = {
 
 
 def write_summary(settings: BatchSettings, records: Sequence[SourceRecord]) -> None:
-    """Write `summary.jsonl`, `times.jsonl`, with pyarrow `summary.parquet`, and the page.
-
-    Args:
-        settings: of the batch
-        records: of all sources, in order
-    """
+    """Write `summary.jsonl`, `times.jsonl`, with pyarrow `summary.parquet`, and the page."""
     files = {
         "summary.jsonl": b"".join(json_line(one.row()) for one in records),
         "times.jsonl": b"".join(
@@ -555,11 +518,7 @@ def worst_first(records: Sequence[SourceRecord]) -> list[SourceRecord]:
 
 
 def summary_text(records: Sequence[SourceRecord]) -> str:
-    """Tabulate the worst sources, with a line of totals.
-
-    Args:
-        records: of all sources
-    """
+    """Tabulate the worst sources, with a line of totals."""
     shown = worst_first(records)[:SHOWN]
     heads = ("source", "status", "frames", "attitudes", "flagged", "flags")
     rows = [heads, *(_cells(one) for one in shown)]

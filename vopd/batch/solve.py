@@ -139,12 +139,7 @@ def _solve(
 
 
 def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> None:
-    """Make listings, histories and tables of sources, each for all of them at once.
-
-    Args:
-        sources: as the pipeline has solved them
-        settings: what to make
-    """
+    """Make listings, histories and tables of sources, each for all of them at once."""
     jobs = [job for one in sources for job in one.jobs]
     pages = iter(pages_of_jobs([job.results for job in jobs]))
     histories = iter(histories_of_run(jobs, settings.history))
@@ -171,10 +166,6 @@ def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
 
 def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
     """Write all outputs of a source, and count its frames.
-
-    Args:
-        now: the source, with its listing, histories and tables
-        settings: of the batch
 
     Raises:
         OutputError: where an output cannot be written

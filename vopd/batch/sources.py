@@ -344,9 +344,5 @@ class BatchSettings:
 
 
 def table_suffix(form: str) -> str:
-    """Name the suffix of the attitude table in a format, with the dot.
-
-    Args:
-        form: a name of `vopd.export.FORMATS`
-    """
+    """Name the suffix of the attitude table in a format, with the dot."""
     return "." + FORMATS[form].suffixes[0].removeprefix(".")

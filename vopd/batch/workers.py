@@ -117,12 +117,7 @@ LEAST_CHUNKS = 4  # for each process, so that all have work to the end
 
 
 def even_chunk_bytes(sources: Sequence[BatchSource], processes: int) -> float:
-    """Choose the bytes of a chunk so that all processes have as many chunks of about one size.
-
-    Args:
-        sources: the sources
-        processes: how many work on them
-    """
+    """Choose the bytes of a chunk so that all processes have as many chunks of about one size."""
     sizes = [one.size for one in sources if not one.flight]
     for_each = max(sum(sizes) / CHUNK_BYTES, len(sizes) / CHUNK_SOURCES) / processes
     return max(sum(sizes), 1) / (processes * max(LEAST_CHUNKS, ceil(for_each)))
@@ -515,22 +510,13 @@ Result = tuple[list["SourceRecord"], Files]
 
 
 def can_travel(source: BatchSource) -> bool:
-    """Check that all files of a source lie in the source's own folder or below it.
-
-    Args:
-        source: a deck, which always can, or a project
-    """
+    """Check that all files of a source lie in the source's own folder or below it."""
     names = [PurePosixPath(name) for name, _ in _files_of(source)]
     return not any(name.is_absolute() or ".." in name.parts for name in names)
 
 
 def cluster_task(chunk: Sequence[BatchSource], settings: BatchSettings) -> bytes:
-    """Pickle sources with all their files, for `solve_pickled`.
-
-    Args:
-        chunk: sources that can travel
-        settings: how to solve them, and what to write
-    """
+    """Pickle sources with all their files, for `solve_pickled`."""
     contents: list[Files] = []
     for source in chunk:
         path = Path(source.path)

@@ -97,11 +97,7 @@ class CardBlock:
         )
 
     def followed_by(self, more: CardBlock) -> CardBlock:
-        """Join these cards with the cards that come next in the deck.
-
-        Args:
-            more: the cards that come next
-        """
+        """Join these cards with the cards that come next in the deck."""
         if not len(self):
             return more
         width = max(self.text.shape[1], more.text.shape[1])
@@ -110,11 +106,7 @@ class CardBlock:
 
 
 def byte_matrix(images: Iterable[bytes]) -> Bytes:
-    """Join texts of cards to one array (cards, width) of bytes, with blanks on the right.
-
-    Args:
-        images: the text of each card
-    """
+    """Join texts of cards to one array (cards, width) of bytes, with blanks on the right."""
     images = list(images)
     width = max(map(len, images), default=0)
     joined = b"".join([image.ljust(width) for image in images])
@@ -189,21 +181,13 @@ class CardDeck:
             at -= self._dropped
 
     def next_card(self, group: int) -> CardBlock:
-        """Look at the next card, which stays in the deck; an empty block at the end of the deck.
-
-        Args:
-            group: number of the group, for findings
-        """
+        """Look at the next card, which stays in the deck; an empty block at the end of the deck."""
         line, _ = self._line()
         where = Finding("", source=self.name, group=group)
         return CardBlock(byte_matrix([] if line is None else [_image(line)]), self.taken + 1, where)
 
     def following(self, most: int) -> Bytes:
-        """Look at the next cards as bytes (cards, at most 80), which stay in the deck.
-
-        Args:
-            most: how many, if the deck has so many
-        """
+        """Look at the next cards as bytes (cards, at most 80), which stay in the deck."""
         while self._buffer.count(b"\n", self._at) < most and self._fill():
             pass
         lines = self._buffer[self._at :].split(b"\n", most)

@@ -31,11 +31,6 @@ def explain_deck(file: BinaryIO, name: str, wanted: Wanted) -> Iterator[str]:
 
     A field that cannot be read is shown with a note.
 
-    Args:
-        file: the deck, open for reading bytes
-        name: the deck's name, for errors
-        wanted: says which cards are explained
-
     Raises:
         InputError: where the deck cannot be read on, after the cards before.
     """

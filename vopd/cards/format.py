@@ -62,11 +62,7 @@ class FormatItem(NamedTuple):
 
 @cache
 def format_items(number: int) -> tuple[FormatItem, ...]:
-    """List the fields of a FORMAT in order.
-
-    Args:
-        number: its statement number, a key of `FORMATS`
-    """
+    """List the fields of a FORMAT in order."""
     column, found = 1, []
     for repeat, kind, width, decimals in _EDIT_DESCRIPTOR.findall(FORMATS[number]):
         for _ in range(int(repeat or 1)):

@@ -180,10 +180,6 @@ _PLAIN = re.compile(r"-?\d*\.\d*\d|-?\d+\.")
 def write_number(value: float, item: FormatItem) -> str | None:
     """Find the shortest text that a field reads back as exactly this number.
 
-    Args:
-        value: the number
-        item: the field in its FORMAT
-
     Returns:
         The text, as wide as the field; None where no text of that width is this number.
     """

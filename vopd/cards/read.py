@@ -47,12 +47,7 @@ if TYPE_CHECKING:
 
 
 def read_cards(cards: CardBlock, group: CardGroup) -> FieldValues:
-    """Read every field of every card of a group (cards, fields); like fields in one go.
-
-    Args:
-        cards: cards of the group
-        group: which group
-    """
+    """Read every field of every card of a group (cards, fields); like fields in one go."""
     items = format_items(group.format)
     shape = len(cards), len(items)
     if len(cards) * len(items) <= FEW:
@@ -86,11 +81,6 @@ class GroupTable:
 
 def read_table(cards: CardBlock, group: CardGroup, report: Report) -> GroupTable:
     """Read every field of every card of a group.
-
-    Args:
-        cards: the group's cards
-        group: which group
-        report: is given the findings in the order of the deck
 
     Returns:
         The group's columns; NaN where a field is not a number.
@@ -139,11 +129,7 @@ def read_list(
 
 
 def whole(values: Floats) -> Ints:
-    """Convert values to whole numbers; NaN becomes 0, as it has been reported before.
-
-    Args:
-        values: numbers, any shape
-    """
+    """Convert values to whole numbers; NaN becomes 0, as it has been reported before."""
     return np.where(np.isnan(values), 0.0, values).astype(np.int64)
 
 

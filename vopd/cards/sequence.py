@@ -51,10 +51,6 @@ def sequence_of(text: Bytes) -> Sequence | None:
 def strip_sequence(text: bytes, name: str) -> tuple[bytes, set[int]]:
     """Blank the sequence numbers of a deck; other contents of columns 73 to 80 stay.
 
-    Args:
-        text: the deck, a card a line
-        name: the deck's name, for the message
-
     Returns:
         The deck without trailing blanks, and the cards that had a number, counted from 1.
 

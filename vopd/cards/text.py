@@ -43,11 +43,7 @@ class CardText:
         self._rest = b""
 
     def read(self, size: int) -> bytes:
-        """Read some bytes of the text; none at its end.
-
-        Args:
-            size: how many bytes of the file are read
-        """
+        """Read some bytes of the text; none at its end."""
         block = self._file.read(size)
         if not self._started:
             self._started = True
@@ -109,10 +105,6 @@ def _record_length(data: bytes, begin: int) -> int:
 
 
 def is_ebcdic(start: bytes) -> bool:
-    """Tell a deck in EBCDIC by its blanks and digits, which are most of it.
-
-    Args:
-        start: the first bytes of the file
-    """
+    """Tell a deck in EBCDIC by its blanks and digits, which are most of it."""
     digits = sum(map(start.count, range(0xF0, 0xFA)))
     return digits > 0 and digits + start.count(0x40) > 0.5 * len(start)

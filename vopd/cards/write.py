@@ -112,9 +112,6 @@ def _does_not_fit(group: int, field: str, value: float, item: FormatItem) -> Vop
 def basic_data_cards(job: Job) -> list[str]:
     """Write the cards of the film reader: three for each fiducial and each landmark of every frame.
 
-    Args:
-        job: gives the readings
-
     Raises:
         VopdError: where a number does not fit its columns
     """

@@ -44,9 +44,6 @@ DECIMALS = (0, 0, 0, 7, 7, 1, 5, 5, 5, 6)
 def landmark_number(names: Sequence[str]) -> int:
     """Read which landmark of a deck is to be located.
 
-    Args:
-        names: of --free
-
     Raises:
         click.UsageError: if they are not one landmark
     """

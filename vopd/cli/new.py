@@ -318,10 +318,6 @@ def write_project(
 def refuse_existing(folder: Path, names: list[str]) -> None:
     """Refuse to overwrite files.
 
-    Args:
-        folder: of them
-        names: of the files
-
     Raises:
         OutputError: where one is there already
     """

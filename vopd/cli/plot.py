@@ -211,9 +211,6 @@ def command(
 def _photographs(name: str) -> Photograph:
     """Read photographs of a folder, or frames of a video.
 
-    Args:
-        name: of the folder or video
-
     Raises:
         VopdError: if it cannot be read
     """

@@ -65,9 +65,6 @@ Made = TypeVar("Made")
 def deck_project(job: Job) -> NewProject:
     """Convert a job to the files of a project.
 
-    Args:
-        job: one job of a deck
-
     Returns:
         The files, and a sentence for each thing that they do not hold.
 

@@ -36,11 +36,6 @@ MINUTE_DECIMALS, FOOT_DECIMALS = 5, 1  # .00001 minute is .06 ft; ten columns ho
 def check_feature(job: Job, number: int, name: str) -> None:
     """Check that a landmark stands once in group 9, and is read.
 
-    Args:
-        job: the job
-        number: of the landmark
-        name: of the deck, for messages
-
     Raises:
         VopdError: if it is not
     """
@@ -60,13 +55,7 @@ def check_feature(job: Job, number: int, name: str) -> None:
 
 
 def ignoring(job: Job, number: int, ignored: bool) -> Job:
-    """Ignore a landmark in all frames by group 12, or no longer do so.
-
-    Args:
-        job: the job
-        number: of the landmark
-        ignored: whether it is to be ignored
-    """
+    """Ignore a landmark in all frames by group 12, or no longer do so."""
     everywhere = job.ignored.everywhere.copy()
     everywhere[everywhere == number] = 0
     if ignored:
@@ -76,10 +65,6 @@ def ignoring(job: Job, number: int, ignored: bool) -> Job:
 
 def frames_that_locate(job: Job, number: int) -> tuple[Bools, Bools]:
     """Find the frames that can locate a landmark: those in which others take part with it.
-
-    Args:
-        job: the job
-        number: of the landmark
 
     Returns:
         The frames with one other landmark or more, and those with two others or more, whose
@@ -318,13 +303,7 @@ def locate_feature(
 
 
 def along_one_line(name: str, number: int, frames: int) -> str:
-    """Say that a landmark is free on the line along which its frames see it.
-
-    Args:
-        name: of the deck
-        number: of the landmark
-        frames: how many there are
-    """
+    """Say that a landmark is free on the line along which its frames see it."""
     return (
         f"{name}: the {frames} frames of landmark {number} see it along one line, on which it is "
         "free: read it in frames from other places"

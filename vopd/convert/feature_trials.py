@@ -209,9 +209,6 @@ class _Search:
     def check_held(self, at: Floats) -> None:
         """Check that the frames hold a landmark along its line of sight.
 
-        Args:
-            at: where it was found
-
         Raises:
             VopdError: if a reading leaves it free by half of its distance
         """

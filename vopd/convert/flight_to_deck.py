@@ -170,10 +170,6 @@ def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
 
     x grows to the left and y up, seen from behind the camera. Refraction, which
     the cards do not know, is taken off the picks.
-
-    Args:
-        flight: gives lens and picks
-        solved: its solution, from which refraction is known
     """
     lens = flight.lens
     inches = next((s for s in STEPS_IN if s * max(lens.size_px) <= LARGEST_IN), STEPS_IN[-1])
@@ -404,10 +400,6 @@ def _within(what: str, count: int, most: int) -> None:
 def landmark_numbers(flight: Flight, seen: Ints) -> tuple[Ints, list[NumberRow]]:
     """Number the landmarks of the flight in two columns (N,), 0 for one that is not seen.
 
-    Args:
-        flight: the flight
-        seen: indices of the landmarks that are seen
-
     Returns:
         The numbers, and what they stand for where they are not the flight's own.
 
@@ -433,10 +425,6 @@ def _is_its_name(number: int, name: str) -> bool:
 
 def frame_numbers(flight: Flight, frames: Ints) -> tuple[Ints, list[NumberRow]]:
     """Number the frames that are written in four columns; by their own where that fits.
-
-    Args:
-        flight: the flight
-        frames: indices of the frames that are written
 
     Returns:
         The numbers, and what they stand for where they are not the flight's own.

@@ -89,11 +89,6 @@ class AttitudeFormat:
     ) -> Iterator[bytes]:
         """Make the content of the file page by page, `by_parts` with one part of a job at a time.
 
-        Args:
-            jobs: one or more, of one kind of source
-            request: epoch and names
-            report: is given warnings, for instance about frames that are left out
-
         Raises:
             VopdError: before the first page, where no frame is left, or a needed package or
                 epoch is missing
@@ -111,10 +106,6 @@ class AttitudeFormat:
 
     def mean_table(self, jobs: Sequence[HistoryParts], request: FileRequest) -> bytes:
         """Make the content of a file of mean attitudes, a row a job, in one of `MEAN_FORMATS`.
-
-        Args:
-            jobs: one or more, of one kind of source
-            request: has the epoch, if it is to be stated
 
         Raises:
             VopdError: where a job has no mean
@@ -136,11 +127,7 @@ class AttitudeFormat:
     def render_files(
         self, files: Sequence[tuple[Sequence[History], FileRequest, Report]]
     ) -> list[bytes | VopdError]:
-        """Make the contents of many files, each as `render` does, or the error of each.
-
-        Args:
-            files: of each its jobs, what the user specifies, and the receiver of its warnings
-        """
+        """Make the contents of many files, each as `render` does, or the error of each."""
         if self.together:
             from vopd.attitude.long_history import with_about
             from vopd.export.tables import render_files
@@ -289,9 +276,6 @@ def _writer(name: str) -> Callable[..., Any]:
 def of_file(name: str) -> AttitudeFormat:
     """Find the format of a file by the suffix of its name.
 
-    Args:
-        name: the file's name
-
     Raises:
         VopdError: where it has no suffix of a known format
     """
@@ -354,13 +338,7 @@ def has_date(epoch: datetime, microseconds: int) -> bool:
 
 
 def statements(histories: Sequence[History], request: FileRequest, **own: str) -> dict[str, str]:
-    """State the conventions, with the epoch added.
-
-    Args:
-        histories: the jobs of the file
-        request: has the epoch
-        own: statements of the format, in place of those of the table
-    """
+    """State the conventions, with the epoch added."""
     from vopd.attitude.conventions import conventions
 
     stated = conventions(histories)

@@ -232,14 +232,7 @@ def encoded(lines: Sequence[str]) -> bytes:
 
 
 def render_aem(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Make the message: one segment for each job, in the order of their first times.
-
-    Args:
-        histories: the jobs
-        request: epoch, names, version
-        report: is given warnings: frames that are left out, and jobs that overlap in
-            time, of which a reader cannot tell which one holds
-    """
+    """Make the message: one segment for each job, in the order of their first times."""
     if request.aem_version not in (1, 2):
         raise VopdError(f"AEM version {request.aem_version}: the versions are 1 and 2")
     segments = segments_in_order(histories, request, report)
@@ -327,12 +320,6 @@ def render_acm(histories: Sequence[History], request: FileRequest, report: Repor
     """Make the message: an attitude block and a covariance block for each job.
 
     Times are seconds after EPOCH_TZERO, which is time zero of the jobs.
-
-    Args:
-        histories: the jobs
-        request: epoch and names
-        report: is given warnings: frames that are left out, frames without finite
-            variances, and jobs that overlap in time
     """
     segments = segments_in_order(histories, request, report)
     finite = [_finite(segment, report) for segment in segments]
@@ -446,10 +433,6 @@ class DatedAttitudes(NamedTuple):
 
 def in_order(attitudes: DatedAttitudes, report: Report) -> DatedAttitudes:
     """Sort attitudes by time, each time once; the first of several is kept.
-
-    Args:
-        attitudes: in any order
-        report: is given a warning for each that is left out
 
     Raises:
         VopdError: there is none

@@ -40,12 +40,7 @@ class CameraPoses(NamedTuple):
 
 
 def camera_poses(history: History, report: Report) -> CameraPoses:
-    """Find the poses of the camera in one job.
-
-    Args:
-        history: the job
-        report: is given a warning about frames that are left out
-    """
+    """Find the poses of the camera in one job."""
     e = history.estimate
     here = e.position
     height_m = here.altitude * e.units.metres_per_length
@@ -142,12 +137,7 @@ def grid_from_local(convergence_deg: Floats) -> Floats:
 
 
 def pose_in_site(poses: CameraPoses, origin_m: Floats) -> tuple[Floats, Floats]:
-    """Place poses in a site: rotations (T, 3, 3) from its axes to the camera, positions (T, 3).
-
-    Args:
-        poses: the camera's
-        origin_m: the site's origin, Earth-centred
-    """
+    """Place poses in a site: rotations (T, 3, 3) from its axes to the camera, positions (T, 3)."""
     site = local_axes(origin_m)
     to_camera = poses.local_from_camera.swapaxes(1, 2) @ poses.local_axes @ site.T
     return to_camera, (poses.position_m - origin_m) @ site.T
@@ -169,13 +159,7 @@ HEAD_COLMAP = """\
 
 
 def render_colmap(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Make the file, two lines for each frame that has an attitude.
-
-    Args:
-        histories: the jobs
-        request: is not used
-        report: is given warnings about frames that are left out
-    """
+    """Make the file, two lines for each frame that has an attitude."""
     found = some([camera_poses(h, report) for h in histories])
     origin = found[0].position_m[0]
     longitude, latitude, height = found[0].geodetic[0]
@@ -213,13 +197,7 @@ NEAR_LEVEL_DEG = 85.0
 
 
 def render_odm_geo(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Make the file, a line for each frame that has an attitude.
-
-    Args:
-        histories: the jobs
-        request: is not used
-        report: is given warnings: frames that are left out, views near the horizon
-    """
+    """Make the file, a line for each frame that has an attitude."""
     lines = []
     level = 0
     for poses in some([camera_poses(h, report) for h in histories]):
@@ -264,11 +242,6 @@ def render_omega_phi_kappa(
     histories: Sequence[History], request: FileRequest, report: Report
 ) -> bytes:
     """Make the file, a row for each frame that has an attitude.
-
-    Args:
-        histories: the jobs
-        request: is not used
-        report: is given warnings about frames that are left out
 
     Raises:
         VopdError: where the jobs have different grids

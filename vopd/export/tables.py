@@ -50,21 +50,12 @@ TableText = dict[str, list[str]]
 
 
 def table_text(histories: Sequence[History]) -> TableText:
-    """Write the columns as text: numbers with the decimals of their column, empty for NaN.
-
-    Args:
-        histories: one or more jobs, of one kind of source
-    """
+    """Write the columns as text: numbers with the decimals of their column, empty for NaN."""
     return as_text(table(histories), columns_of(histories))
 
 
 def as_text(values: TableArrays, columns: Sequence[TableColumn]) -> TableText:
-    """Write the values of columns as text, as `table_text` does.
-
-    Args:
-        values: an array for each column, by name
-        columns: the columns
-    """
+    """Write the values of columns as text, as `table_text` does."""
     return {one.name: _texts_csv(values[one.name], one.decimals) for one in columns}
 
 
@@ -87,11 +78,6 @@ def pages_csv(
     """Make the file page by page, as the parts of the jobs are made, in UTF-8.
 
     Comment lines begin with `#`, lines end with a line feed.
-
-    Args:
-        jobs: one or more, of one kind of source
-        request: has the epoch, if it is to be stated
-        report: is not used
     """
     heads = [job.head for job in jobs]
     columns = _columns(heads, request)
@@ -125,11 +111,7 @@ def _matrices_of(request: FileRequest) -> tuple[TableColumn, ...]:
 
 
 def render_files(files: Sequence[tuple[Sequence[History], FileRequest]]) -> list[bytes]:
-    """Make many files; rows of small ones are made together, which is faster.
-
-    Args:
-        files: of each its jobs, of one kind of source, and what the user specifies
-    """
+    """Make many files; rows of small ones are made together, which is faster."""
     columns = [columns_of(histories) for histories, _ in files]
     alike: dict[tuple[str, ...], list[int]] = {}
     for k, own in enumerate(columns):
@@ -213,11 +195,6 @@ def pages_json_lines(
 
     Numbers have all their digits; missing and infinite numbers are null. A matrix is a list of
     its rows, and null where the frame has none.
-
-    Args:
-        jobs: one or more, of one kind of source
-        request: has the epoch, if it is to be stated
-        report: is not used
     """
     heads = [job.head for job in jobs]
     columns = _columns(heads, request) + _matrices_of(request)
@@ -227,13 +204,7 @@ def pages_json_lines(
 
 
 def json_lines(values: TableArrays, stated: dict[str, str], columns: Described) -> bytes:
-    """Make the file of any table.
-
-    Args:
-        values: an array for each column
-        stated: the conventions
-        columns: unit and meaning of each column
-    """
+    """Make the file of any table."""
     return _first_line(stated, columns) + b"".join(map(_rows_json_lines, row_blocks(values)))
 
 
@@ -261,13 +232,7 @@ def _line(item: dict[str, Any]) -> bytes:
 
 
 def render_npz(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Make the file. `conventions` and `columns` are JSON in arrays of text; nothing is pickled.
-
-    Args:
-        histories: the jobs
-        request: has the epoch, if it is to be stated
-        report: is not used
-    """
+    """Make the file. `conventions` and `columns` are JSON in arrays of text; nothing is pickled."""
     arrays, columns = _arrays(histories, request)
     return archive(arrays, _stated(histories, request), columns)
 
@@ -357,11 +322,6 @@ def render_parquet(histories: Sequence[History], request: FileRequest, report: R
     """Make the file: missing numbers are null; each field's metadata has `unit` and `meaning`.
 
     A matrix is a list of its rows, each a list of three numbers; null where the frame has none.
-
-    Args:
-        histories: the jobs
-        request: has the epoch, if it is to be stated
-        report: is not used
     """
     arrays, columns = _arrays(histories, request)
     return table_file(arrays, _stated(histories, request), columns)
@@ -390,9 +350,6 @@ def dataframe(histories: Sequence[History]) -> pd.DataFrame:
     The columns of `matrices` hold an array of 3 x 3 in each row; `numpy.stack` makes one
     array of such a column.
 
-    Args:
-        histories: one or more jobs, of one kind of source
-
     Raises:
         VopdError: where pandas is not installed, or there is no job
     """
@@ -410,11 +367,6 @@ def dataframe(histories: Sequence[History]) -> pd.DataFrame:
 
 def render_means(form: str, histories: Sequence[History], request: FileRequest) -> bytes:
     """Make the file of the mean attitudes of jobs.
-
-    Args:
-        form: of `vopd.export.MEAN_FORMATS`
-        histories: one or more jobs, of one kind of source
-        request: has the epoch, if it is to be stated
 
     Raises:
         VopdError: where a job has no mean, or an optional package is missing
@@ -440,12 +392,6 @@ def render_table(
     form: str, values: TableArrays, stated: dict[str, str], columns: Described
 ) -> bytes:
     """Make the content of a file.
-
-    Args:
-        form: of WRITERS
-        values: an array for each column
-        stated: the conventions
-        columns: unit and meaning of each column
 
     Raises:
         VopdError: where a package that the format needs is not installed.

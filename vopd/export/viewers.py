@@ -48,13 +48,7 @@ GOLD, WHITE = [255, 196, 0, 255], [255, 255, 255, 255]
 
 
 def render_czml(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Make the document, one packet a line; times are seconds after the epoch.
-
-    Args:
-        histories: the jobs
-        request: epoch and name
-        report: is given warnings about frames that are left out
-    """
+    """Make the document, one packet a line; times are seconds after the epoch."""
     assert request.epoch is not None
     found = timed_attitudes(histories, request.epoch, report)
     report_own_position(histories, report)
@@ -162,13 +156,7 @@ SHOWN = (
 
 
 def render_kml(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
-    """Write KML in UTF-8, with a folder for each job.
-
-    Args:
-        histories: the jobs
-        request: epoch and name
-        report: is given warnings about frames that are left out
-    """
+    """Write KML in UTF-8, with a folder for each job."""
     found = timed_attitudes(histories, request.epoch, report)
     report_own_position(histories, report)
     root = ET.Element("kml", {"xmlns": KML, "xmlns:gx": GX})
@@ -294,11 +282,6 @@ STAR_BOX_M = (3.0, 1.0, 1.0)  # forward, right, down; large enough to be seen
 
 def dated_czml(attitudes: DatedAttitudes, request: FileRequest, report: Report) -> bytes:
     """Make the document, one packet a line; times are seconds after the first attitude.
-
-    Args:
-        attitudes: with place and Earth-fixed quaternions
-        request: has the object's name
-        report: is given warnings about attitudes that are left out
 
     Raises:
         VopdError: the place is not known

@@ -127,9 +127,6 @@ def adjust(
 def flight_to_adjust(name: str) -> tuple[Flight, Project]:
     """Read a flight; of a project that is adjusted already, that of the one it came from.
 
-    Args:
-        name: the path of the project file
-
     Returns:
         The flight, and the project that it is of.
 
@@ -154,11 +151,7 @@ def flight_to_adjust(name: str) -> tuple[Flight, Project]:
 
 
 def adjustment_of(result: FlightResult) -> Adjustment:
-    """Tabulate the free parameters of a solved flight.
-
-    Args:
-        result: the flight
-    """
+    """Tabulate the free parameters of a solved flight."""
     joint = result.estimates.joint
     assert joint is not None
     flight, names = joint.model.flight, joint.model.names

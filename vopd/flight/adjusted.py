@@ -119,11 +119,7 @@ def _folder(path: Path) -> bytes:
 
 
 def files_spoken_of(project: Project) -> dict[str, InputFile]:
-    """List the files of a project that its covariance speaks of, by the keys that name them.
-
-    Args:
-        project: the project
-    """
+    """List the files of a project that its covariance speaks of, by the keys that name them."""
     return {
         f"[{section}] {key}": project.open(section, key)
         for section, key in SPEAKS_OF
@@ -136,9 +132,6 @@ def files_spoken_of(project: Project) -> dict[str, InputFile]:
 
 def adjusted_from(project: Project) -> str | None:
     """Look up the project that this one was adjusted from; None where it was not adjusted.
-
-    Args:
-        project: the project
 
     Raises:
         VopdError: where the covariance file is not as it should be
@@ -154,10 +147,6 @@ def _from_here(project: Project, found: CovarianceFile) -> str:
 
 def read_covariance(project: Project, same_files: bool = True) -> CovarianceFile | None:
     """Read the covariance file of a project; None where it names none.
-
-    Args:
-        project: the project
-        same_files: whether the files must be those of which it speaks
 
     Raises:
         VopdError: where it is not as `vopd adjust -o` writes it, or speaks of other files
@@ -180,9 +169,6 @@ def with_stated_offset(project: Project) -> Project:
 
     Positions belong to the times that were stated: the clock moves the cameras from there, by
     velocity and acceleration, as in the solve in which it was found.
-
-    Args:
-        project: the project
 
     Raises:
         VopdError: where the key has another value than was written
@@ -369,10 +355,6 @@ def _refuse_changed(
 def with_held(project: Project, flight: Flight) -> Flight:
     """Hold what the covariance file of a project names, as far as there is one.
 
-    Args:
-        project: the project
-        flight: as its other files have it
-
     Raises:
         VopdError: where the file is not as it should be, or names what the flight does not have
     """
@@ -497,12 +479,7 @@ def _path(flight: Flight, added: dict[str, float]) -> CameraPath:
 
 
 def held_text(flight: Flight, held: HeldParameters) -> str:
-    """Name what is held, for a sentence.
-
-    Args:
-        flight: the flight
-        held: what is held
-    """
+    """Name what is held, for a sentence."""
     names = [shown_name(one) for one in held.parameter if one not in SHIFT]
     if set(SHIFT) & set(held.parameter):
         names.append("position" if flight.path.stands else "track-offset")
@@ -512,12 +489,7 @@ def held_text(flight: Flight, held: HeldParameters) -> str:
 
 
 def of_landmarks(held: HeldParameters, total: int) -> Ints:
-    """Look up the rows of landmarks among those that are held, (total,); -1: it is not.
-
-    Args:
-        held: what is held
-        total: how many landmarks there are
-    """
+    """Look up the rows of landmarks among those that are held, (total,); -1: it is not."""
     row = np.full(total, -1)
     row[held.landmark] = np.arange(len(held.landmark))
     return row

@@ -44,11 +44,6 @@ def adjusted_project(project: Project, adjustment: Adjustment, folder: Path) -> 
     Picks, track and whatever else is unchanged stay where they are, and the project names them from
     its own folder.
 
-    Args:
-        project: the one that was adjusted
-        adjustment: of its flight
-        folder: where the new project will be
-
     Raises:
         VopdError: where nothing was solved for that all frames have in common
     """
@@ -118,11 +113,7 @@ def _from_folder(path: Path, folder: Path) -> str:
 
 
 def toml_value(value: Any) -> str:
-    """Write a value that has been read from TOML, as TOML has it.
-
-    Args:
-        value: a text, a number, a date, a list or a table of these
-    """
+    """Write a value that has been read from TOML, as TOML has it."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
@@ -160,11 +151,7 @@ def _write_lens(new: NewProject, changes: Changes, lens: Lens) -> None:
 
 
 def opencv_text(lens: Lens) -> str:
-    """Write a lens as OpenCV's FileStorage does, in JSON.
-
-    Args:
-        lens: of Brown's model or a fisheye, without skew
-    """
+    """Write a lens as OpenCV's FileStorage does, in JSON."""
     (fx, fy), (cx, cy) = lens.focal_px.tolist(), lens.centre_px.tolist()
     k, width, height = _coefficients(lens), *lens.size_px
     brown = "plumb_bob" if len(k) <= 5 else "rational_polynomial"
@@ -294,9 +281,6 @@ def common_with_stated(joint: JointSolution) -> tuple[Floats, Floats, list[str]]
     """Estimate the covariance of all that is common to the frames, what is only stated included.
 
     An error s that is stated and not solved for moves what is: by dc/ds s.
-
-    Args:
-        joint: of a flight
 
     Returns:
         The covariance of the parameters of the solution, those that are only stated, and the

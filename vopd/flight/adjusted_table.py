@@ -31,12 +31,7 @@ SHOWN = 0.3  # correlation in a text: the other formats have all
 
 
 def as_text(made: Adjustment, correlations: bool) -> str:
-    """Write the table for reading.
-
-    Args:
-        made: the adjustment
-        correlations: whether they are to follow
-    """
+    """Write the table for reading."""
     head = [name.replace("_", " ") for name in COLUMNS]
     lines = [_solved_text(made)]
     if made.parameters:
@@ -97,12 +92,7 @@ def _row(one: Parameter) -> list[object]:
 
 
 def as_csv(made: Adjustment, correlations: bool) -> str:
-    """Write the table as CSV; an empty cell is none.
-
-    Args:
-        made: the adjustment
-        correlations: whether each has a column of its own
-    """
+    """Write the table as CSV; an empty cell is none."""
     names = [f"correlation {one.name}" for one in made.parameters] if correlations else []
     page = io.StringIO()
     writer = csv.writer(page, lineterminator="\n")

@@ -28,11 +28,7 @@ FAR_M = 300e3
 
 @np.errstate(all="ignore")
 def check_flight(name: str) -> list[Finding]:
-    """Check a flight project: errors in its files, and mistakes its residuals reveal.
-
-    Args:
-        name: the path of the project file
-    """
+    """Check a flight project: errors in its files, and mistakes its residuals reveal."""
     try:
         project = read_project(name)
     except VopdError as error:

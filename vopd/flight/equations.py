@@ -302,11 +302,7 @@ class Model:
         self.since_s = np.nan_to_num(flight.time_s - middle)
 
     def with_priors(self, priors: Priors) -> Model:
-        """Take the same picks with other unknowns.
-
-        Args:
-            priors: the unknowns
-        """
+        """Take the same picks with other unknowns."""
         used = np.zeros(len(self.flight.picks.frame), bool)
         used[self.pick] = True
         every = np.ones(self.frames, bool)
@@ -444,9 +440,6 @@ class Model:
         They are the camera's place by the fixes, if it is not exact, the parameters, the
         landmarks of the frame, if any is free, and the clicks that its picks carry; the index is
         of those in common.
-
-        Args:
-            rows: of some frames
         """
         count, n = rows.picks.shape
         first, known = 0 if self.priors.fixes is None else 3, len(self.names)

@@ -23,11 +23,7 @@ from vopd.flight.joint import JointSolution, covariance_of_sums, propagated
 
 
 def priors_of(flight: Flight) -> Priors:
-    """Collect the unknowns of a flight besides its rotations, as its files state them.
-
-    Args:
-        flight: the flight
-    """
+    """Collect the unknowns of a flight besides its rotations, as its files state them."""
     free = {name: prior_sigma(flight, name) for name in free_parameters(flight)}
     clicks = flight.picks.clicks
     click_px = None if clicks is None else clicks.sigma_px
@@ -95,9 +91,6 @@ def _with_position_sigma(path: CameraPath, sigma_m: float) -> CameraPath:
 def stated_changes(solution: JointSolution) -> dict[str, Floats]:
     """Differentiate the images by errors that are stated and not solved for.
 
-    Args:
-        solution: of the flight
-
     Returns:
         Changes of the computed images by one standard deviation of each, in standard deviations
         of the picks, (P, 2, C), by component; P picks take part.
@@ -113,9 +106,6 @@ def places_by_stated(solution: JointSolution) -> Floats:
     """Estimate the covariances of the solved places by errors that are stated and not solved for.
 
     A clock moves the cameras besides, as it does where it is solved for.
-
-    Args:
-        solution: of the flight
 
     Returns:
         East, north, up of every frame, m^2, (F, 3, 3).
@@ -152,9 +142,6 @@ def held_effects(solution: JointSolution) -> HeldEffects | None:
 
     With their errors c the turns are u + du/dc c: their covariance is the one with c known and
     du/dc Cov(c, c) (du/dc)', which is that of the solve in which c was found by the same picks.
-
-    Args:
-        solution: of the flight
     """
     model, held = solution.model, solution.model.flight.options.held
     if held is None:
@@ -188,10 +175,6 @@ def held_effects(solution: JointSolution) -> HeldEffects | None:
 def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) -> dict[str, Floats]:
     """Estimate how errors of one standard deviation turn the cameras, by component.
 
-    Args:
-        solution: of the flight, in which places or landmarks were solved for
-        held: effects of held parameters
-
     Returns:
         Turns about the camera's axes, radians, and errors of the frames' times, seconds,
         (F, 4, C); those of errors that are common to the frames have `COMMON_PART` in their
@@ -223,9 +206,6 @@ def covariance_of_common(solution: JointSolution) -> Floats:
     """Estimate the covariance of what is common to the flight, (K, K).
 
     That of the joint solution, and what errors that are stated and not solved for add to it.
-
-    Args:
-        solution: of the flight
     """
     total = np.array(solution.factored.common)
     for change in stated_changes(solution).values():

@@ -63,11 +63,7 @@ FACTOR = {"clock_rate": 1e6, "readout": 1e3}
 
 
 def free_parameters(flight: Flight) -> tuple[str, ...]:
-    """List the parameters that a flight is solved for by `options.free`, in the order of `FREE`.
-
-    Args:
-        flight: the flight
-    """
+    """List the parameters that a flight is solved for by `options.free`, in the order of `FREE`."""
     options = flight.options
     kept = {one.name for one in options.kept}
     if flight.path.turning_rad_s is None:  # a readout shows by them alone
@@ -77,12 +73,7 @@ def free_parameters(flight: Flight) -> tuple[str, ...]:
 
 
 def prior_sigma(flight: Flight, parameter: str) -> float:
-    """Look up the prior standard deviation of a parameter; infinite where none is stated.
-
-    Args:
-        flight: the flight
-        parameter: of `vopd.flight.equations`
-    """
+    """Look up the prior standard deviation of a parameter; infinite where none is stated."""
     if parameter in SHIFT:
         bias = flight.path.bias_sigma_m
         return float(bias[SHIFT.index(parameter)]) if bias.any() else float("inf")
@@ -90,11 +81,7 @@ def prior_sigma(flight: Flight, parameter: str) -> float:
 
 
 def free_landmarks(flight: Flight) -> list[int]:
-    """List the landmarks that are reported, by their indices.
-
-    Args:
-        flight: the flight
-    """
+    """List the landmarks that are reported, by their indices."""
     marks, free = flight.landmarks, flight.options.free
     seen = np.bincount(flight.picks.landmark, minlength=len(marks.name)) > 0
     used = marks.used or (True,) * len(marks.name)
@@ -111,9 +98,6 @@ def free_landmarks(flight: Flight) -> list[int]:
 
 def check_free(flight: Flight) -> None:
     """Refuse names in `options.free` that are not known, or that this flight does not have.
-
-    Args:
-        flight: the flight
 
     Raises:
         VopdError: saying what to write instead
@@ -339,9 +323,6 @@ def value_text(parameter: str, value: float, sigma: float, sign: str = "") -> st
 def decimals(sigma: float) -> int | None:
     """Choose as many decimals for a value as show two digits of its standard deviation.
 
-    Args:
-        sigma: of the value
-
     Returns:
         Their number; None where the standard deviation is none.
     """
@@ -376,12 +357,7 @@ def free_text(joint: JointSolution, covariance: Floats) -> str:
 
 
 def without_parameter(flight: Flight, lost: NotHeld) -> Flight:
-    """Keep a parameter as it is stated.
-
-    Args:
-        flight: the flight
-        lost: the parameter
-    """
+    """Keep a parameter as it is stated."""
     return replace(flight, options=replace(flight.options, kept=(*flight.options.kept, lost)))
 
 
@@ -403,11 +379,7 @@ ADVICE = {
 
 
 def not_held_findings(flight: Flight) -> list[Finding]:
-    """Warn of parameters that were to be free and are kept.
-
-    Args:
-        flight: as it was solved
-    """
+    """Warn of parameters that were to be free and are kept."""
     texts = [_not_held_text(flight, one) for one in flight.options.kept]
     return [Finding(text, flight.source, severity="warning") for text in texts]
 

@@ -33,9 +33,6 @@ def position_ratio(found: Covariance) -> Floats:
     The largest ratio of their standard deviations in any direction, 1 where the picks say
     nothing of the position; 0 where it is exact, NaN without an attitude. Coordinates that are
     exact among others do not count.
-
-    Args:
-        found: covariances of the flight
     """
     prior, after = found.place_prior_m2, found.place_m2
     known: Bools = np.asarray(np.isfinite(after).all(axis=(1, 2)))
@@ -61,9 +58,6 @@ def other_solutions_deg(solution: JointSolution) -> Floats:
 
     Frames of three landmarks are solved each by itself, from `STARTS`, if a position of their own
     is uncertain by more than `FAR` of the landmarks' distance; landmarks stay as solved.
-
-    Args:
-        solution: of the flight
 
     Returns:
         The angle between the attitudes of the first and the other solution, (F,) degrees; NaN
@@ -138,9 +132,6 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
     One with a stated standard deviation is held if less than `MOST_LEFT` of it is left. One
     without is held if what is left of it, one standard deviation, moves no angle by more than
     the half-width that the angle has with the parameter known.
-
-    Args:
-        joint: the solution of a flight
     """
     free = () if joint is None else free_parameters(joint.model.flight)
     if joint is None or not free:
@@ -174,12 +165,7 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
 
 
 def trading(joint: JointSolution, parameter: str) -> tuple[str, ...]:
-    """Name the parameters that make the same images as one that is held.
-
-    Args:
-        joint: the solution of a flight
-        parameter: of `vopd.flight.equations`
-    """
+    """Name the parameters that make the same images as one that is held."""
     k, sigma = joint.model.names.index(parameter), np.sqrt(np.diag(joint.factored.common))
     return _trades(joint.model, np.zeros(3), np.abs(joint.factored.common[k] / sigma / sigma[k]), k)
 
@@ -261,11 +247,7 @@ NAMED = 5  # landmarks of a sentence
 
 
 def solved_findings(joint: JointSolution | None) -> list[Finding]:
-    """Warn of landmarks on one line of sight, and of a clock that moves frames far.
-
-    Args:
-        joint: the solution of a flight
-    """
+    """Warn of landmarks on one line of sight, and of a clock that moves frames far."""
     if joint is None or not joint.model.flight.options.free:
         return []
     texts = [*_one_line_texts(joint), *_clock_texts(joint)]

@@ -68,9 +68,6 @@ def images_in(folder: Path) -> list[Path]:
 def read_tags(path: Path) -> ImageTags:
     """Read the tags of one image: XMP's position, which has more digits, before EXIF's.
 
-    Args:
-        path: the image
-
     Raises:
         VopdError: where it is no image, or Pillow is not installed
     """

@@ -226,11 +226,7 @@ def _check_size(model: Model) -> None:
 
 
 def no_solution(flight: Flight) -> VopdError:
-    """Make the error of a flight whose equations have no solution.
-
-    Args:
-        flight: the flight
-    """
+    """Make the error of a flight whose equations have no solution."""
     return VopdError(
         f"{flight.source}: the equations of its positions and landmarks have no solution within "
         'rounding; [solve] position = "fixed" holds both where they are stated'
@@ -363,9 +359,6 @@ def covariance(solution: JointSolution) -> Covariance:
     The part of errors p with the prior P in the variance of x is Cov(x, p) P^-1 Cov(p, x), and
     so the derivative of Cov(x, x) by a factor of P. For fixes, which are many, that derivative
     is carried through the elimination as an imaginary part.
-
-    Args:
-        solution: of the flight
     """
     model, robust = solution.model, solution.model.loss is not LOSSES["least-squares"]
     factored = solution.factored
@@ -431,9 +424,6 @@ def covariance_by_picks(solution: JointSolution) -> tuple[Floats, Floats]:
     """Estimate the covariance of what is common to the frames, and its part by the picks, (K, K).
 
     With a robust loss a pick of weight w has the variance w^2, as in `covariance`.
-
-    Args:
-        solution: of the flight
     """
     model, total = solution.model, np.asarray(solution.factored.common)
     if not len(total):
@@ -450,9 +440,6 @@ def covariance_by_picks(solution: JointSolution) -> tuple[Floats, Floats]:
 
 def marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
     """Estimate covariances of turns, places, both (F, 3, 3), of turns and what is common (F, 3, K).
-
-    Args:
-        factored: the normal equations
 
     A turn is u - Gx x - Gc c, with u by the readings of its own frame; the place is x = x0 - Z c
     with x0 by the fixes. So the turn is u - Gx x0 - E c with E = Gc - Gx Z.
@@ -485,11 +472,7 @@ def marginals(factored: Factored) -> tuple[Array, Array, Array, Array]:
 
 
 def places_by_fixes(factored: Factored) -> Array:
-    """Estimate covariances of the places by the fixes, what is common being known (F, 3, 3).
-
-    Args:
-        factored: the normal equations
-    """
+    """Estimate covariances of the places by the fixes, what is common being known (F, 3, 3)."""
     fixes = factored.fixes
     if fixes is None or factored.chain is None:
         return np.zeros((factored.model.frames, 3, 3))

@@ -163,11 +163,7 @@ def _mean_slope(growth: Floats) -> Floats:
 
 
 def vertical_by_position(camera: Geodetic) -> Floats:
-    """Differentiate the directions of east, north, up by the place: turns a metre, (F, 3, 3).
-
-    Args:
-        camera: where it is
-    """
+    """Differentiate the directions of east, north, up by the place: turns a metre, (F, 3, 3)."""
     latitude = np.radians(camera.latitude_deg)
     e2 = WGS84.flattening * (2.0 - WGS84.flattening)
     flat = 1.0 - e2 * np.sin(latitude) ** 2

@@ -357,9 +357,6 @@ class Factored:
     def solve(self, right: RightSide) -> tuple[Floats, Floats, Floats]:
         """Solve for all unknowns.
 
-        Args:
-            right: the right side
-
         Returns:
             Turns (F, 3, k), 0 for frames that take no part; errors of fixes (J, 3, k); what is
             common (K, k).
@@ -426,10 +423,6 @@ class Factored:
 
 
 def pairs(by_block: Floats) -> list[tuple[int, int]]:
-    """List the pairs of slots in which any frame has a part.
-
-    Args:
-        by_block: `TrackFixes.by_block`
-    """
+    """List the pairs of slots in which any frame has a part."""
     slots = np.flatnonzero(by_block.any(axis=0)).tolist()
     return [(one, other) for one in slots for other in slots]

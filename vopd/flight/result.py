@@ -544,11 +544,7 @@ def _settled_before(
 
 
 def estimates_of(joint: JointSolution) -> FlightEstimates:
-    """Estimate a flight that has been solved.
-
-    Args:
-        joint: its solution
-    """
+    """Estimate a flight that has been solved."""
     solved = joint.solved
     return FlightEstimates(replace(solved, flight=as_solved(solved.flight, joint)), joint)
 
@@ -614,11 +610,7 @@ def stated_reading(joint: JointSolution) -> JobReadingSigma | None:
 
 
 def residual_reading(joint: JointSolution) -> JobReadingSigma:
-    """Estimate the reading sigma from the residuals of all frames.
-
-    Args:
-        joint: of a solved flight
-    """
+    """Estimate the reading sigma from the residuals of all frames."""
     estimates = estimates_of(joint)
     if joint.model.clicks is not None:
         return _with_clicks(joint, estimates)

@@ -66,12 +66,7 @@ class FlightScene:
         return np.flatnonzero(self._flight.picks.frame == k)
 
     def sight(self, number: int, name: str) -> tuple[Ints, Floats]:
-        """Trace the picks of a frame: landmarks, and Earth-centred unit vectors.
-
-        Args:
-            number: of the frame
-            name: of its image
-        """
+        """Trace the picks of a frame: landmarks, and Earth-centred unit vectors."""
         k = self.index(number, name)
         picks = self._picks(k)
         ray = ray_of_pixel(self._flight.lens, self._flight.picks.pixel[picks])
@@ -82,12 +77,7 @@ class FlightScene:
         return np.asarray(local_axes(self._solved.camera_m[k][None])[0])
 
     def image(self, number: int, name: str) -> ImageScene:
-        """Project the landmarks on the image of a frame.
-
-        Args:
-            number: of the frame
-            name: of its image
-        """
+        """Project the landmarks on the image of a frame."""
         flight, k = self._flight, self.index(number, name)
         lens, picks, rotation = flight.lens, self._picks(k), self._solved.attitudes.rotation[k]
         every = np.arange(len(flight.landmarks.name))
@@ -131,10 +121,6 @@ class FlightScene:
 
     def photograph(self, number: int, name: str) -> Image:
         """Read the photograph of a frame, upright.
-
-        Args:
-            number: of the frame
-            name: of its image
 
         Raises:
             VopdError: if there is none, or it cannot be read

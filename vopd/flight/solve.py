@@ -416,11 +416,7 @@ class FlightBlocks:
                 yield self.part(frames[chosen[frames]])
 
     def part(self, frames: Ints) -> FlightPart:
-        """Take some of the frames as a flight of their own.
-
-        Args:
-            frames: their indices, each once
-        """
+        """Take some of the frames as a flight of their own."""
         flight = self.flight
         rows = self.layout.rows(frames)
         if self._order is not None:
@@ -451,12 +447,7 @@ class FlightBlocks:
 
 
 def path_part(path: CameraPath, frames: Ints) -> CameraPath:
-    """Cut some frames out of the path: its arrays with two axes are by frame.
-
-    Args:
-        path: the path
-        frames: their indices
-    """
+    """Cut some frames out of the path: its arrays with two axes are by frame."""
     values: dict[str, Any] = {field.name: getattr(path, field.name) for field in fields(path)}
     by_frame = {name: v[frames] for name, v in values.items() if np.ndim(v) == 2}
     fixes = None if path.fixes is None else path.fixes.of_frames(frames)

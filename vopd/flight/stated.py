@@ -144,13 +144,6 @@ def flight_options(
 ) -> FlightOptions:
     """Read how a flight is solved, and what is uncertain of all that is common to its frames.
 
-    Args:
-        project: the project
-        read: its lens, with standard deviations if the file has them
-        refraction: the one that is taken
-        path: the camera's
-        landmarks: all of them
-
     Raises:
         VopdError: where a value is not as it should be, or the lens has no such coefficient
     """
@@ -211,12 +204,7 @@ def _check_coefficient(section: Section, key: str, name: str, kind: LensKind) ->
 
 
 def refuse_missing(project: str, missing: Sequence[MissingSigma]) -> None:
-    """Raise an error with the lines to paste, if any standard deviation is missing.
-
-    Args:
-        project: the project's name
-        missing: the keys without a value
-    """
+    """Raise an error with the lines to paste, if any standard deviation is missing."""
     if missing:
         raise NeededError(
             f"{project}: standard deviations are missing, and nothing counts as exact unless you "

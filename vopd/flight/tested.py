@@ -110,9 +110,6 @@ def tested_flight(result: FlightResult) -> TestedFlight:
 
     All tests of a run together name something where nothing is wrong in `SIGNIFICANCE` of runs.
 
-    Args:
-        result: the flight solved
-
     Raises:
         VopdError: where no test is possible
     """

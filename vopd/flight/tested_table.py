@@ -46,13 +46,7 @@ COLUMNS = (
 
 
 def label(tests: LeftOut, k: int, flight: Flight) -> str:
-    """Name what a test leaves out.
-
-    Args:
-        tests: all tests
-        k: index of the test
-        flight: the flight
-    """
+    """Name what a test leaves out."""
     kind, frame = int(tests.kind[k]), int(tests.frame[k])
     if kind == LANDMARK:
         return f"landmark {flight.landmarks.name[tests.landmark[k]]}"
@@ -80,11 +74,7 @@ def _fix_label(fix: int, flight: Flight) -> str:
 
 
 def rows(tested: TestedFlight) -> list[dict[str, object]]:
-    """List the tests, what is named first, then by their chances; None where there is no value.
-
-    Args:
-        tested: the flight
-    """
+    """List the tests, what is named first, then by their chances; None where there is no value."""
     tests, flight = tested.tests, tested.flight
     count = len(tested.named)
     rest = count + np.argsort(-tests.evidence[count:], kind="stable")
@@ -120,11 +110,7 @@ def _plain(value: object) -> object:
 
 
 def as_csv(tested: TestedFlight) -> str:
-    """Write the tests as CSV; an empty cell is none.
-
-    Args:
-        tested: the flight
-    """
+    """Write the tests as CSV; an empty cell is none."""
     page = io.StringIO()
     writer = csv.writer(page, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -214,12 +200,7 @@ def as_text(tested: TestedFlight, prediction: Prediction | None, free: Sequence[
 
 
 def named_text(one: Named, tested: TestedFlight) -> str:
-    """Say what does not fit, and how angles change without it.
-
-    Args:
-        one: something named
-        tested: the flight
-    """
+    """Say what does not fit, and how angles change without it."""
     flight, tests = tested.flight, one.tests
     if one.exchanged:
         first, second = (flight.landmarks.name[flight.picks.landmark[k]] for k in one.exchanged)

@@ -141,10 +141,6 @@ def local_axes(position_m: Floats) -> Floats:
 
 
 def axes_at(where: Geodetic) -> Floats:
-    """Resolve east, north, up at points: unit vectors as rows, (..., 3, 3), Earth-centred.
-
-    Args:
-        where: the points
-    """
+    """Resolve east, north, up at points: unit vectors as rows, (..., 3, 3), Earth-centred."""
     axes = east_north_up(np.radians(where.latitude_deg), np.radians(where.longitude_deg))
     return np.moveaxis(axes, (0, 1), (-2, -1))

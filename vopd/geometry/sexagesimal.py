@@ -16,9 +16,6 @@ SEXAGESIMAL = re.compile(
 def parse_number(text: str) -> float:
     """Read a plain decimal number.
 
-    Args:
-        text: the number, blanks around it allowed
-
     Returns:
         Its value.
 

@@ -232,22 +232,13 @@ LINES = {line.name: line for line in _TABLE}
 
 
 def line_without_numbers(line: Line) -> str:
-    """Write a line with its fields blank, with its line end and the blank lines before it.
-
-    Args:
-        line: the kind of line.
-    """
+    """Write a line with its fields blank, with its line end and the blank lines before it."""
     width = max((field.last for field in line.fields), default=0)
     return "\n" * line.blank_lines + line.text.ljust(width) + "\n"
 
 
 def fixed(value: float, field: Field) -> str:
-    """Write a number in an F or I field; asterisks if it does not fit.
-
-    Args:
-        value: the number.
-        field: gives the width and the decimals.
-    """
+    """Write a number in an F or I field; asterisks if it does not fit."""
     width = field.width
     if not math.isfinite(value):
         sign = "-" if value < 0 else ""
@@ -264,23 +255,12 @@ def fixed(value: float, field: Field) -> str:
 
 
 def exponential(value: float, field: Field) -> str:
-    """Write a number with an exponent, as FORMAT 102 prints it: one digit before the point.
-
-    Args:
-        value: the number.
-        field: gives the width and the decimals.
-    """
+    """Write a number with an exponent, as FORMAT 102 prints it: one digit before the point."""
     return f"{value:.{field.decimals}E}".rjust(field.width)
 
 
 def general(value: float, width: int, digits: int) -> str:
-    """Write a number in a field G `width`.`digits`, as FTLUP prints its tables.
-
-    Args:
-        value: the number.
-        width: how many columns the field has.
-        digits: how many significant digits it shows.
-    """
+    """Write a number in a field G `width`.`digits`, as FTLUP prints its tables."""
     if not math.isfinite(value):
         return f"{value:.0f}".replace("inf", "Infinity").rjust(width)
     mantissa, power = f"{abs(value):.{digits - 1}E}".split("E")

@@ -24,9 +24,6 @@ def listing_text(results: Results | Sequence[Results]) -> str:
     Column 1 is carriage control. The title is printed again at the end of each job;
     a corrected run has a second line under each title. Lines end in a newline. A run
     ends with `end_of_case()`, unless a table out of order stopped it.
-
-    Args:
-        results: one job, or all jobs of a run.
     """
     if isinstance(results, Results):
         return b"".join(pages(results)).decode("ascii")
@@ -41,11 +38,7 @@ def end_of_case() -> bytes:
 
 
 def pages(results: Results) -> Iterator[bytes]:
-    """Print one job, in pieces of about `CHUNK` pages, so that long runs need little memory.
-
-    Args:
-        results: the job.
-    """
+    """Print one job, in pieces of about `CHUNK` pages, so that long runs need little memory."""
     yield from frame_pages(results)
     yield end_of_job(results)
 
@@ -65,11 +58,7 @@ def frame_pages(results: Results, first: int = 0, last: int | None = None) -> It
 
 
 def pages_of_jobs(jobs: Sequence[Results]) -> list[Iterable[bytes]]:
-    """Print several jobs, each in pieces; short jobs together take less time than alone.
-
-    Args:
-        jobs: the jobs.
-    """
+    """Print several jobs, each in pieces; short jobs together take less time than alone."""
     made: dict[int, Iterable[bytes]] = {}
     kinds = ((_kind(one, k), len(one.frame)) for k, one in enumerate(jobs))
     for indices in alike_together(kinds, CHUNK):
@@ -89,20 +78,13 @@ def _kind(job: Results, index: int) -> Hashable:
 
 
 def end_of_job(results: Results) -> bytes:
-    """Print the lines after a job's pages: its title again, or the table that stopped the run.
-
-    Args:
-        results: the job.
-    """
+    """Print the lines after a job's pages: its title again, or the table that stopped the run."""
     last = head(results) + "\n" if results.stop is None else table_out_of_order(results.stop)
     return last.encode("ascii")
 
 
 def table_out_of_order(stop: Stop) -> str:
     """Print the table that is out of order, as FTLUP does before it stops the run.
-
-    Args:
-        stop: the table, and where it is out of order.
 
     Source: TM X-3050, Appendix D.
     """
@@ -155,11 +137,7 @@ _LAST_LINE = {
 
 
 def head(results: Results) -> str:
-    """Print the title card, the first line of a page; in a corrected run, a second line says so.
-
-    Args:
-        results: the job.
-    """
+    """Print the title card, the first line of a page; in a corrected run, a second line says so."""
     if not results.fixes:
         return results.job.title
     return f"{results.job.title}\n CORRECTED RUN, NOT THE ORIGINAL: {results.fixes}"
@@ -332,11 +310,7 @@ class PageTemplate:
 
 @lru_cache(maxsize=64)
 def page_template(names: tuple[str, ...]) -> PageTemplate:
-    """Lay out the lines of a page; a template that was made before is used again.
-
-    Args:
-        names: the kinds of the lines in order, keys of `LINES`.
-    """
+    """Lay out the lines of a page; a template that was made before is used again."""
     return PageTemplate(names)
 
 
@@ -397,11 +371,7 @@ Whole = NDArray[np.integer]
 
 
 def widths(digits: int) -> list[int]:
-    """Split a number of digits into groups, and list their widths from left to right.
-
-    Args:
-        digits: how many digits.
-    """
+    """Split a number of digits into groups, and list their widths from left to right."""
     first = digits % GROUP
     return ([first] if first else []) + [GROUP] * (digits // GROUP)
 

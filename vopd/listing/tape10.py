@@ -16,9 +16,6 @@ def tape10(results: Results) -> bytes:
     seven little-endian float64 between two 4-byte record marks. `scipy.io.FortranFile`
     and gfortran read it.
 
-    Args:
-        results: one job.
-
     Source: TM X-3050, A 312.
     """
     on_tape = results.solved

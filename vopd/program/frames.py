@@ -140,11 +140,7 @@ def _cards_of_group_9(jobs: Sequence[Job], number: Ints, which: Ints) -> tuple[L
 
 
 def check_landmarks(film: Frames) -> None:
-    """Raise `UndefinedLandmark` for the least landmark number without a card of group 9.
-
-    Args:
-        film: the frames of a job.
-    """
+    """Raise `UndefinedLandmark` for the least landmark number without a card of group 9."""
     missing = np.flatnonzero(film.card < 0)
     if len(missing):
         number = film.readings.points.landmark[film.slot[missing]]
@@ -153,11 +149,7 @@ def check_landmarks(film: Frames) -> None:
 
 
 def stopping_jobs(film: Frames) -> Bools:
-    """Mark jobs (J,) whose run ends early: a table is wrong, a landmark or all frames missing.
-
-    Args:
-        film: the frames of some jobs.
-    """
+    """Mark jobs (J,) whose run ends early: a table is wrong, a landmark or all frames missing."""
     tables = film.clock, film.position, film.velocity, film.altitude, film.wind, film.lens
     stops = np.any([one.refused() for one in tables], axis=0)
     stops[film.table[film.of[film.card < 0]]] = True

@@ -32,11 +32,7 @@ def geocentric(phi: Floats | float, four_phi: float, six_phi: float = SIX_PHI) -
 
 
 def six_phi(fixes: Fixes) -> float:
-    """Choose the factor of sin 6PHI in the series, degrees; its sign is wrong unless fixed.
-
-    Args:
-        fixes: the errata to correct.
-    """
+    """Choose the factor of sin 6PHI in the series, degrees; its sign is wrong unless fixed."""
     return -SIX_PHI if Fix.SIN_6PHI in fixes else SIX_PHI
 
 

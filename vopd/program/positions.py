@@ -30,9 +30,6 @@ class UndefinedLandmark(VopdError):
 def time_and_position(job: Job) -> tuple[Floats, Floats]:
     """Look up the time of every frame of a job (F,), and where the vehicle is then (F, 3), feet.
 
-    Args:
-        job: the job.
-
     Raises:
         TableOutOfOrder: if one of its tables is not in order.
         TableNotANumber: if one of them holds a NaN.
@@ -77,9 +74,6 @@ def origin_of(job: Job) -> Floats:
 
     That is geodetic latitude and longitude east, degrees, and the distance from the Earth's
     centre, thousands of feet.
-
-    Args:
-        job: the job.
     """
     path = job.trajectory
     place = path.origin_latitude_deg, path.origin_longitude_deg, path.origin_radius_kft

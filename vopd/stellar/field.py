@@ -350,9 +350,6 @@ class StarField(Rows):
     def unfit(self, least: int) -> Ints:
         """Find the problems that no method can solve.
 
-        Args:
-            least: how many stars the method needs
-
         Returns:
             `Failure.NOT_FINITE`, `Failure.TOO_FEW_STARS` or `Failure.NONE`, (...).
         """

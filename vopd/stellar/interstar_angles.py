@@ -44,9 +44,6 @@ def widest_pair(field: StarField) -> Ints:
 
     Of all pairs this one turns reading errors into the least error of attitude.
 
-    Args:
-        field: the stars and their images
-
     Returns:
         The numbers of the two stars, counted from 0, (..., 2); 0, 1 where there is no pair.
     """
@@ -166,11 +163,7 @@ STARS_TOGETHER = 3000
 
 
 def sampled_discrepancies_mm(field: StarField) -> Floats:
-    """Compare each star with partners spread over the list, (..., partners, n), mm.
-
-    Args:
-        field: one problem, or a stack of them
-    """
+    """Compare each star with partners spread over the list, (..., partners, n), mm."""
     count = field.used.shape[-1]
     steps = np.unique(np.linspace(1, count - 1, MOST_PARTNERS).round().astype(int))
     some = max(1, STARS_TOGETHER // max(field.used.size, 1))

@@ -439,11 +439,6 @@ class FileSky(NamedTuple):
 def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     """Find the directions of stars that are given by coordinates or by name.
 
-    Args:
-        file: the file, of a kind in EQUATORIAL
-        sky: date, place and catalogue
-        report: takes warnings of stars below the horizon
-
     Raises:
         InputError: a star is not in the catalogue, or a file cannot be read.
         VopdError: a package or a file that is needed is missing.

@@ -324,10 +324,6 @@ def place_landmarks(plan: Plan, seen: CameraView) -> Landmarks:
     Points in view of some frames are tried; the one that most frames need is
     taken, and so on until no frame lacks a landmark.
 
-    Args:
-        plan: the flight
-        seen: the camera in all frames
-
     Returns:
         The landmarks, those that most frames need first.
 
@@ -458,11 +454,6 @@ def choose_landmarks(
     The lowest number in view is read, then always the one farthest on the ground
     from those chosen: a landmark stays until one enters or leaves the frame.
 
-    Args:
-        plan: the flight
-        seen: the camera in F frames
-        marks: the landmarks that may be in view
-
     Returns:
         The landmarks that are read in any frame, numbered anew; the index of each frame's
         landmarks among them (F, L); and their images on the film reader, in (F, L, 2).
@@ -545,9 +536,6 @@ def make(plan: Plan) -> tuple[list[Job], Truth]:
     The second job ignores landmark 1 (return group 12), the third does not (9),
     the fourth starts from another estimate (8), the fifth from the film read
     anew (2), and so on in turn.
-
-    Args:
-        plan: the parameters of the flight
 
     Returns:
         The jobs, ready for `write_deck`; and the truth.

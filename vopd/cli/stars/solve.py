@@ -58,12 +58,6 @@ def render(
 ) -> bytes:
     """Render the content of the output.
 
-    Args:
-        form: of SOLUTION_FORMATS
-        photographs: what was solved
-        request: what was asked for
-        report: takes warnings
-
     Raises:
         VopdError: where a package that the format needs is not installed.
     """
@@ -211,12 +205,6 @@ def render_dated(
     form: str, photographs: Sequence[SolvedPhotograph], sky: SkyRequest, report: Report
 ) -> bytes:
     """Render an AEM or a CZML file, of each photograph the first solution.
-
-    Args:
-        form: "aem" or "czml"
-        photographs: what was solved
-        sky: place and mount
-        report: takes warnings
 
     Raises:
         VopdError: no photograph has a date, or with czml there is no place.

@@ -56,10 +56,6 @@ PLANE = np.array([0.48, -0.64, 0.6])
 def refuse_unsolvable(file: StarFile, stars: StarField) -> None:
     """Refuse a file that no method can solve.
 
-    Args:
-        file: the file, for the lines that an error names
-        stars: its problem
-
     Raises:
         InputError: fewer than two stars, a star or an image given twice (to .2
             seconds of arc), or an image that no lens could have made.
@@ -102,11 +98,6 @@ def _first_coincidence(vectors: Floats) -> tuple[int, int] | None:
 
 def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
     """Explain why one solution failed or is poor: errors and warnings.
-
-    Args:
-        solved: the solution
-        file: the file, for the lines that a finding names
-        stars: its problem
 
     Returns:
         An error where there is no solution, warnings where it is poor.
@@ -165,13 +156,7 @@ def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[Kin
 def explain_plausibility(
     judged: Plausibility, file: StarFile, *, rejected: bool
 ) -> list[KindOfFinding]:
-    """Warn of residuals that are too large and of stars that do not fit.
-
-    Args:
-        judged: what the test of the residuals found
-        file: the file, for the lines that a finding names
-        rejected: whether the stars that do not fit are left out of the solution
-    """
+    """Warn of residuals that are too large and of stars that do not fit."""
     found = []
     mistake = judged.mistake
     only_stars = judged.about_stars

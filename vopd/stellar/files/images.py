@@ -72,10 +72,6 @@ class ImageAxes:
 def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
     """Count a file's image coordinates from the principal point, with y up.
 
-    Args:
-        file: the file
-        axes: what the user says about the camera
-
     Returns:
         Images, (n, 2), and principal distance, in the unit of the file.
 

@@ -257,12 +257,7 @@ def _with_camera(
     axes: ImageAxes,
     fit: AttitudeFit,
 ) -> Corrections:
-    """Solve a part of the camera with the attitude, if there are residuals left to judge it by.
-
-    Args:
-        free: names of PARAMETERS
-        named: whether a principal point can be stated in the file's coordinates
-    """
+    """Solve a part of the camera with the attitude, if there are residuals left to judge it by."""
     unknowns = tuple(name for one in free for name in PARAMETERS[one])
     if 2 * int(stars.count) - 3 - len(unknowns) < 1:
         return
@@ -283,15 +278,7 @@ def _with_camera(
 def camera_advice(
     free: tuple[str, ...], lens: LensOfStars, file: StarFile, axes: ImageAxes, *, named: bool
 ) -> str:
-    """Advise what to do about a wrong camera.
-
-    Args:
-        free: names of PARAMETERS, what is wrong about it
-        lens: the camera that fits
-        file: the file, for the unit of its images
-        axes: how the file's image coordinates were read
-        named: whether a principal point can be stated in the file's coordinates
-    """
+    """Advise what to do about a wrong camera."""
     parts = [_part(one, lens, file, axes, named=named) for one in free]
     together = f"; --free {','.join(free)} solves them together" if len(free) > 1 else ""
     return ", and ".join(parts) + together
@@ -499,12 +486,6 @@ def suspicious_photographs(
 
     Nothing is iterated: a mistake of the camera is estimated from its derivatives, others from
     the singular-value solution. Where neither helps, `one_mistake` finds none.
-
-    Args:
-        files: their files
-        fields: their problems
-        axes: how the files' image coordinates were read
-        fitted: their solutions
     """
     found = np.array([bool(one.outliers) for one in fitted])
     variance = np.array([one.fit.variance_mm2 for one in fitted])

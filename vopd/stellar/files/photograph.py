@@ -374,10 +374,6 @@ class StarProblem(NamedTuple):
 def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
     """Make the problem of one photograph.
 
-    Args:
-        file: its stars
-        request: what to solve it for
-
     Raises:
         InputError: no method can solve it.
         MissingOption: the file needs an option that is not given.
@@ -428,11 +424,6 @@ def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
 def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
     """Solve one photograph.
 
-    Args:
-        file: its stars
-        request: what to solve it for
-        label: what tells it from others
-
     Raises:
         InputError: no method can solve it.
         MissingOption: the file needs an option that is not given.
@@ -476,11 +467,6 @@ def judged_photograph(
     problem: StarProblem, fitted: FittedStars | None = None, suspicious: bool = True
 ) -> JudgedPhotograph:
     """Test the residuals of a photograph, and leave out stars if that is asked for.
-
-    Args:
-        problem: its problem
-        fitted: its collinearity solution, if it is known
-        suspicious: whether a mistake may explain plausible residuals
 
     Raises:
         InputError: the camera cannot be solved.
@@ -547,11 +533,6 @@ def solved_photograph(
 
 def photograph_directions(file: StarFile, request: StarRequest, report: Report) -> FileSky:
     """Find the directions of the stars, or of the ground points.
-
-    Args:
-        file: the photograph
-        request: date, place and camera position
-        report: takes warnings
 
     Raises:
         MissingOption: an option needs another one.

@@ -29,11 +29,6 @@ FIRST_CENTRE = 0.5
 def read_plate_solutions(text: str, source: str, report: Report) -> list[StarFile]:
     """Read one solution, an array of them, or one a line.
 
-    Args:
-        text: the file's text
-        source: its name in messages
-        report: takes the errors of one solution of several
-
     Raises:
         InputError: the text is not JSON, or its one solution has no matched stars.
     """
@@ -143,10 +138,6 @@ CORR_FIRST_CENTRE = 1.0
 
 def read_corr_fits(data: bytes, source: str) -> StarFile:
     """Read the first table of a FITS file that has the columns of COLUMNS.
-
-    Args:
-        data: the file's bytes
-        source: its name in messages
 
     Returns:
         The stars. A column `mag` (or one whose name ends in `_mag`) is their magnitude.

@@ -106,10 +106,6 @@ class StarColumns:
 def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     """Find out what a header's columns are.
 
-    Args:
-        names: the names, in small letters
-        images_only: only image coordinates are asked for
-
     Raises:
         ColumnError: a column stands twice or is missing, or two are of different kinds.
     """
@@ -164,10 +160,6 @@ def _renamed(names: tuple[str, ...]) -> tuple[str, ...]:
 
 def read_cell(text: str, name: str) -> float:
     """Read the number in one cell.
-
-    Args:
-        text: the cell
-        name: its column
 
     Raises:
         ColumnError: it is not a number, or too large.
@@ -236,10 +228,6 @@ def read_rows(text: str, source: str) -> Iterator[tuple[int, list[str]]]:
     Lines of separators alone are blank too: spreadsheets write them below a table.
 
     The separator is the one of comma, semicolon and tab that is most frequent in the header.
-
-    Args:
-        text: the file's text
-        source: its name in messages
 
     Yields:
         The number of each line in the file, from 1, and its cells.
@@ -592,10 +580,6 @@ def read_text(name: str) -> tuple[str, str]:
 
 def decoded_text(data: bytes, source: str) -> str:
     """Decode the text of a file.
-
-    Args:
-        data: its bytes
-        source: its name in messages
 
     Raises:
         InputError: it is empty, or is not UTF-8 text.

@@ -32,11 +32,6 @@ def as_text(
 ) -> str:
     """Format solutions as text for people.
 
-    Args:
-        photographs: what was solved
-        robust: mark the stars whose weight is small
-        size_px: width and height of the image, if it is known
-
     Returns:
         Where the cameras point, and a table of the attitudes; of a single one its residuals and
         matrix too; of all pairs each star's disagreement with the others.
@@ -341,12 +336,7 @@ def _stars(stars: Sequence[int]) -> str:
 
 
 def as_listed(photographs: Sequence[SolvedPhotograph], request: StarRequest) -> str:
-    """Print photographs as program STARS does; four corrections unless a number is given.
-
-    Args:
-        photographs: what was solved
-        request: what was asked for
-    """
+    """Print photographs as program STARS does; four corrections unless a number is given."""
     options = request.options
     pages = []
     for one in photographs:

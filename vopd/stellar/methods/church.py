@@ -95,9 +95,6 @@ def element_weights(
 def flatness(field: StarField) -> Floats:
     """Measure how far the stars, or their images, are from lying on one great circle.
 
-    Args:
-        field: the stars and their images
-
     Returns:
         The smallest over the largest singular value of their directions, (...),
         0 to 1: about the radian measure of the shorter way across the group. 0

@@ -134,11 +134,7 @@ class SolvedStars:
         return float(np.linalg.norm(self.rotation_sigma_arcsec))
 
     def as_dict(self, unit: str = "mm") -> dict[str, Any]:
-        """Convert the solution to a dictionary with the names of JSON and CSV, without None.
-
-        Args:
-            unit: of the image coordinates, for the names
-        """
+        """Convert the solution to a dictionary with the names of JSON and CSV, without None."""
         values = {
             f"{name}_{unit}" if name in IN_IMAGE_UNITS else name: value
             for name, value in vars(self).items()
