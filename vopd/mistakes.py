@@ -9,32 +9,21 @@ Data = TypeVar("Data")
 
 
 class Mistake(NamedTuple, Generic[Data]):
-    """A mistake that users make: one row of a table of usual mistakes.
+    """A mistake that users make: one row of a table of usual mistakes."""
 
-    Attributes:
-        name: the mistake in a few words
-        change: correct the data: yields them without the mistake, each time with the values that
-            the advice names; nothing for data that cannot have it
-        advice: what seems to be wrong and what to do about it, as `str.format` takes it
-    """
-
-    name: str
+    name: str  # the mistake in a few words
+    # correct the data: yields them without the mistake, each time with the values that the advice
+    # names; nothing for data that cannot have it
     change: Callable[..., Iterable[tuple[Data, tuple[object, ...]]]]
-    advice: str
+    advice: str  # what seems to be wrong and what to do about it, as `str.format` takes it
 
 
 class Explanation(NamedTuple):
-    """A mistake that would explain the residuals.
+    """A mistake that would explain the residuals."""
 
-    Attributes:
-        residual: the residuals that remain without it; infinite if it explains nothing
-        advice: what seems to be wrong and what to do about it
-        points: indices of the landmarks or stars it is about; empty for all
-    """
-
-    residual: float
-    advice: str
-    points: tuple[int, ...] = ()
+    residual: float  # the residuals that remain without it; infinite if it explains nothing
+    advice: str  # what seems to be wrong and what to do about it
+    points: tuple[int, ...] = ()  # indices of the landmarks or stars it is about; empty for all
 
 
 def explanations(

@@ -127,47 +127,28 @@ SOLVED, MISFITS, UNCONVERGED, FAILED = "solved", "misfits", "not converged", "fa
 
 @dataclass(frozen=True)
 class SourceRecord:
-    """A row of the summary.
+    """A row of the summary."""
 
-    Attributes:
-        source: the name of its outputs
-        path: the file
-        status: solved, misfits (a flight), not converged (some frame), or failed
-        error: why it failed; empty where it did not
-        input_sha256: hash of the deck, or of the project and all files that it names
-        version: of this package
-        options: what the outputs depend on besides the input
-        jobs: jobs that were solved
-        frames: frames of those jobs
-        attitudes: frames that have an attitude
-        not_converged: frames that did not converge
-        flagged: frames that have any flag
-        warnings: number of warnings
-        mistaken: 1 where residuals or track of a flight speak for an error of its inputs
-        errata: jobs in which errata change an angle by more than its standard deviation
-        flags: frames that have each flag, of flags that any frame has
-        outputs: the files that were written, in the output folder, and their hashes
-        seconds: the time that it took; of sources that are solved together, in proportion
-            to their frames
-    """
-
-    source: str
-    path: str
-    status: str
-    error: str
-    input_sha256: str
-    version: str
-    options: str
-    jobs: int = 0
-    frames: int = 0
-    attitudes: int = 0
-    not_converged: int = 0
-    flagged: int = 0
-    warnings: int = 0
-    mistaken: int = 0
-    errata: int = 0
+    source: str  # the name of its outputs
+    path: str  # the file
+    status: str  # solved, misfits (a flight), not converged (some frame), or failed
+    error: str  # why it failed; empty where it did not
+    input_sha256: str  # hash of the deck, or of the project and all files that it names
+    version: str  # of this package
+    options: str  # what the outputs depend on besides the input
+    jobs: int = 0  # jobs that were solved
+    frames: int = 0  # frames of those jobs
+    attitudes: int = 0  # frames that have an attitude
+    not_converged: int = 0  # frames that did not converge
+    flagged: int = 0  # frames that have any flag
+    warnings: int = 0  # number of warnings
+    mistaken: int = 0  # 1 where residuals or track of a flight speak for an error of its inputs
+    errata: int = 0  # jobs in which errata change an angle by more than its standard deviation
+    # frames that have each flag, of flags that any frame has
     flags: dict[str, int] = field(default_factory=dict)
+    # the files that were written, in the output folder, and their hashes
     outputs: dict[str, str] = field(default_factory=dict)
+    # the time that it took; of sources that are solved together, in proportion to their frames
     seconds: float = 0.0
 
     def row(self) -> dict[str, Any]:

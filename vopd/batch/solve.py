@@ -79,31 +79,19 @@ def solve_chunk(
 
 @dataclass
 class SolvedSource:
-    """What has been made of a source.
+    """What has been made of a source."""
 
-    Attributes:
-        source: the source
-        input_sha256: hash of its input
-        jobs: solved jobs of a deck
-        flight: a solved flight
-        findings: all warnings
-        error: what ended it early
-        listing: of a deck
-        histories: of each job, or of the flight
-        tables: by format; the error of one that cannot be made
-        errata: jobs in which errata change an angle by more than its standard deviation
-    """
-
-    source: BatchSource
-    input_sha256: str
-    jobs: list[SolvedJob] = field(default_factory=list)
-    flight: FlightResult | None = None
-    findings: list[Finding] = field(default_factory=list)
-    error: VopdError | None = None
-    listing: bytes = b""
-    histories: list[History] = field(default_factory=list)
+    source: BatchSource  # the source
+    input_sha256: str  # hash of its input
+    jobs: list[SolvedJob] = field(default_factory=list)  # solved jobs of a deck
+    flight: FlightResult | None = None  # a solved flight
+    findings: list[Finding] = field(default_factory=list)  # all warnings
+    error: VopdError | None = None  # what ended it early
+    listing: bytes = b""  # of a deck
+    histories: list[History] = field(default_factory=list)  # of each job, or of the flight
+    # by format; the error of one that cannot be made
     tables: dict[str, bytes | VopdError] = field(default_factory=dict)
-    errata: int = 0
+    errata: int = 0  # jobs in which errata change an angle by more than its standard deviation
 
     @property
     def has_attitude(self) -> bool:

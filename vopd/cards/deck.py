@@ -25,19 +25,13 @@ LAST_PRINTABLE = 126
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CardBlock:
-    """Consecutive cards of one group.
+    """Consecutive cards of one group."""
 
-    Attributes:
-        text: the columns as bytes, shape (number of cards, at most 80); columns that are
-            missing are blank
-        first: number of the first card in the deck, from 1
-        where: a finding without a message that names the deck and the group
-        stopped_by: why there are fewer cards than were asked for; None where there are not
-    """
-
+    # the columns as bytes, shape (number of cards, at most 80); columns that are missing are blank
     text: Bytes
-    first: int
-    where: Finding
+    first: int  # number of the first card in the deck, from 1
+    where: Finding  # a finding without a message that names the deck and the group
+    # why there are fewer cards than were asked for; None where there are not
     stopped_by: Finding | None = None
 
     def __len__(self) -> int:

@@ -30,19 +30,12 @@ _EDIT_DESCRIPTOR = re.compile(r"(\d*)([IFAX])(\d*)(?:\.(\d+))?")
 
 
 class FormatItem(NamedTuple):
-    """One field of a FORMAT.
+    """One field of a FORMAT."""
 
-    Attributes:
-        kind: "I" for a whole number, "F" for a real number, "A" for text
-        first: first column, from 1
-        last: last column
-        decimals: how many decimals a number without a punched point has
-    """
-
-    kind: str
-    first: int
-    last: int
-    decimals: int = 0
+    kind: str  # "I" for a whole number, "F" for a real number, "A" for text
+    first: int  # first column, from 1
+    last: int  # last column
+    decimals: int = 0  # how many decimals a number without a punched point has
 
     @property
     def width(self) -> int:
@@ -89,23 +82,15 @@ class CardField(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CardGroup:
-    """One input group of the deck.
+    """One input group of the deck."""
 
-    Attributes:
-        number: 1 to 12, or `vopd.findings.BASIC_DATA`
-        title: what the group is about
-        format: statement number of its FORMAT
-        cards: how many cards it has, in words
-        fields: the fields of one card; the last one repeats as often as the FORMAT has it
-        is_list: whether the fields go on from card to card as one list of numbers
-    """
-
-    number: int
-    title: str
-    format: int
-    cards: str
+    number: int  # 1 to 12, or `vopd.findings.BASIC_DATA`
+    title: str  # what the group is about
+    format: int  # statement number of its FORMAT
+    cards: str  # how many cards it has, in words
+    # the fields of one card; the last one repeats as often as the FORMAT has it
     fields: tuple[CardField, ...]
-    is_list: bool = False
+    is_list: bool = False  # whether the fields go on from card to card as one list of numbers
 
     @property
     def label(self) -> str:

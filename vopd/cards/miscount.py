@@ -75,21 +75,13 @@ def looks_like_basic_data(text: Bytes) -> Bools:
 
 
 class _Deal(NamedTuple):
-    """The control cards dealt to the groups, one of which may differ from its count.
+    """The control cards dealt to the groups, one of which may differ from its count."""
 
-    Attributes:
-        odd: how many fields do not fit
-        group: the group with another number of cards than counted; 0 for none
-        number: how many cards it has
-        first: index of the first card of each group
-        counted: how many cards of each group are counted
-    """
-
-    odd: float
-    group: int
-    number: int
-    first: dict[int, int]
-    counted: dict[int, int]
+    odd: float  # how many fields do not fit
+    group: int  # the group with another number of cards than counted; 0 for none
+    number: int  # how many cards it has
+    first: dict[int, int]  # index of the first card of each group
+    counted: dict[int, int]  # how many cards of each group are counted
 
 
 class _Cards:

@@ -31,17 +31,11 @@ letter of an exponent and its first digit or sign are skipped."""
 
 
 class FieldValues(NamedTuple):
-    """The numbers of one field on many cards (cards,), or of all their fields (cards, fields).
+    """The numbers of one field on many cards (cards,), or of all their fields (cards, fields)."""
 
-    Attributes:
-        value: the numbers; NaN where a field is not a number
-        unreadable: whether a field is not a number
-        doubtful: whether it is a number that may not be the one that was meant
-    """
-
-    value: Floats
-    unreadable: Bools
-    doubtful: Bools
+    value: Floats  # the numbers; NaN where a field is not a number
+    unreadable: Bools  # whether a field is not a number
+    doubtful: Bools  # whether it is a number that may not be the one that was meant
 
     def questionable(self) -> list[list[int]]:
         """List the indices of fields that are unreadable or doubtful, in the order of the cards."""

@@ -18,17 +18,11 @@ FARTHEST = 100  # steps to the next number, where cards are missing or have none
 
 
 class Sequence(NamedTuple):
-    """The sequence numbers of a deck.
+    """The sequence numbers of a deck."""
 
-    Attributes:
-        letters: letters before each number, such as an abbreviation of the deck's name
-        step: difference of two numbers
-        example: the first two, as they are punched
-    """
-
-    letters: bytes
-    step: int
-    example: str
+    letters: bytes  # letters before each number, such as an abbreviation of the deck's name
+    step: int  # difference of two numbers
+    example: str  # the first two, as they are punched
 
 
 def sequence_of(text: Bytes) -> Sequence | None:

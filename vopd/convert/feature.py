@@ -195,26 +195,16 @@ FARTHEST = 0.5  # of the distance: a standard deviation along the line of sight 
 
 @dataclass(frozen=True, eq=False)
 class LocatedFeature:
-    """A landmark of a deck, located by all its frames together.
+    """A landmark of a deck, located by all its frames together."""
 
-    Attributes:
-        number: of the landmark
-        frames: how many tell of it
-        job: the deck's, with the landmark where it was found, rounded as its card is
-        adjustment: the solved deck; its parameters are latitude and longitude, degrees, and
-            altitude, feet
-        sigma_ft: standard deviations along the axes of its ellipsoid, the largest first, (3,)
-        rounded_ft: how far the card is from the solution
-        notes: how well its frames hold it, a sentence each
-    """
-
-    number: int
-    frames: int
-    job: Job
+    number: int  # of the landmark
+    frames: int  # how many tell of it
+    job: Job  # the deck's, with the landmark where it was found, rounded as its card is
+    # the solved deck; its parameters are latitude and longitude, degrees, and altitude, feet
     adjustment: Adjustment
-    sigma_ft: Floats
-    rounded_ft: float
-    notes: tuple[str, ...]
+    sigma_ft: Floats  # standard deviations along the axes of its ellipsoid, the largest first, (3,)
+    rounded_ft: float  # how far the card is from the solution
+    notes: tuple[str, ...]  # how well its frames hold it, a sentence each
 
 
 def locate_feature(

@@ -74,23 +74,15 @@ class Trial(NamedTuple):
 
 
 class FeatureTrials(NamedTuple):
-    """A search by trial coordinates.
+    """A search by trial coordinates."""
 
-    Attributes:
-        jobs: the stack; the first has the known landmarks alone, the last the feature as found
-        trials: what each of them shows
-        coordinates: of the feature as found, (3,)
-        last_step: between the trials of the last round, (3,)
-        frames: how many were compared
-        stands: whether the last round moved none of the coordinates
-    """
-
+    # the stack; the first has the known landmarks alone, the last the feature as found
     jobs: list[Job]
-    trials: list[Trial]
-    coordinates: Floats
-    last_step: Floats
-    frames: int
-    stands: bool
+    trials: list[Trial]  # what each of them shows
+    coordinates: Floats  # of the feature as found, (3,)
+    last_step: Floats  # between the trials of the last round, (3,)
+    frames: int  # how many were compared
+    stands: bool  # whether the last round moved none of the coordinates
 
 
 def search_feature(

@@ -408,26 +408,17 @@ MICROSECOND = timedelta(microseconds=1)
 
 
 class DatedAttitudes(NamedTuple):
-    """T attitudes.
+    """T attitudes."""
 
-    Attributes:
-        title: what they are of
-        moments: their times, with time zone
-        quaternion: of frame A to frame B, w x y z, (T, 4), as in `vopd.geometry.rotations`
-        frame_a: its name in an AEM, such as ICRF
-        frame_b: its name in an AEM, such as SC_BODY_1
-        stated: what a file states about them: short names and a sentence each
-        place: longitude and latitude in degrees, height in metres; None: unknown
-        earth_fixed: quaternion of Earth-fixed axes to the body, w x y z, (T, 4); None: unknown
-    """
-
-    title: str
-    moments: tuple[datetime, ...]
-    quaternion: Floats
-    frame_a: str
-    frame_b: str
-    stated: dict[str, str]
+    title: str  # what they are of
+    moments: tuple[datetime, ...]  # their times, with time zone
+    quaternion: Floats  # of frame A to frame B, w x y z, (T, 4), as in `vopd.geometry.rotations`
+    frame_a: str  # its name in an AEM, such as ICRF
+    frame_b: str  # its name in an AEM, such as SC_BODY_1
+    stated: dict[str, str]  # what a file states about them: short names and a sentence each
+    # longitude and latitude in degrees, height in metres; None: unknown
     place: tuple[float, float, float] | None = None
+    # quaternion of Earth-fixed axes to the body, w x y z, (T, 4); None: unknown
     earth_fixed: Floats | None = None
 
 

@@ -157,20 +157,15 @@ class LandmarkSet:
 
 @dataclass(frozen=True, eq=False)
 class TrackFixes:
-    """The errors of J fixes of a track, and the part that each of F frames has in them.
+    """The errors of J fixes of a track, and the part that each of F frames has in them."""
 
-    Args:
-        first: index of the first fix that a frame depends on, (F,)
-        weight: the frame's part in that fix and those after it, (F, W): 1 - a and a between
-            two fixes, 1 at a fix
-        sigma_m: prior standard deviations, east, north, up, (J, 3)
-        between: those that are no fix but the shape of the path between two, its curvature,
-            m/s^2, or the change of that, m/s^3, (J,); None: there is none
-    """
-
-    first: Ints
+    first: Ints  # index of the first fix that a frame depends on, (F,)
+    # the frame's part in that fix and those after it, (F, W): 1 - a and a between two fixes, 1 at a
+    # fix
     weight: Floats
-    sigma_m: Floats
+    sigma_m: Floats  # prior standard deviations, east, north, up, (J, 3)
+    # those that are no fix but the shape of the path between two, its curvature, m/s^2, or the
+    # change of that, m/s^3, (J,); None: there is none
     between: Bools | None = None
 
     @property
@@ -305,67 +300,47 @@ class NotHeld(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class HeldParameters:
-    """What `vopd adjust` solved for before: it is held, and its errors have one covariance.
+    """What `vopd adjust` solved for before: it is held, and its errors have one covariance."""
 
-    Args:
-        file: the covariance file, as the project names it
-        parameter: names of `vopd.flight.equations.COMPONENT`
-        landmark: indices of landmarks, (N,)
-        root: times its transpose it is the covariance of the parameters, then of east, north, up
-            of each of those landmarks, in their units, m and s, (K, C)
-        by_picks: how many of its columns, the first ones, are errors of the picks
-        sigma_px: standard deviation of a pick with which all was solved
-        reading_sigma_px: the reading sigma in force then
-        freedom: its degrees of freedom; infinite where it was stated
-        source: one of `vopd.attitude.reading_sigma.SOURCES`
-        unknowns: how many of the parameters had no standard deviation before
-    """
-
-    file: str
-    parameter: tuple[str, ...]
-    landmark: Ints
+    file: str  # the covariance file, as the project names it
+    parameter: tuple[str, ...]  # names of `vopd.flight.equations.COMPONENT`
+    landmark: Ints  # indices of landmarks, (N,)
+    # times its transpose it is the covariance of the parameters, then of east, north, up of each of
+    # those landmarks, in their units, m and s, (K, C)
     root: Floats
-    by_picks: int
-    sigma_px: float
-    reading_sigma_px: float
-    freedom: float
-    source: str
-    unknowns: int
+    by_picks: int  # how many of its columns, the first ones, are errors of the picks
+    sigma_px: float  # standard deviation of a pick with which all was solved
+    reading_sigma_px: float  # the reading sigma in force then
+    freedom: float  # its degrees of freedom; infinite where it was stated
+    source: str  # one of `vopd.attitude.reading_sigma.SOURCES`
+    unknowns: int  # how many of the parameters had no standard deviation before
 
 
 @dataclass(frozen=True)
 class FlightOptions:
-    """How a flight is solved, and what is uncertain besides picks, landmarks and positions.
+    """How a flight is solved, and what is uncertain besides picks, landmarks and positions."""
 
-    Args:
-        loss: `least-squares`, `huber` or `cauchy`
-        drop_blunders: false names them and keeps them
-        solve_position: false holds the positions, whatever their standard deviations
-        parameter_sigma: standard deviations of what is common to the flight:
-            `focal`, `centre_u`, `centre_v`, px; `k1`, `k2`, `p1`, `p2`; `clock`, `readout`,
-            s; `clock_rate`, s/s; `refraction`, of the coefficient k; 0: it is exact
-        exact: components of the uncertainty that the project calls exact, as
-            `vopd.attitude.sigmas.COMPONENTS` names them
-        not_stated: those of which the project and its files say nothing; `bias` among them if
-            nothing says how much of a track's error is common to its fixes
-        reading_sigma_px: of one pick, where the user gives it; 0 leaves it out
-        free: parameters that are solved for, by the names of `vopd.flight.free.FREE`
-        kept: those of them that the picks do not hold
-        held: what was solved for by `vopd adjust` before; None: nothing was
-        may_misfit: whether its residuals are held against a usual pick's; not those of a deck,
-            of which no command says that it misfits
-    """
-
-    loss: str = "least-squares"
-    drop_blunders: bool = False
-    solve_position: bool = True
+    loss: str = "least-squares"  # `least-squares`, `huber` or `cauchy`
+    drop_blunders: bool = False  # false names them and keeps them
+    solve_position: bool = True  # false holds the positions, whatever their standard deviations
+    # standard deviations of what is common to the flight: `focal`, `centre_u`, `centre_v`, px;
+    # `k1`, `k2`, `p1`, `p2`; `clock`, `readout`, s; `clock_rate`, s/s; `refraction`, of the
+    # coefficient k; 0: it is exact
     parameter_sigma: Mapping[str, float] = field(default_factory=dict)
+    # components of the uncertainty that the project calls exact, as
+    # `vopd.attitude.sigmas.COMPONENTS` names them
     exact: tuple[str, ...] = ()
+    # those of which the project and its files say nothing; `bias` among them if nothing says how
+    # much of a track's error is common to its fixes
     not_stated: tuple[str, ...] = ()
-    reading_sigma_px: float | None = None
+    reading_sigma_px: float | None = None  # of one pick, where the user gives it; 0 leaves it out
+    # parameters that are solved for, by the names of `vopd.flight.free.FREE`
     free: tuple[str, ...] = ()
-    kept: tuple[NotHeld, ...] = ()
+    kept: tuple[NotHeld, ...] = ()  # those of them that the picks do not hold
+    # what was solved for by `vopd adjust` before; None: nothing was
     held: HeldParameters | None = None
+    # whether its residuals are held against a usual pick's; not those of a deck, of which no
+    # command says that it misfits
     may_misfit: bool = True
 
 

@@ -43,42 +43,26 @@ SHOWN = 1e-6  # of the best direction: what is known less is not known
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LeftOut(Rows):
-    """The tests of a flight, T of them, each by leaving out one thing.
+    """The tests of a flight, T of them, each by leaving out one thing."""
 
-    Args:
-        kind: index in `KINDS`
-        frame: index of the frame, -1: it is not of one
-        landmark: index of the landmark, -1 likewise
-        fix: index of the fix, -1 likewise
-        pick: index of the pick, -1 likewise
-        freedom: degrees of freedom of the test
-        gain: decrease of the weighted sum of squares, in those of the reading sigma in force
-        chance: of a gain as large, or larger, by chance
-        chance_of_all: that one or more of all tests of the flight have so small a chance: Sidak's
-        off_px: of a pick from its prediction, u, v; NaN elsewhere, (T, 2)
-        error: of a landmark, a position and a fix east, north, up, m, of a time, s: what is to be
-            added to it; NaN elsewhere, and where that is not determined, (T, 3)
-        rms_px: of all other picks then, of landmarks; NaN elsewhere
-        moved_rad: the turn of the frame that moves most, about its camera's axes, (T, 3)
-        moved_frame: that frame; -1: none was looked for
-        mean_moved_rad: the mean of the turns of all frames, (T, 3)
-    """
-
-    kind: Ints
-    frame: Ints
-    landmark: Ints
-    fix: Ints
-    pick: Ints
-    freedom: Ints
-    gain: Floats
-    chance: Floats
+    kind: Ints  # index in `KINDS`
+    frame: Ints  # index of the frame, -1: it is not of one
+    landmark: Ints  # index of the landmark, -1 likewise
+    fix: Ints  # index of the fix, -1 likewise
+    pick: Ints  # index of the pick, -1 likewise
+    freedom: Ints  # degrees of freedom of the test
+    gain: Floats  # decrease of the weighted sum of squares, in those of the reading sigma in force
+    chance: Floats  # of a gain as large, or larger, by chance
+    # that one or more of all tests of the flight have so small a chance: Sidak's
     chance_of_all: Floats
-    off_px: Floats
+    off_px: Floats  # of a pick from its prediction, u, v; NaN elsewhere, (T, 2)
+    # of a landmark, a position and a fix east, north, up, m, of a time, s: what is to be added to
+    # it; NaN elsewhere, and where that is not determined, (T, 3)
     error: Floats
-    rms_px: Floats
-    moved_rad: Floats
-    moved_frame: Ints
-    mean_moved_rad: Floats
+    rms_px: Floats  # of all other picks then, of landmarks; NaN elsewhere
+    moved_rad: Floats  # the turn of the frame that moves most, about its camera's axes, (T, 3)
+    moved_frame: Ints  # that frame; -1: none was looked for
+    mean_moved_rad: Floats  # the mean of the turns of all frames, (T, 3)
 
     @property
     def normalised(self) -> Floats:

@@ -51,30 +51,20 @@ FEWEST = 3  # other picks in a frame of which a predicted one counts, if there a
 
 @dataclass(frozen=True)
 class Named:
-    """Something that does not fit.
+    """Something that does not fit."""
 
-    Args:
-        tests: its test first, then those of what would explain the residuals as well
-        exchanged: the picks whose labels are exchanged, if that is what is wrong
-    """
-
-    tests: LeftOut
+    tests: LeftOut  # its test first, then those of what would explain the residuals as well
+    # the picks whose labels are exchanged, if that is what is wrong
     exchanged: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class TestedFlight:
-    """A flight tested by leaving out.
+    """A flight tested by leaving out."""
 
-    Args:
-        estimates: of the flight without what is named
-        tests: all tests, those of what is named as they were when it was
-        named: what does not fit, the worst first
-    """
-
-    estimates: FlightEstimates
-    tests: LeftOut
-    named: tuple[Named, ...]
+    estimates: FlightEstimates  # of the flight without what is named
+    tests: LeftOut  # all tests, those of what is named as they were when it was
+    named: tuple[Named, ...]  # what does not fit, the worst first
 
     @property
     def flight(self) -> Flight:

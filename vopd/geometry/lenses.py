@@ -346,26 +346,18 @@ UNSEEN_MEANING = {
 
 @dataclass(frozen=True, eq=False)
 class Lens:
-    """The lens of a digital camera.
+    """The lens of a digital camera."""
 
-    Args:
-        kind: the family of the model
-        size_px: width and height of the image, pixels
-        focal_px: fx, fy, (2,)
-        centre_px: cx, cy, the principal point, (2,), (0, 0) the centre of the first pixel
-        k: coefficients in OpenCV's order, (12,) for BROWN: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2
-            s3 s4, zero where not used; (4,) for FISHEYE; none for RADIAL_TABLE
-        skew_px: pixels of u for a unit of yd, b2 of Metashape; 0 for most
-        table: for RADIAL_TABLE rows of measured radius and what is to be added to it,
-            pixels, (n, 2), the first radius 0; fx and fy must be equal
-    """
-
-    kind: LensKind
-    size_px: tuple[int, int]
-    focal_px: Floats
-    centre_px: Floats
+    kind: LensKind  # the family of the model
+    size_px: tuple[int, int]  # width and height of the image, pixels
+    focal_px: Floats  # fx, fy, (2,)
+    centre_px: Floats  # cx, cy, the principal point, (2,), (0, 0) the centre of the first pixel
+    # coefficients in OpenCV's order, (12,) for BROWN: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4, zero
+    # where not used; (4,) for FISHEYE; none for RADIAL_TABLE
     k: Floats
-    skew_px: float = 0.0
+    skew_px: float = 0.0  # pixels of u for a unit of yd, b2 of Metashape; 0 for most
+    # for RADIAL_TABLE rows of measured radius and what is to be added to it, pixels, (n, 2), the
+    # first radius 0; fx and fy must be equal
     table: Floats | None = None
 
     @property
@@ -409,14 +401,10 @@ class Lens:
 
 @dataclass(frozen=True, eq=False)
 class Lenses(Lens):
-    """The lenses of rows that are not all of one camera; as one lens it is the first of them.
+    """The lenses of rows that are not all of one camera; as one lens it is the first of them."""
 
-    Args:
-        each: the lenses
-        which: the index of each row's lens, (R,); rays and pixels have R rows or R rows of rows
-    """
-
-    each: tuple[Lens, ...] = ()
+    each: tuple[Lens, ...] = ()  # the lenses
+    # the index of each row's lens, (R,); rays and pixels have R rows or R rows of rows
     which: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @classmethod

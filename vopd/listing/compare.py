@@ -36,39 +36,27 @@ Kind = Literal["field", "line", "missing line", "extra line", "missing page", "e
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """One difference between the listing EXPECTED and the listing ACTUAL.
+    """One difference between the listing EXPECTED and the listing ACTUAL."""
 
-    Args:
-        kind: what differs: a field of a line, a whole line, or a line or page of one listing only
-        page: number of the page in EXPECTED, from 1; in ACTUAL where EXPECTED has no such page
-        frame: number of the frame as printed, blank where there is none
-        expected_line: number of the line in EXPECTED, from 1; None where it has none
-        actual_line: number of the line in ACTUAL, from 1; None where it has none
-        expected: the field, the line, or the lines of the page in EXPECTED
-        actual: the same in ACTUAL
-        landmark: number of the landmark as printed, blank where there is none
-        field: name of the field, as its heading prints it
-        off_by: how far two numbers are apart, in units of the last printed digit; None for text
-        apart: how far they are apart in the field's own unit; None for text, and for a number
-            that identifies a frame or landmark
-        unit: that unit, blank for a number without one
-        determined: False for a field whose digits depend on the last bits of sines, where both
-            numbers are among those that it may have
-    """
-
+    # what differs: a field of a line, a whole line, or a line or page of one listing only
     kind: Kind
-    page: int
-    frame: str
-    expected_line: int | None
-    actual_line: int | None
-    expected: str
-    actual: str
-    landmark: str = ""
-    field: str = ""
+    page: int  # number of the page in EXPECTED, from 1; in ACTUAL where EXPECTED has no such page
+    frame: str  # number of the frame as printed, blank where there is none
+    expected_line: int | None  # number of the line in EXPECTED, from 1; None where it has none
+    actual_line: int | None  # number of the line in ACTUAL, from 1; None where it has none
+    expected: str  # the field, the line, or the lines of the page in EXPECTED
+    actual: str  # the same in ACTUAL
+    landmark: str = ""  # number of the landmark as printed, blank where there is none
+    field: str = ""  # name of the field, as its heading prints it
+    # how far two numbers are apart, in units of the last printed digit; None for text
     off_by: Decimal | None = None
+    # False for a field whose digits depend on the last bits of sines, where both numbers are among
+    # those that it may have
     determined: bool = True
+    # how far they are apart in the field's own unit; None for text, and for a number that
+    # identifies a frame or landmark
     apart: Decimal | None = derived(default=None, compare=False)
-    unit: str = derived(default="", compare=False)
+    unit: str = derived(default="", compare=False)  # that unit, blank for a number without one
 
     def __str__(self) -> str:
         """Describe the difference: where it is, and what either listing has there."""
@@ -125,18 +113,13 @@ _IDENTIFIES = "identifies, does not measure"
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far one quantity may differ between two listings.
+    """How far one quantity may differ between two listings."""
 
-    Args:
-        unit: unit of the quantity, blank for a number without one
-        reason: why so much is allowed
-        digits: difference allowed at `--units 1`, in units of the last printed digit; 0 for none
-        period: value after which the quantity repeats, such as 360 degrees; None for none
-    """
-
-    unit: str
-    reason: str
+    unit: str  # unit of the quantity, blank for a number without one
+    reason: str  # why so much is allowed
+    # difference allowed at `--units 1`, in units of the last printed digit; 0 for none
     digits: Decimal = Decimal(1)
+    # value after which the quantity repeats, such as 360 degrees; None for none
     period: Decimal | None = None
 
 
@@ -350,20 +333,13 @@ _PagePair = tuple[ListingPage | None, ListingPage | None]
 
 @dataclass
 class Comparison:
-    """How much of two listings was compared, and their differences in order.
+    """How much of two listings was compared, and their differences in order."""
 
-    Args:
-        pages: pages of EXPECTED
-        fields_compared: fields that were compared
-        fields_illegible: fields of EXPECTED that are illegible
-        fields_undetermined: fields that differ in digits that are not determined
-        differences: all differences; empty where they are yielded one by one
-    """
-
-    pages: int = 0
-    fields_compared: int = 0
-    fields_illegible: int = 0
-    fields_undetermined: int = 0
+    pages: int = 0  # pages of EXPECTED
+    fields_compared: int = 0  # fields that were compared
+    fields_illegible: int = 0  # fields of EXPECTED that are illegible
+    fields_undetermined: int = 0  # fields that differ in digits that are not determined
+    # all differences; empty where they are yielded one by one
     differences: tuple[Difference, ...] = ()
 
 

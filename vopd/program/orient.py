@@ -62,21 +62,13 @@ class Sight(NamedTuple):
 
 
 class FilmSight(NamedTuple):
-    """The same for frames with any numbers of landmarks, of which all N take part.
+    """The same for frames with any numbers of landmarks, of which all N take part."""
 
-    Attributes:
-        nj: how many landmarks each frame has (F,)
-        direction: cosines of the landmarks (N, 3) along east, north, up
-        point: x and y (N, 2), mm from the frame's centre, corrected for lens distortion
-        xmu1: XMU of the first landmark of each landmark's frame (N,)
-        cc: the focal length for every frame (F,), mm
-    """
-
-    nj: Ints
-    direction: Floats
-    point: Floats
-    xmu1: Floats
-    cc: Floats
+    nj: Ints  # how many landmarks each frame has (F,)
+    direction: Floats  # cosines of the landmarks (N, 3) along east, north, up
+    point: Floats  # x and y (N, 2), mm from the frame's centre, corrected for lens distortion
+    xmu1: Floats  # XMU of the first landmark of each landmark's frame (N,)
+    cc: Floats  # the focal length for every frame (F,), mm
 
     def of(self, frames: Ints) -> Sight:
         """Arrange some frames by landmark and frame.

@@ -176,21 +176,13 @@ def truopk(angles_deg: Floats, m12: Floats, m13: Floats, m22: Floats, m23: Float
 
 @dataclass(frozen=True)
 class TustarAnswers:
-    """The results of TUSTAR for a stack of pairs (...).
+    """The results of TUSTAR for a stack of pairs (...)."""
 
-    Attributes:
-        matrix: the orientation matrix, (..., 3, 3)
-        omega_phi_kappa_deg: its angles, phi wrong, (..., 3), degrees
-        alpha_delta_swing_deg: its angles, delta wrong, (..., 3), degrees
-        interstar_rad: angle between the two stars, (...), radians
-        discrepancy_arcsec: that minus the angle between the images, (...), seconds of arc
-    """
-
-    matrix: Floats
-    omega_phi_kappa_deg: Floats
-    alpha_delta_swing_deg: Floats
-    interstar_rad: Floats
-    discrepancy_arcsec: Floats
+    matrix: Floats  # the orientation matrix, (..., 3, 3)
+    omega_phi_kappa_deg: Floats  # its angles, phi wrong, (..., 3), degrees
+    alpha_delta_swing_deg: Floats  # its angles, delta wrong, (..., 3), degrees
+    interstar_rad: Floats  # angle between the two stars, (...), radians
+    discrepancy_arcsec: Floats  # that minus the angle between the images, (...), seconds of arc
 
 
 def tustar(pair: StarField) -> TustarAnswers:

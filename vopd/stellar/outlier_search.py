@@ -51,18 +51,13 @@ class Outlier(NamedTuple):
 
 
 class AttitudeFit(NamedTuple):
-    """The collinearity solution of one field, as far as the tests for outliers need it.
+    """The collinearity solution of one field, as far as the tests for outliers need it."""
 
-    Attributes:
-        variance_mm2: sum of squares of the residuals over their degrees of freedom;
-            infinite where there is no solution
-        freedom: degrees of freedom
-        matrix: the attitude, (3, 3)
-    """
-
+    # sum of squares of the residuals over their degrees of freedom; infinite where there is no
+    # solution
     variance_mm2: float
-    freedom: int
-    matrix: Floats
+    freedom: int  # degrees of freedom
+    matrix: Floats  # the attitude, (3, 3)
 
     @property
     def square_mm2(self) -> float:
@@ -216,19 +211,12 @@ def _chances(field: StarField, good: Bools, fits: Sequence[AttitudeFit]) -> tupl
 
 
 class FittedStars(NamedTuple):
-    """One problem with its collinearity solution.
+    """One problem with its collinearity solution."""
 
-    Attributes:
-        fit: the statistics of its residuals
-        solution: the solution, a stack of one
-        interstar_mm: reading sigma by the interstar angles, mm; NaN if unknown
-        outliers: the stars that do not fit the others
-    """
-
-    fit: AttitudeFit
-    solution: StarSolution
-    interstar_mm: float
-    outliers: list[Outlier]
+    fit: AttitudeFit  # the statistics of its residuals
+    solution: StarSolution  # the solution, a stack of one
+    interstar_mm: float  # reading sigma by the interstar angles, mm; NaN if unknown
+    outliers: list[Outlier]  # the stars that do not fit the others
 
 
 def fit_together(

@@ -25,23 +25,14 @@ F15_6 = re.compile(r"[+-]?(\d+\.?\d*|\.\d+|\.)?([EDed][+-]?\d+|[+-]\d+)?")
 
 @dataclass(frozen=True)
 class FictitiousStars:
-    """Stars that a camera of known attitude would image at given coordinates.
+    """Stars that a camera of known attitude would image at given coordinates."""
 
-    Attributes:
-        matrix: the attitude, (..., 3, 3)
-        image_mm: x, y of the images, (..., n, 2), mm
-        photo: unit vectors P, Q, R in camera axes, (..., n, 3)
-        directions: unit vectors U, V, W in celestial axes, (..., n, 3)
-        ra_deg: right ascension, (..., n), degrees, -180 to 180
-        dec_deg: declination, (..., n), degrees
-    """
-
-    matrix: Floats
-    image_mm: Floats
-    photo: Floats
-    directions: Floats
-    ra_deg: Floats
-    dec_deg: Floats
+    matrix: Floats  # the attitude, (..., 3, 3)
+    image_mm: Floats  # x, y of the images, (..., n, 2), mm
+    photo: Floats  # unit vectors P, Q, R in camera axes, (..., n, 3)
+    directions: Floats  # unit vectors U, V, W in celestial axes, (..., n, 3)
+    ra_deg: Floats  # right ascension, (..., n), degrees, -180 to 180
+    dec_deg: Floats  # declination, (..., n), degrees
 
 
 def radec2(

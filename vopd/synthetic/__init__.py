@@ -40,32 +40,22 @@ class Plan:
     Each part of the flight has its own random numbers, so that other noise leaves
     the attitude and the landmarks as they are.
 
-    Attributes:
-        frames: number of frames; beyond 9,999 the film is read again
-        landmarks: landmarks in each frame
-        seed: which flight
-        noise_in: standard deviation of one reading on the film reader, in
-        jobs: number of jobs that are stacked
-        trajectory_rows: rows of the trajectory table
-        swing_deg: the most that yaw differs from its mean, degrees; pitch and roll differ less
-        focal_length_mm: focal length, mm
-        frame_in: size of a frame of the film on the film reader, x and y, in
-        earth: on which the film was taken, one of `EARTHS`
-
     Raises:
         PlanError: for a value outside its `LIMITS`.
     """
 
-    frames: int = 24
-    landmarks: int = 4
-    seed: int = 0
-    noise_in: float = 0.003
-    jobs: int = 1
-    trajectory_rows: int = 50
+    frames: int = 24  # number of frames; beyond 9,999 the film is read again
+    landmarks: int = 4  # landmarks in each frame
+    seed: int = 0  # which flight
+    noise_in: float = 0.003  # standard deviation of one reading on the film reader, in
+    jobs: int = 1  # number of jobs that are stacked
+    trajectory_rows: int = 50  # rows of the trajectory table
+    # the most that yaw differs from its mean, degrees; pitch and roll differ less
     swing_deg: float = 20.0
-    focal_length_mm: float = 10.4
+    focal_length_mm: float = 10.4  # focal length, mm
+    # size of a frame of the film on the film reader, x and y, in
     frame_in: tuple[float, float] = (14.47, 10.457)
-    earth: str = SPHERE_1974
+    earth: str = SPHERE_1974  # on which the film was taken, one of `EARTHS`
 
     def __post_init__(self) -> None:
         for name, (low, high) in LIMITS.items():

@@ -35,24 +35,15 @@ DAY_ZERO = datetime(2000, 1, 1, tzinfo=UTC)
 
 
 class Gps(NamedTuple):
-    """A kind of GPS stream: columns of its samples, by number.
+    """A kind of GPS stream: columns of its samples, by number."""
 
-    Args:
-        key: of the samples
-        name: for a sentence
-        place: latitude, longitude, height
-        fix: state of the receiver; None: in the stream's key GPSF
-        dilution: of precision; None: in the stream's key GPSP, or there are sigmas
-        sigma: standard deviations, horizontal and vertical
-        clock: columns and seconds of a unit whose sum is a clock of the samples' own
-    """
-
-    key: bytes
-    name: str
-    place: tuple[int, int, int]
-    fix: int | None = None
-    dilution: int | None = None
-    sigma: tuple[int, int] | None = None
+    key: bytes  # of the samples
+    name: str  # for a sentence
+    place: tuple[int, int, int]  # latitude, longitude, height
+    fix: int | None = None  # state of the receiver; None: in the stream's key GPSF
+    dilution: int | None = None  # of precision; None: in the stream's key GPSP, or there are sigmas
+    sigma: tuple[int, int] | None = None  # standard deviations, horizontal and vertical
+    # columns and seconds of a unit whose sum is a clock of the samples' own
     clock: tuple[tuple[int, float], ...] = ()
 
 

@@ -24,25 +24,18 @@ class MissingOption(VopdError):
 
 @dataclass(frozen=True)
 class ImageAxes:
-    """The camera of a star file, as the user states it.
+    """The camera of a star file, as the user states it."""
 
-    Attributes:
-        focal_mm: principal distance, mm
-        focal_px: principal distance, pixels
-        pitch_um: distance of neighbouring pixels, micrometres
-        centre_px: the principal point in the file's pixel coordinates
-        size_px: width and height of the image
-        y_down: whether the file's y axis points down; None leaves it to the file's format
-        k1: radial distortion of the lens: images lie (1 + k1 r**2) times as far out, r the
-            tangent of the angle from the optical axis
-    """
-
-    focal_mm: float | None = None
-    focal_px: float | None = None
-    pitch_um: float | None = None
+    focal_mm: float | None = None  # principal distance, mm
+    focal_px: float | None = None  # principal distance, pixels
+    pitch_um: float | None = None  # distance of neighbouring pixels, micrometres
+    # the principal point in the file's pixel coordinates
     centre_px: tuple[float, ...] | None = None
-    size_px: tuple[float, ...] | None = None
+    size_px: tuple[float, ...] | None = None  # width and height of the image
+    # whether the file's y axis points down; None leaves it to the file's format
     y_down: bool | None = None
+    # radial distortion of the lens: images lie (1 + k1 r**2) times as far out, r the tangent of the
+    # angle from the optical axis
     k1: float = 0.0
 
     def flipped(self, file: StarFile) -> bool:

@@ -55,20 +55,14 @@ IMPLAUSIBLE_CHANCE = 1e-4
 
 
 class Plausibility(NamedTuple):
-    """Whether the residuals of a photograph are plausible, and which mistake explains them if not.
+    """Plausibility of a photograph's residuals, and the mistake that explains them if not."""
 
-    Attributes:
-        sigma: standard deviation of the residuals, image units; infinite without a solution
-        expected: what they should be, as a clause; empty if they are plausible
-        mistake: the mistake that mends them best, if one does
-        outliers: stars that do not fit the others, if no other mistake explains them
-        unexplained: what to do where the residuals are implausible and no mistake mends them
-    """
-
-    sigma: float
-    expected: str = ""
-    mistake: Explanation | None = None
+    sigma: float  # standard deviation of the residuals, image units; infinite without a solution
+    expected: str = ""  # what they should be, as a clause; empty if they are plausible
+    mistake: Explanation | None = None  # the mistake that mends them best, if one does
+    # stars that do not fit the others, if no other mistake explains them
     outliers: tuple[Outlier, ...] = ()
+    # what to do where the residuals are implausible and no mistake mends them
     unexplained: str = ""
 
     @property
@@ -196,17 +190,11 @@ def implausible_residuals(
 
 
 class Corrected(NamedTuple):
-    """A photograph with a mistake corrected.
+    """A photograph with a mistake corrected."""
 
-    Attributes:
-        stars: the problem
-        fit: its attitude, where it is solved already
-        wrong: the stars that are left out, counted from 0
-    """
-
-    stars: StarField
-    fit: AttitudeFit | None = None
-    wrong: tuple[int, ...] = ()
+    stars: StarField  # the problem
+    fit: AttitudeFit | None = None  # its attitude, where it is solved already
+    wrong: tuple[int, ...] = ()  # the stars that are left out, counted from 0
 
 
 Corrections = Iterator[tuple[Corrected, tuple[object, ...]]]

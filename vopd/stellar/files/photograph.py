@@ -64,41 +64,26 @@ from vopd.stellar.sky import EQUATORIAL, FileSky, SkyRequest, sky_directions, sk
 
 @dataclass(frozen=True)
 class StarRequest:
-    """The options of `vopd stars solve`.
+    """The options of `vopd stars solve`."""
 
-    Attributes:
-        axes: how image coordinates are read, and the principal distance
-        method: one of METHODS, or "all"
-        pair: solve these two stars only, counted from 1
-        all_pairs: solve every pair
-        reject: leave out stars that do not fit the others
-        edit_by_pairs: find those stars by the attitudes of all pairs
-        magnitude_limit: the magnitude at which the noise of a star's light is as large as all
-            other reading errors; None: they do not depend on it
-        by_elongation: whether they grow with the length of an image over its width
-        listing: write the printout of program STARS instead of the solutions
-        camera_m: the camera's position, metres, for ground points
-        resection: solve the camera's position too
-        sky: date and place of the photograph, and files about stars
-        free: what of the camera is solved with the attitude: focal, centre, k1
-        options: how to solve
-        shared: the solution of one photograph with the camera of all, if there are several
-    """
-
-    axes: ImageAxes
-    method: str = "collinearity"
-    pair: tuple[int, int] | None = None
-    all_pairs: bool = False
-    reject: bool = False
-    edit_by_pairs: bool = False
+    axes: ImageAxes  # how image coordinates are read, and the principal distance
+    method: str = "collinearity"  # one of METHODS, or "all"
+    pair: tuple[int, int] | None = None  # solve these two stars only, counted from 1
+    all_pairs: bool = False  # solve every pair
+    reject: bool = False  # leave out stars that do not fit the others
+    edit_by_pairs: bool = False  # find those stars by the attitudes of all pairs
+    # the magnitude at which the noise of a star's light is as large as all other reading errors;
+    # None: they do not depend on it
     magnitude_limit: float | None = None
-    by_elongation: bool = False
-    listing: bool = False
-    camera_m: tuple[float, ...] | None = None
-    resection: bool = False
+    by_elongation: bool = False  # whether they grow with the length of an image over its width
+    listing: bool = False  # write the printout of program STARS instead of the solutions
+    camera_m: tuple[float, ...] | None = None  # the camera's position, metres, for ground points
+    resection: bool = False  # solve the camera's position too
+    # date and place of the photograph, and files about stars
     sky: SkyRequest = field(default_factory=SkyRequest)
-    free: tuple[str, ...] = ()
-    options: StarOptions = field(default_factory=StarOptions)
+    free: tuple[str, ...] = ()  # what of the camera is solved with the attitude: focal, centre, k1
+    options: StarOptions = field(default_factory=StarOptions)  # how to solve
+    # the solution of one photograph with the camera of all, if there are several
     shared: Calibration | None = None
 
     @property
@@ -109,30 +94,18 @@ class StarRequest:
 
 @dataclass(frozen=True, eq=False)
 class SolvedPhotograph:
-    """One photograph with its solutions.
+    """One photograph with its solutions."""
 
-    Attributes:
-        label: what tells it from others; empty where it is the only one
-        file: its stars as they were read
-        stars: its problem
-        used: the stars that are not rejected, counted from 0
-        solved: the solutions to show
-        findings: errors and warnings
-        status: exit status 0, 1 or 3
-        epoch: what right ascensions and declinations refer to; empty for ground points
-        utc: when it was taken, if that is known
-        local: from ICRF axes to east, north, up at the place, (3, 3), if these are known
-    """
-
-    label: str
-    file: StarFile
-    stars: StarField
-    used: Ints
-    solved: tuple[SolvedStars, ...]
-    findings: tuple[KindOfFinding, ...]
-    status: int
-    epoch: str = ""
-    utc: datetime | None = None
+    label: str  # what tells it from others; empty where it is the only one
+    file: StarFile  # its stars as they were read
+    stars: StarField  # its problem
+    used: Ints  # the stars that are not rejected, counted from 0
+    solved: tuple[SolvedStars, ...]  # the solutions to show
+    findings: tuple[KindOfFinding, ...]  # errors and warnings
+    status: int  # exit status 0, 1 or 3
+    epoch: str = ""  # what right ascensions and declinations refer to; empty for ground points
+    utc: datetime | None = None  # when it was taken, if that is known
+    # from ICRF axes to east, north, up at the place, (3, 3), if these are known
     local: Floats | None = None
 
 
@@ -332,25 +305,15 @@ MOST_STARS_IN_PAIRS = 200
 
 
 class StarProblem(NamedTuple):
-    """One photograph as a problem.
+    """One photograph as a problem."""
 
-    Attributes:
-        file: its stars as they were read
-        request: what to solve it for, with its own date
-        options: how to solve it, with its own reading sigma
-        stars: the problem
-        sky: directions, frame and date; None for a resection
-        resected: the solution of a resection
-        findings: warnings
-    """
-
-    file: StarFile
-    request: StarRequest
-    options: StarOptions
-    stars: StarField
-    sky: FileSky | None
-    resected: tuple[SolvedStars, ...]
-    findings: tuple[KindOfFinding, ...]
+    file: StarFile  # its stars as they were read
+    request: StarRequest  # what to solve it for, with its own date
+    options: StarOptions  # how to solve it, with its own reading sigma
+    stars: StarField  # the problem
+    sky: FileSky | None  # directions, frame and date; None for a resection
+    resected: tuple[SolvedStars, ...]  # the solution of a resection
+    findings: tuple[KindOfFinding, ...]  # warnings
 
     @property
     def judged_as_read(self) -> bool:
@@ -435,19 +398,12 @@ def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> S
 
 
 class JudgedPhotograph(NamedTuple):
-    """One photograph, its residuals tested.
+    """One photograph, its residuals tested."""
 
-    Attributes:
-        problem: its problem
-        fitted: its collinearity solution, if it is known
-        judged: what the test found
-        used: the stars that are not rejected, counted from 0
-    """
-
-    problem: StarProblem
-    fitted: FittedStars | None
-    judged: Plausibility
-    used: Ints
+    problem: StarProblem  # its problem
+    fitted: FittedStars | None  # its collinearity solution, if it is known
+    judged: Plausibility  # what the test found
+    used: Ints  # the stars that are not rejected, counted from 0
 
     @property
     def by_all_stars(self) -> bool:

@@ -79,22 +79,15 @@ class ColumnError(ValueError):
 
 @dataclass(frozen=True)
 class StarColumns:
-    """What the header of a star file says.
+    """What the header of a star file says."""
 
-    Attributes:
-        names: all columns, in their order, as they are called here
-        unit: of the image coordinates, "mm" or "px"
-        kind: a key of KINDS, or "" for a file of images alone
-        sigmas: the columns of standard deviations: none, one, or x, y and possibly rho_xy
-        ignored: columns that mean nothing here
-        read_as: which columns have other names in the file, as a sentence; empty if none has
-    """
-
-    names: tuple[str, ...]
-    unit: str
-    kind: str
+    names: tuple[str, ...]  # all columns, in their order, as they are called here
+    unit: str  # of the image coordinates, "mm" or "px"
+    kind: str  # a key of KINDS, or "" for a file of images alone
+    # the columns of standard deviations: none, one, or x, y and possibly rho_xy
     sigmas: tuple[str, ...]
-    ignored: tuple[str, ...]
+    ignored: tuple[str, ...]  # columns that mean nothing here
+    # which columns have other names in the file, as a sentence; empty if none has
     read_as: str = ""
 
     @property
@@ -260,59 +253,40 @@ NOT_QUITE_UNIT = 1e-6
 
 @dataclass(frozen=True)
 class PixelFormat:
-    """What a file format says about its pixels.
+    """What a file format says about its pixels."""
 
-    Attributes:
-        first_centre: coordinate of the centre of the first pixel: 0, 1 in FITS, .5 in others
-        y_down: whether the format counts y downward, so that nobody need say so
-        field_of_view_deg: horizontal field of view that the file states; None: none
-        distortion: that of tetra3 at half the width, as a fraction, 0 for none
-    """
-
+    # coordinate of the centre of the first pixel: 0, 1 in FITS, .5 in others
     first_centre: float = 0.0
-    y_down: bool = False
+    y_down: bool = False  # whether the format counts y downward, so that nobody need say so
+    # horizontal field of view that the file states; None: none
     field_of_view_deg: float | None = None
-    distortion: float = 0.0
+    distortion: float = 0.0  # that of tetra3 at half the width, as a fraction, 0 for none
 
 
 @dataclass(frozen=True)
 class StarFile:
-    """One photograph's n stars or ground points.
+    """One photograph's n stars or ground points."""
 
-    Attributes:
-        source: the file's name in messages
-        lines: the stars' lines in the file, counted from 1
-        names: their names; empty texts where there are none
-        image: x, y of their images as the file has them, (n, 2)
-        unit: of the images, "mm" or "px"
-        kind: a key of KINDS; "name" where stars are given by name alone, and
-            "" for a file of images alone
-        positions: right ascension and declination, (n, 2), degrees; direction
-            cosines, (n, 3); or coordinates, (n, 3), metres
-        photograph: its name, where the file has several; otherwise empty
-        sigmas: standard deviations of x and y and their correlation, (n, 3); None: not stated
-        magnitude: of the stars, (n,), NaN where unknown; None: no column
-        elongation: length over width of the images, (n,), NaN where unknown; None: no column
-        utc: when the photograph was taken; None: not stated
-        pixels: what the format says about pixels
-        line_word: what a line is called in messages
-        read_as: which columns have other names in the file, as a sentence; empty if none has
-    """
-
-    source: str
-    lines: tuple[int, ...]
-    names: tuple[str, ...]
-    image: Floats
-    unit: str
+    source: str  # the file's name in messages
+    lines: tuple[int, ...]  # the stars' lines in the file, counted from 1
+    names: tuple[str, ...]  # their names; empty texts where there are none
+    image: Floats  # x, y of their images as the file has them, (n, 2)
+    unit: str  # of the images, "mm" or "px"
+    # a key of KINDS; "name" where stars are given by name alone, and "" for a file of images alone
     kind: str
+    # right ascension and declination, (n, 2), degrees; direction cosines, (n, 3); or coordinates,
+    # (n, 3), metres
     positions: Floats
-    photograph: str = ""
+    photograph: str = ""  # its name, where the file has several; otherwise empty
+    # standard deviations of x and y and their correlation, (n, 3); None: not stated
     sigmas: Floats | None = None
-    magnitude: Floats | None = None
+    magnitude: Floats | None = None  # of the stars, (n,), NaN where unknown; None: no column
+    # length over width of the images, (n,), NaN where unknown; None: no column
     elongation: Floats | None = None
-    utc: datetime | None = None
-    pixels: PixelFormat = PixelFormat()
-    line_word: str = "line"
+    utc: datetime | None = None  # when the photograph was taken; None: not stated
+    pixels: PixelFormat = PixelFormat()  # what the format says about pixels
+    line_word: str = "line"  # what a line is called in messages
+    # which columns have other names in the file, as a sentence; empty if none has
     read_as: str = ""
 
     def error(self, message: str, *stars: int) -> InputError:

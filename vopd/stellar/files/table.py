@@ -228,25 +228,15 @@ def as_csv(photographs: Sequence[SolvedPhotograph]) -> str:
 
 
 class ReadSolution(NamedTuple):
-    """One solution, as far as a picture of it needs it.
+    """One solution, as far as a picture of it needs it."""
 
-    Attributes:
-        image: the photograph's name; empty where there is only one
-        method: how it was solved
-        labels: the stars' names, or numbers
-        images: x right and y up from the principal point, (n, 2)
-        residuals: observed minus computed, (n, 2)
-        unit: of the images
-        pointing: alpha, delta, swing, degrees
-    """
-
-    image: str
-    method: str
-    labels: tuple[str, ...]
-    images: Floats
-    residuals: Floats
-    unit: str
-    pointing: tuple[float, float, float]
+    image: str  # the photograph's name; empty where there is only one
+    method: str  # how it was solved
+    labels: tuple[str, ...]  # the stars' names, or numbers
+    images: Floats  # x right and y up from the principal point, (n, 2)
+    residuals: Floats  # observed minus computed, (n, 2)
+    unit: str  # of the images
+    pointing: tuple[float, float, float]  # alpha, delta, swing, degrees
 
 
 def read_solutions(name: str) -> list[ReadSolution]:

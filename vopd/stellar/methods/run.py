@@ -340,28 +340,19 @@ LISTED_PAIR = np.array([[0, 1]])
 
 @dataclass(frozen=True)
 class StarOptions:
-    """Options of the solution.
+    """Options of the solution."""
 
-    Attributes:
-        initial_deg: omega, phi, kappa where collinearity starts; None: see `start`
-        start: where collinearity starts without `initial_deg`
-        weights: of collinearity's residuals
-        corrections: exactly this many; None: to convergence
-        reading_sigma_mm: standard deviation of an image coordinate, mm; None: estimated
-            from the residuals where an uncertainty is stated
-        unit_cross_products: whether the two-star method's third star is a unit vector
-        rotation_angle: from which star the single rotation takes its angle
-        rotation: which rotation a matrix that is not quite one stands for
-    """
-
+    # omega, phi, kappa where collinearity starts; None: see `start`
     initial_deg: tuple[float, ...] | None = None
-    start: StartRule = "svd"
-    weights: WeightRule = "uniform"
-    corrections: int | None = None
+    start: StartRule = "svd"  # where collinearity starts without `initial_deg`
+    weights: WeightRule = "uniform"  # of collinearity's residuals
+    corrections: int | None = None  # exactly this many; None: to convergence
+    # standard deviation of an image coordinate, mm; None: estimated from the residuals where an
+    # uncertainty is stated
     reading_sigma_mm: float | None = None
-    unit_cross_products: bool = True
-    rotation_angle: AngleRule = "farther"
-    rotation: RotationChoice = "nearest"
+    unit_cross_products: bool = True  # whether the two-star method's third star is a unit vector
+    rotation_angle: AngleRule = "farther"  # from which star the single rotation takes its angle
+    rotation: RotationChoice = "nearest"  # which rotation a matrix that is not quite one stands for
 
 
 def solve_by_methods(
