@@ -152,6 +152,7 @@ TOLERANCES = {
     "rae coverage of 4,000": Tolerance("1", 0.014, "four deviations of .34 percent"),
     "rae near the equator": Tolerance("1", 0.05, "a ratio; axes turned by 25 degrees"),
     "rae exact camera": Tolerance("px", 1e-5, "3,000 px to the last digits, correlated unknowns"),
+    "sigmas of one draw": Tolerance("1", 4.0, "four deviations, of a fixed seed"),
     "sky direction": Tolerance("arcsec", 0.02, "deflection and the Earth's velocity of two codes"),
     "sky horizon": Tolerance("arcsec", 0.5, "rotation of the Earth: UT1 of 2020 predicted or not"),
     "sky moved star": Tolerance("arcsec", 0.02, "29 years of motion, parallax of two codes"),

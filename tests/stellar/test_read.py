@@ -250,6 +250,7 @@ KINDS = {
     "name,u,v,w": "u,v,w",
     "name,ra_hours,dec_deg": "ra_hours,dec_deg",
     "name,x_m,y_m,z_m": "x_m,y_m,z_m",
+    "mag": "",
 }
 
 
@@ -276,6 +277,7 @@ RENAMED = {  # a header: its columns, and what is said
         "ra read as ra_deg; if ra is hours, name it ra_hours",
     ),
     "x_mm,y_mm,u,v,w,ra,dec": ("x_mm,y_mm,u,v,w,ra,dec", ""),
+    "id,xcentroid,ycentroid,mag": ("id,x_px,y_px,mag", "xcentroid, ycentroid read as x_px, y_px"),
     "x_px,y_px,name,x,y,dec": ("x_px,y_px,name,x,y,dec", ""),
 }
 
@@ -291,8 +293,8 @@ REFUSED = (
     "y_px,u,v,w",
     "x_mm,u,v,w",
     "x_px,y_mm",
-    "x_mm,y_mm",
-    "x_mm,y_mm,colour",
+    "x_mm,y_mm,ra",
+    "x_mm,y_mm,right_ascension",
     "x_mm,y_mm,ra_deg,ra_hours,dec_deg",
     "x_mm,y_mm,ra_deg,dec_deg,u,v,w",
     "x_mm,y_mm,ra_deg,dec_deg,v",

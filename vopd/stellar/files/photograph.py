@@ -38,6 +38,7 @@ from vopd.stellar.files.read import (
     read_bytes,
     read_star_csv,
 )
+from vopd.stellar.identify import identified
 from vopd.stellar.interstar_angles import star_pairs
 from vopd.stellar.methods.calibration import (
     PARAMETERS,
@@ -348,8 +349,12 @@ def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
         request = replace(request, sky=replace(request.sky, utc=file.utc))
     unknown = "focal" in request.free and not (request.resection or request.axes.has_focal(file))
     axes = request.axes.with_focal(1.0, file.unit) if unknown else request.axes
-    points, focal = centred_images(file, axes)
     notes: list[Finding] = []
+    if not file.kind:
+        if request.resection or request.camera_m is not None:
+            raise file.error("ground points need columns x_m, y_m, z_m")
+        file = identified(file, axes, request.sky, notes.append, focal_known=not unknown)
+    points, focal = centred_images(file, axes)
     sky = None if request.resection else photograph_directions(file, request, notes.append)
     if sky is not None and unknown:
         axes = axes.with_focal(focal_by_pairs(points, sky.directions), file.unit)

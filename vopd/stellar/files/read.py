@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -32,14 +33,20 @@ KINDS = {
     "u,v,w": ("u", "v", "w"),
     "x_m,y_m,z_m": ("x_m", "y_m", "z_m"),
 }
-"""Columns that tell where a star or point is; a file has one of these sets, or only names."""
+"""Columns that tell where a star or point is; a file has one of these sets, or only names, or
+nothing but images of stars that are yet to be identified."""
+
+STATED = f"{', '.join(f'`{kind}`' for kind in KINDS)} or name"
+
+POSITION = re.compile(r"(ra|dec|alpha|delta|hip|right|u|v|w|x_m|y_m|z_m|z)([^a-z]|$)")
+"""How a column is called that seems to tell where a star or point is."""
 
 SYNONYMS = {
     "ra_deg": ("ra",),
     "ra_hours": ("ra_h", "ra_hour", "ra_hr", "ra_hrs"),
     "dec_deg": ("dec",),
-    "x_px": ("x",),
-    "y_px": ("y",),
+    "x_px": ("x", "xcentroid"),
+    "y_px": ("y", "ycentroid"),
 }
 """Other names of columns that may stand where no column says otherwise; it is said which do."""
 
@@ -83,7 +90,7 @@ class StarColumns:
 
     names: tuple[str, ...]  # all columns, in their order, as they are called here
     unit: str  # of the image coordinates, "mm" or "px"
-    kind: str  # a key of KINDS, or "" for a file of images alone
+    kind: str  # a key of KINDS, "name", or "" for images alone
     # the columns of standard deviations: none, one, or x, y and possibly rho_xy
     sigmas: tuple[str, ...]
     ignored: tuple[str, ...]  # columns that mean nothing here
@@ -137,7 +144,8 @@ def _renamed(names: tuple[str, ...]) -> tuple[str, ...]:
     `x` and `y` are pixels unless a column in mm or a `z` stands beside them; `ra` and `dec` are
     of no account beside positions of another kind.
     """
-    images = {"x", "y"} <= {*names} and "z" not in names
+    pairs = zip(SYNONYMS["x_px"], SYNONYMS["y_px"], strict=True)
+    images = any({*pair} <= {*names} for pair in pairs) and "z" not in names
     images = images and not any(name.endswith("_mm") or name in ("x_px", "y_px") for name in names)
     vectors = any(name in names for name in (*KINDS["u,v,w"], *KINDS["x_m,y_m,z_m"]))
     both = all(any(name.startswith(one) for name in names) for one in ("ra", "dec"))
@@ -186,6 +194,8 @@ def _kind(names: tuple[str, ...]) -> str:
         given = [kind for kind in given if not kind.startswith("ra_") or KINDS[kind][0] in names]
     elif "dec_deg" in names and len(given) == 2:
         given = given[:1]
+    if not given and not any(POSITION.match(name) for name in names):
+        return ""
     if len(given) != 1:
         raise ColumnError(f"the header must name one of {choices}, or name")
     if missing := [name for name in KINDS[given[0]] if name not in names]:
@@ -272,7 +282,8 @@ class StarFile:
     names: tuple[str, ...]  # their names; empty texts where there are none
     image: Floats  # x, y of their images as the file has them, (n, 2)
     unit: str  # of the images, "mm" or "px"
-    # a key of KINDS; "name" where stars are given by name alone, and "" for a file of images alone
+    # a key of KINDS; "name" where stars are given by name alone, "" for images alone, and
+    # "identified" for those whose stars were looked up in a catalogue
     kind: str
     # right ascension and declination, (n, 2), degrees; direction cosines, (n, 3); or coordinates,
     # (n, 3), metres
