@@ -161,79 +161,47 @@ FORMATS = {
     one.name: one
     for one in (
         AttitudeFormat(
-            "csv",
-            (".csv",),
-            "the default; conventions in lines that begin with #",
-            options=TABLE_OPTIONS,
-            by_parts=True,
-            together=True,
+            "csv", (".csv",), "the default; conventions in lines that begin with #",
+            options=TABLE_OPTIONS, by_parts=True, together=True,
         ),
         AttitudeFormat(
-            "jsonl",
-            (".jsonl", ".ndjson"),
-            "JSON Lines, an object a frame",
-            options=TABLE_OPTIONS,
-            by_parts=True,
+            "jsonl", (".jsonl", ".ndjson"), "JSON Lines, an object a frame",
+            options=TABLE_OPTIONS, by_parts=True,
         ),
         AttitudeFormat(
-            "npz",
-            (".npz",),
-            "NumPy, an array a column",
-            options=TABLE_OPTIONS,
-            binary=True,
+            "npz", (".npz",), "NumPy, an array a column", options=TABLE_OPTIONS, binary=True,
         ),
         AttitudeFormat(
-            "parquet",
-            (".parquet", ".pq"),
-            "for data frames; needs pyarrow",
-            options=TABLE_OPTIONS,
-            binary=True,
-            package="pyarrow",
+            "parquet", (".parquet", ".pq"), "for data frames; needs pyarrow",
+            options=TABLE_OPTIONS, binary=True, package="pyarrow",
         ),
         AttitudeFormat(
-            "aem",
-            (".aem",),
-            "CCSDS Attitude Ephemeris Message; needs --epoch",
-            needs_epoch=True,
+            "aem", (".aem",), "CCSDS Attitude Ephemeris Message; needs --epoch", needs_epoch=True,
             options=("aem_version", "originator", "object_name", "object_id"),
         ),
         AttitudeFormat(
-            "acm",
-            (".acm",),
-            "CCSDS Attitude Comprehensive Message, with variances; needs --epoch",
-            needs_epoch=True,
-            options=("originator", "object_name", "object_id"),
+            "acm", (".acm",), "CCSDS Attitude Comprehensive Message, with variances; needs --epoch",
+            needs_epoch=True, options=("originator", "object_name", "object_id"),
         ),
         AttitudeFormat(
-            "czml",
-            (".czml",),
-            "for Cesium: position and orientation; needs --epoch",
-            needs_epoch=True,
+            "czml", (".czml",), "for Cesium: position and orientation; needs --epoch",
+            needs_epoch=True, options=("object_name",),
+        ),
+        AttitudeFormat(
+            "kml", (".kml",), "for Google Earth; needs times; with --epoch a track",
             options=("object_name",),
         ),
         AttitudeFormat(
-            "kml",
-            (".kml",),
-            "for Google Earth; needs times; with --epoch a track",
-            options=("object_name",),
+            "odm", ("geo.txt",), "OpenDroneMap: position and yaw, pitch, roll of each image",
         ),
         AttitudeFormat(
-            "odm",
-            ("geo.txt",),
-            "OpenDroneMap: position and yaw, pitch, roll of each image",
+            "colmap", ("images.txt",), "COLMAP: rotation and translation of each image",
         ),
         AttitudeFormat(
-            "colmap",
-            ("images.txt",),
-            "COLMAP: rotation and translation of each image",
-        ),
-        AttitudeFormat(
-            "opk",
-            (".opk.csv",),
-            "omega, phi, kappa against the map grid, and grid azimuth, CSV",
+            "opk", (".opk.csv",), "omega, phi, kappa against the map grid, and grid azimuth, CSV",
         ),
     )
-}
+}  # fmt: skip
 """Every format by its name."""
 
 MEAN_FORMATS = ("csv", "jsonl", "npz", "parquet")

@@ -496,19 +496,23 @@ class FlightEstimates:
 
     def _residual_beside(self, one: Estimate, part: FlightPart) -> Floats:
         """Calculate residuals at the stated positions of picks that took no part, (F, 2L)."""
-        assert self.joint is not None
         landmark = _slots(part).spread(part.flight.picks.landmark)
-        moved_m = self.joint.model.moved_m(self.joint.beside_free)
+        moved_m = self._joint.model.moved_m(self._joint.beside_free)
         place_m = np.nan_to_num(moved_m[part.frames])[:, :, None]
         moved = (one.responses.position @ place_m)[..., 0]
-        own_m = np.tile(self.joint.state.landmark_m[landmark], (1, 2, 1))
+        own_m = np.tile(self._joint.state.landmark_m[landmark], (1, 2, 1))
         return np.asarray(one.residual - moved - (one.responses.landmark * own_m).sum(axis=2))
+
+    @property
+    def _joint(self) -> JointSolution:
+        """The solution of all its unknowns, where there is one."""
+        assert self.joint is not None
+        return self.joint
 
     @cached_property
     def _further(self) -> dict[str, Floats]:
         """Changes of the images by errors that are only propagated and have no `Responses`."""
-        assert self.joint is not None
-        changes = stated_changes(self.joint)
+        changes = stated_changes(self._joint)
         found = {name: self._pixels(one) for name, one in changes.items() if name in FURTHER}
         if self._held is not None:
             found[ADJUSTED] = self._pixels(self._held.change)
@@ -516,41 +520,34 @@ class FlightEstimates:
 
     @cached_property
     def _places_by_stated(self) -> Floats:
-        assert self.joint is not None
-        return places_by_stated(self.joint)
+        return places_by_stated(self._joint)
 
     @cached_property
     def _position_ratio(self) -> Floats:
-        assert self.joint is not None
-        return position_ratio(self.joint.covariance)
+        return position_ratio(self._joint.covariance)
 
     @cached_property
     def _other_solutions_deg(self) -> Floats:
-        assert self.joint is not None
-        return other_solutions_deg(self.joint)
+        return other_solutions_deg(self._joint)
 
     @cached_property
     def _stated_residual(self) -> Floats:
         """Residuals at the stated positions, pixels, (P, 2)."""
-        assert self.joint is not None
-        return self._pixels(self.joint.stated_residual[..., None])[..., 0]
+        return self._pixels(self._joint.stated_residual[..., None])[..., 0]
 
     def _pixels(self, values: Floats) -> Floats:
         """Convert values of the picks that took part, in their sigmas, to pixels of all picks."""
-        assert self.joint is not None
         every = np.zeros((len(self.flight.picks.frame), *values.shape[1:]))
-        every[self.joint.model.pick] = values / self.joint.model.scale[:, None, None]
+        every[self._joint.model.pick] = values / self._joint.model.scale[:, None, None]
         return every
 
     @cached_property
     def _turns(self) -> dict[str, Floats]:
-        assert self.joint is not None
-        return turns_by_errors(self.joint, self._held)
+        return turns_by_errors(self._joint, self._held)
 
     @cached_property
     def _held(self) -> HeldEffects | None:
-        assert self.joint is not None
-        return held_effects(self.joint)
+        return held_effects(self._joint)
 
     def sum_errors(self, weight: Floats) -> dict[str, Floats]:
         """Estimate the covariances of k sums over frames, by component, radians squared, (k, k).
@@ -559,10 +556,10 @@ class FlightEstimates:
             weight: what a turn of each frame about the vehicle's forward, right and down axes
                 adds to the sums, (F, 3, k)
         """
-        assert self.joint is not None and self.reading is not None
-        found = errors_of_sums(self.joint, self.flight.mount.T @ weight, self._held)
-        if not self.joint.passes:  # it was not solved again with the reading sigma in force
-            scale = self.reading.sigma / self.joint.model.flight.picks.one_sigma_px
+        assert self.reading is not None
+        found = errors_of_sums(self._joint, self.flight.mount.T @ weight, self._held)
+        if not self._joint.passes:  # it was not solved again with the reading sigma in force
+            scale = self.reading.sigma / self._joint.model.flight.picks.one_sigma_px
             found["reading"] = found["reading"] * scale**2
         return found
 

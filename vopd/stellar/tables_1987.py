@@ -66,11 +66,10 @@ FOCAL_LENGTH_MM = 76.0
 TRUTH_DEG = np.array([156.1413452, -18.7472372, 46.0052148])
 """omega, phi, kappa the stars were made with: alpha 50, delta 60, swing 10."""
 
-EXACT_MM = np.array([[24.0, 24.0], [-15.0, 15.0], [-24.0, -24.0], [20.0, -10.0]])
-"""Images without errors (table 6.1)."""
-
-PERTURBED_MM = np.array([[24.1, 23.8], [-15.2, 15.3], [-23.7, -24.0], [19.8, -10.0]])
-"""Images with the errors that tables 6.4, 6.5 and figures 6.1 to 6.3 are about (table 6.3)."""
+EXACT_MM, PERTURBED_MM = (
+    np.array([row[3:5] for row in table], dtype=np.float64) for table in (TABLE_6_1, TABLE_6_3)
+)
+"""Images without errors, and with those that tables 6.4, 6.5 and figures 6.1 to 6.3 are about."""
 
 DIRECTIONS = np.array(
     [

@@ -41,78 +41,55 @@ IN_IMAGE_UNITS = ("residuals", "rms", "reading_sigma", "weighted_rms", "images")
 
 @dataclass(frozen=True)
 class SolvedStars:
-    """One solution; quantities that a method does not give are None.
+    """One solution; quantities that a method does not give are None."""
 
-    Attributes:
-        method: its name
-        stars: the stars solved, counted from 1
-        failure: why there is no solution, or `Failure.NONE`
-        angles_deg: omega, phi, kappa, alpha, delta, swing
-        matrix: the rotation shown, or the matrix as solved if that was chosen
-        orthogonality_defect: of the matrix as solved
-        residuals: observed minus computed x and y of each star, image units
-        iterations: corrections made
-        converged: whether no further correction would change the solution
-        rms: root mean square of the residuals' coordinates; with robust weights
-            without the stars whose weight is below REDUCED_WEIGHT
-        reading_sigma: standard deviation of an image coordinate, image units, given or estimated
-        reading_freedom: degrees of freedom of that estimate; None where it is given
-        rotation_sigma_arcsec: standard deviations about the camera's x, y, z
-        rotation_covariance_arcsec2: their covariance, (3, 3)
-        covariance_factor_95: of the covariance: its ellipsoid times this factor contains the
-            true attitude with 95 percent
-        angle_sigmas_deg: standard deviations of the angles in `angles_deg`
-        boresight_95_arcsec: semi-axes of the ellipse that holds the optical axis with a
-            probability of 95 percent, the longer one first
-        boresight_95_angle_deg: direction of the longer one, from north toward
-            increasing right ascension
-        weighted_rms: root mean square of the residuals' coordinates over their standard
-            deviations, times the reading sigma, image units; None where all weigh alike
-        axis, axis_ra_deg, axis_dec_deg, angle_deg, conditioning: of a single rotation
-        interstar_discrepancy_arcsec: of a pair
-        weights: of the residuals, if not uniform
-        disagreement_arcsec: of each star with all others, when all pairs are solved
-        camera, camera_sigmas: focal, centre_x, centre_y and k1 that were solved with the
-            attitude, in image units and the file's coordinates, and standard deviations
-        sky: where the optical axis points, by the names of columns
-        images: x, y of each star from the principal point, y up, image units
-        camera_m, camera_sigma_m: position of the camera, where it is solved, and its
-            standard deviations along the axes of the ground points
-    """
-
-    method: str
-    stars: tuple[int, ...]
-    failure: Failure
-    angles_deg: list[float]
-    matrix: list[list[float]]
-    orthogonality_defect: float
-    residuals: list[list[float]]
-    iterations: int
-    converged: bool
+    method: str  # its name
+    stars: tuple[int, ...]  # the stars solved, counted from 1
+    failure: Failure  # why there is no solution, or `Failure.NONE`
+    angles_deg: list[float]  # omega, phi, kappa, alpha, delta, swing
+    matrix: list[list[float]]  # the rotation shown, or the matrix as solved if that was chosen
+    orthogonality_defect: float  # of the matrix as solved
+    residuals: list[list[float]]  # observed minus computed x and y of each star, image units
+    iterations: int  # corrections made
+    converged: bool  # whether no further correction would change the solution
+    # root mean square of the residuals' coordinates; with robust weights without the stars whose
+    # weight is below REDUCED_WEIGHT
     rms: float
+    # standard deviation of an image coordinate, image units, given or estimated; and the degrees
+    # of freedom of that estimate, None where it is given
     reading_sigma: float | None = None
     reading_freedom: int | None = None
+    # standard deviations about the camera's x, y, z, and their covariance, (3, 3); its ellipsoid
+    # times the factor contains the true attitude with 95 percent
     rotation_sigma_arcsec: list[float] | None = None
     rotation_covariance_arcsec2: list[list[float]] | None = None
     covariance_factor_95: float | None = None
-    angle_sigmas_deg: list[float] | None = None
+    angle_sigmas_deg: list[float] | None = None  # of `angles_deg`
+    # semi-axes of the ellipse that holds the optical axis with a probability of 95 percent, the
+    # longer one first, and the direction of that, from north toward increasing right ascension
     boresight_95_arcsec: list[float] | None = None
     boresight_95_angle_deg: float | None = None
+    # root mean square of the residuals' coordinates over their standard deviations, times the
+    # reading sigma, image units; None where all weigh alike
     weighted_rms: float | None = None
-    axis: list[float] | None = None
+    axis: list[float] | None = None  # of a single rotation, and so the next four
     axis_ra_deg: float | None = None
     axis_dec_deg: float | None = None
     angle_deg: float | None = None
     conditioning: float | None = None
-    interstar_discrepancy_arcsec: float | None = None
-    weights: list[list[float]] | None = None
-    disagreement_arcsec: list[float] | None = None
+    interstar_discrepancy_arcsec: float | None = None  # of a pair
+    weights: list[list[float]] | None = None  # of the residuals, if not uniform
+    disagreement_arcsec: list[float] | None = None  # of each star with all others, of all pairs
+    # position of the camera, where it is solved, and its standard deviations along the axes of
+    # the ground points
     camera_m: list[float] | None = None
     camera_sigma_m: list[float] | None = None
-    sky: dict[str, float] | None = None
+    sky: dict[str, float] | None = None  # where the optical axis points, by the names of columns
+    # focal, centre_x, centre_y and k1 that were solved with the attitude, in image units and the
+    # file's coordinates, and standard deviations
     camera: dict[str, float] | None = None
     camera_sigmas: dict[str, float] | None = None
-    images: list[list[float]] | None = None
+    images: list[list[float]] | None = None  # x, y from the principal point, y up, image units
 
     def without_uncertainty(self) -> SolvedStars:
         """Remove the statement of uncertainty."""
