@@ -21,6 +21,9 @@ TOLERANCES = {
         "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
     ),
     "click on a page": Tolerance("px", 0.05, "what the page promises; two decimals are .005"),
+    "rotation on a page": Tolerance("deg", 1e-6, "what the page promises"),
+    "direction on a page": Tolerance("1", 1e-7, "a track of a second, linear: 10 um of 300 m"),
+    "landmark predicted on a page": Tolerance("px", 1e-5, "1e-8 degree of 1500 px, and rounding"),
     "warp of a patch": Tolerance("px", 2e-5, "the Earth's curvature in 20 m of 1000"),
     "row of a rolling shutter": Tolerance("px", 2e-4, "rows found in two rounds"),
     "match of a drawn patch": Tolerance("px", 0.02, "sampled between four pixels"),

@@ -8,6 +8,7 @@ is not installed, `ffmpeg`.
 
 from __future__ import annotations
 
+import io
 import re
 import shutil
 import subprocess
@@ -35,6 +36,7 @@ WITH_LUMA = (
     "yuv420p", "yuv422p", "yuv444p", "yuvj420p", "yuvj422p", "yuvj444p", "nv12", "nv21", "gray",
 )  # fmt: skip
 """Formats of pixels whose luminance in eight bits is taken as it is stored."""
+ORIENTATION = 274  # EXIF's tag of how an image is turned; 1: upright
 SOONER_S = 10.0  # than a frame that is asked for ffmpeg begins to decode
 
 
@@ -114,6 +116,18 @@ class VideoFrames:
             images = optional_package("PIL.Image", "images", "showing frames")
             for _, picture in self.decoded(k, k):
                 yield images.fromarray(picture)
+
+    def jpeg(self, k: int) -> bytes | None:
+        """Read the file of an image that is a JPEG of eight bits and upright; None for others."""
+        if not self.images:
+            return None
+        file = self.images[k].read_bytes()
+        if not file.startswith(b"\xff\xd8"):
+            return None
+        pillow = optional_package("PIL.Image", "images", "reading images")
+        with pillow.open(io.BytesIO(file)) as image:
+            plain = image.mode in ("L", "RGB") and image.getexif().get(ORIENTATION, 1) == 1
+        return file if plain else None
 
     def decoded(self, first: int, last: int, grey: bool = False) -> Iterator[tuple[int, Any]]:
         """Iterate over frames of a video in their order, upright, each decoded once.

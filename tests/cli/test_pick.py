@@ -12,9 +12,12 @@ import pytest
 from PIL import Image
 
 from tests.approved.texts import assert_approved
-from tests.kit.command import vopd
-from tests.kit.flight_project import TOML, write_project
+from tests.kit.command import DECKS, vopd
+from tests.kit.flight_project import TOML, camera_m, marks_m, write_project
 from tests.kit.video import write_video
+from tests.tolerances import assert_close
+from vopd.flight.flight import Refraction
+from vopd.flight.lines_of_sight import sight_lines
 
 MARKS = "landmark,lat_deg,lon_deg,h_m\nmast,47,8,400\n</script>,47.001,8,400\n"
 
@@ -44,7 +47,7 @@ def test_frames_of_a_video(tmp_path: Path) -> None:
 
 
 def test_landmarks_and_picks_that_there_are(tmp_path: Path) -> None:
-    """A pick of another frame is left out; a name of its own is offered."""
+    """A pick of another frame stays for the file; a name of its own is offered."""
     Path("lm.csv").write_text(MARKS)
     saved = "# pixels: u right, v down, (0, 0) the centre of the first pixel\n"
     Path("c.csv").write_text(saved + "frame,landmark,u_px,v_px\n3,pond,1.5,2\n4,mast,1,1\n")
@@ -52,7 +55,10 @@ def test_landmarks_and_picks_that_there_are(tmp_path: Path) -> None:
                 "--clicks", "c.csv")  # fmt: skip
     assert done.status == 0
     assert data()["landmarks"] == ["mast", "</script>", "pond"]
-    assert data()["picks"] == [{"frame": 0, "landmark": "pond", "u": 1.5, "v": 2.0}]
+    assert data()["picks"] == [
+        {"frame": 0, "landmark": "pond", "u": 1.5, "v": 2.0},
+        {"frame": "4", "landmark": "mast", "u": 1.0, "v": 1.0},
+    ]
 
 
 def test_a_project_names_video_and_landmarks(tmp_path: Path) -> None:
@@ -60,6 +66,32 @@ def test_a_project_names_video_and_landmarks(tmp_path: Path) -> None:
     Path("picks.csv").unlink()  # nothing is picked yet
     assert vopd("pick", project, "-o", "p.html").status == 0
     assert len(data()["frames"]) == 12 and "mast" in data()["landmarks"]
+
+
+def test_a_project_goes_on_where_it_was(tmp_path: Path) -> None:
+    """Its own picks and hidden marks are there; a lens and a track let the page predict."""
+    toml = TOML.replace("picks.csv", "clicks.csv").replace(
+        "[landmarks]", 'video = "photos"\n[landmarks]'
+    )
+    project = write_project(tmp_path, toml)
+    Path("photos").mkdir()
+    for k in (0, 3):
+        Image.new("L", (1920, 1080)).save(Path("photos", f"{k}.png"))
+    saved = (
+        "# pixels: u right, v down, (0, 0) the centre of the first pixel\n# hidden: 3.png,mast\n"
+    )
+    Path("clicks.csv").write_text(saved + "image,landmark,u_px,v_px\n3.png,well,1.5,2\n")
+    done = vopd("pick", project, "-o", "p.html")
+    assert_approved(re.sub(r"[\d.]+ MB", "N MB", done.stderr).replace(str(tmp_path), "FOLDER"))
+    assert data()["picks"] == [{"frame": 1, "landmark": "well", "u": 1.5, "v": 2.0}]
+    assert data()["hidden"] == [{"frame": 1, "landmark": "mast"}]
+    (lens,) = data()["lenses"]
+    assert (lens["kind"], lens["focal"], data()["sighted"][0]) == ("brown", [1500, 1490], "church")
+    to = np.array([one["to"] for one in data()["frames"]])
+    time_s = 2.0 + np.array([0, 3]) / 10.0
+    frame, mark = np.divmod(np.arange(12), 6)
+    lines = sight_lines(camera_m(time_s), marks_m(), frame, mark, Refraction())
+    assert_close("direction on a page", to.reshape(-1, 3), lines.direction)
 
 
 def test_the_folder_of_a_project_is_the_project(tmp_path: Path) -> None:
@@ -87,6 +119,10 @@ def test_images_of_a_folder() -> None:
 
 def test_wrong_usage(tmp_path: Path) -> None:
     write_project(tmp_path, TOML)
+    deck = (DECKS / "appendix_h/case1.dat").read_text()
+    Path("film.dat").write_text(deck)
+    Path("short.dat").write_text("\n".join(deck.splitlines()[:28]))
+    Image.new("L", (8, 6)).save("x.png")
     Path("many").mkdir()
     for k in range(61):
         Path("many", f"{k}.png").touch()
@@ -95,6 +131,9 @@ def test_wrong_usage(tmp_path: Path) -> None:
         "flight.toml -o p.html", "flight.toml a.mp4 -o p.html", "many -o p.html",
         "none.mp4 -o p.html", "a.mp4 -o p.html --landmarks none.csv",
         "a.mp4 -o p.html --clicks picks.csv", "a.mp4 -o a.mp4/p.html",
+        "a.mp4 -o p.html --cards picks.csv", "flight.toml -o p.html --cards x --dpi 9",
+        "a.mp4 -o p.html --cards picks.csv --dpi 9", "a.mp4 -o p.html --cards none.dat --dpi 9",
+        "x.png -o p.html --cards short.dat --dpi 9", "x.png -o p.html --cards film.dat --dpi 9",
     ):  # fmt: skip
         done = vopd("pick", *arguments.split())
         assert done.status in (1, 2), arguments

@@ -11,14 +11,22 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial.transform import Rotation
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from tests.kit.browser import forget, load, open_browser
+from tests.kit.command import DECKS
+from tests.kit.random_flights import SIZE, lenses, random_frame
 from tests.tolerances import assert_close
-from vopd.report.pick import pick_page
+from vopd.cards.head import read_head
+from vopd.cards.read import read_jobs
+from vopd.flight.directions import FrameDirections
+from vopd.flight.solve import solve_rotations
+from vopd.geometry.lenses import Lenses, project
+from vopd.report.pick import PageContent, Predicted, pick_page
 from vopd.video import open_frames
 
 BLOCK = (30, 20)  # first pixel of a white square of 8 pixels
@@ -37,7 +45,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> bytes:
         own = np.full((48, 64, 3), 60, np.uint8)
         own[20:28, 30 + 8 * k : 38 + 8 * k] = 255
         Image.fromarray(own).save(folder / f"{k}.png")
-    return pick_page(open_frames([str(folder)]), [0, 1], LANDMARKS, head="#")
+    return pick_page(open_frames([str(folder)]), [0, 1], PageContent(LANDMARKS))
 
 
 @pytest.fixture
@@ -48,8 +56,8 @@ def opened(browser: Any, tmp_path: Path, page: bytes) -> Any:
     return ready(shown)
 
 
-def ready(browser: Any) -> Any:
-    WebDriverWait(browser, 20).until(lambda one: where(one)[2] > 1.0)
+def ready(browser: Any, zoom: float = 1.0) -> Any:
+    WebDriverWait(browser, 20).until(lambda one: where(one)[2] > zoom)
     return browser
 
 
@@ -148,3 +156,120 @@ def test_it_asks_for_nothing_and_names_stay_text(browser: Any, tmp_path: Path, p
         for one in shown.find_elements(By.CSS_SELECTOR, "#landmarks button")
     ]
     assert names == list(LANDMARKS)
+
+
+CASES = ("cases_1_2_3", "case1")
+SIX = ("mast", "church", "tower", "well", "bridge", "corner")
+
+
+def text(browser: Any, element: str) -> str:
+    return str(browser.find_element(By.ID, element).text)
+
+
+def test_the_rotation_is_that_of_a_solve_with_the_position_fixed(
+    browser: Any, tmp_path: Path
+) -> None:
+    """A lens of every kind, a frame each, picks 1 px off; the sixth landmark is predicted."""
+    rng = np.random.default_rng(29)
+    each = tuple(lenses().values())
+    seen = [random_frame(rng, lens, 6, 1.0) for lens in each]
+    for k in range(len(each)):
+        Image.new("L", SIZE, 90).save(tmp_path / f"{k}.png")
+    frames = open_frames([str(tmp_path)])
+    lens = Lenses.join(each, np.arange(len(each)))
+    lines = FrameDirections(SIX, np.array([one.direction for one in seen]), lens, 1.0, "")
+    by = Predicted(SIX, lines.direction, *lines.lenses(), 1.0, "")
+    clicks = [
+        (f"{k}.png", name, *one.pixel[m].tolist())
+        for k, one in enumerate(seen)
+        for m, name in enumerate(SIX[:5])
+    ]
+    content = PageContent(SIX, clicks, [("4.png", "corner")], predicted=by)
+    load(browser, tmp_path, pick_page(frames, range(len(each)), content))
+    browser.execute_script("localStorage.clear()")
+    browser.refresh()
+    ready(browser, 0.0)
+    frame = np.repeat(np.arange(len(each)), 5)
+    solved = solve_rotations(
+        lens, len(each), frame, np.concatenate([one.pixel[:5] for one in seen]),
+        np.ones(len(frame)), np.concatenate([one.direction[:5] for one in seen]),
+        np.ones(len(frame), bool),
+    )  # fmt: skip
+    for k, one in enumerate(seen):
+        own, place, off = browser.execute_script(
+            f"const [one] = predict({k}); return [one.rotation, one.places.get('corner'), one.off]"
+        )
+        turn = Rotation.from_matrix(np.array(own) @ solved.rotation[k].T).as_rotvec(degrees=True)
+        assert_close("rotation on a page", turn, 0.0)
+        expected = project(each[k], one.direction @ solved.rotation[k].T).pixel
+        assert_close("landmark predicted on a page", place, expected[5])
+        sum_of_squares = float(((one.pixel[:5] - expected[:5]) ** 2).sum())
+        assert_close("landmark predicted on a page", off, np.sqrt(sum_of_squares / 7))
+
+    # an exchange is named, and undone by its button
+    assert "rotation alone fitted to 5 landmarks" in text(browser, "fit")
+    before = rows(browser)
+    browser.execute_script(
+        "change(picks.map(one => one.frame || one.landmark !== 'mast' && one.landmark !== 'well' "
+        "? one : { ...one, landmark: one.landmark === 'mast' ? 'well' : 'mast' }))"
+    )
+    assert text(browser, "exchange") in ("exchange mast and well", "exchange well and mast")
+    assert "!" in browser.find_element(By.ID, "landmarks").text
+    browser.find_element(By.ID, "exchange").click()
+    assert rows(browser) == before
+    assert not browser.find_element(By.ID, "exchange").is_displayed()
+
+    # the next landmark without a pick, the cross where it is predicted; a second reading; hidden
+    press(browser, "n")
+    u, v = browser.execute_script("return seen.places.get('corner')")
+    assert_close("click on a page", where(browser)[:2], (u, v))
+    press(browser, Keys.ENTER)
+    press(browser, Keys.ARROW_RIGHT)
+    ActionChains(browser).key_down(Keys.SHIFT).send_keys(Keys.ENTER).key_up(Keys.SHIFT).perform()
+    press(browser, Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    two = [float(row.split(",")[2]) for row in rows(browser) if row.startswith("0.png,corner")]
+    assert_close("click on a page", two, (u + 0.1, u - 0.1))
+    assert "± .10 px" in browser.find_element(By.ID, "landmarks").text
+    press(browser, Keys.PAGE_DOWN)
+    press(browser, "h", "n")
+    assert browser.execute_script("return names[landmark]") == "mast"
+    saved = browser.execute_script("return document.getElementById('csv').value")
+    assert [line for line in saved.splitlines() if "hidden" in line] == [
+        "# hidden: 4.png,corner",
+        "# hidden: 1.png,corner",
+    ]
+    browser.refresh()
+    assert browser.execute_script("return document.getElementById('csv').value") == saved
+    assert browser.get_log("browser") == []
+
+
+def test_a_film_on_cards(browser: Any, tmp_path: Path) -> None:
+    """Clicks at the readings of a deck give its jobs again: stacked ones, and of a film unread."""
+    stacked, alone = ((DECKS / f"appendix_h/{one}.dat").read_bytes() for one in CASES)
+    job = next(read_jobs(io.BytesIO(stacked), "deck"))
+    inch, size, readings = 0.01, (1460, 1060), job.readings
+    Image.new("L", size, 90).save(tmp_path / "1.png")
+    points = np.concatenate([readings.fiducial_in[0], readings.points.landmark_in])
+    pixel = np.array(size) - 1.0 - points / inch
+    whole, head = read_head(stacked, "deck"), read_head(alone, "deck")
+    marks = [*(f"fiducial {k}" for k in range(1, 5)), *whole.landmarks]
+    clicks = [("1.png", marks[k], *uv) for k in range(7) for uv in pixel[k].tolist()]
+    control = [*head.before, "    3         2", *head.after]  # group 5 without frames
+    unread = read_head("\n".join(control).encode(), "deck")
+    for expected, deck in ((stacked, whole), (alone, unread)):
+        deck_of = {**deck._asdict(), "inch": inch}
+        content = PageContent(marks, clicks, deck=deck_of, film_number=readings.frame.tolist())
+        page = pick_page(open_frames([str(tmp_path / "1.png")]), [0], content)
+        load(browser, tmp_path, page)
+        found = browser.execute_script("return cards().text").encode()
+        assert [*read_jobs(io.BytesIO(found), "page")] == [*read_jobs(io.BytesIO(expected), "deck")]
+        assert browser.execute_script("return cards().missing") == []
+    ready(browser, 0.0)
+    press(browser, Keys.ENTER)
+    assert "has its three readings" in text(browser, "kept")
+    press(browser, Keys.DELETE)
+    assert text(browser, "fit") == "1.png: fiducial 1 has 2 of 3 readings"
+    press(browser, Keys.ENTER)
+    assert len(browser.execute_script("return cards().text").splitlines()) == len(
+        alone.splitlines()
+    )

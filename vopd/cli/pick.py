@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -11,10 +13,18 @@ from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.report import check_page_name
 from vopd.files import whole_file
-from vopd.findings import count_text
+from vopd.findings import VopdError, count_text
+
+if TYPE_CHECKING:
+    from vopd.flight.formats.picks import Click
+    from vopd.flight.next_click import NextPlace
+    from vopd.flight.project import Project
+    from vopd.report.pick import PageContent
+    from vopd.video import VideoFrames
 
 SPREAD = 12  # frames of a video, if none are named
-MOST_STILLS = 60  # images that are all taken
+MOST_STILLS = 60  # images that are all taken, and frames with picks
+MOST_PLACES = 3  # where to click next
 
 
 @click.command("pick")
@@ -23,20 +33,38 @@ MOST_STILLS = 60  # images that are all taken
 @click.option("--at", metavar="N,N,...", help="Which frames, counted from 0; images, too.")
 @click.option("--landmarks", type=FILE_NAME, metavar="FILE", help="Landmarks: names to offer.")
 @click.option("--clicks", type=FILE_NAME, metavar="FILE", help="Picks that there are already.")
+@click.option("--cards", type=FILE_NAME, metavar="DECK", help="Read a film for this deck.")
+@click.option(
+    "--dpi",
+    type=click.FloatRange(1, 100_000),
+    metavar="N",
+    help="With --cards: pixels an inch of film.",
+)
 @click.pass_context
 def command(
     ctx: click.Context, /, frames: tuple[str, ...], output: str, at: str | None,
-    landmarks: str | None, clicks: str | None,
+    landmarks: str | None, clicks: str | None, cards: str | None, dpi: float | None,
 ) -> None:  # fmt: skip
     """Make a page on which landmarks are picked: one HTML file, for any browser.
 
     FRAMES is a video, or its files in their order, a folder of images, images, or a
-    flight project, or its folder, whose [picks] video names a video. Of a video the page has 12
-    frames that are spread over it, or those of --at; of images all, up to 60. They
-    are inside the page: it loads nothing, and nothing leaves the browser. It zooms
-    to 16 times, moves a pick by a tenth of a pixel with the arrow keys, keeps each
-    change, and saves clicks.csv, which a flight project reads without a further
-    key: [picks] file = "clicks.csv".
+    flight project, or its folder, whose [picks] video names a video or a folder of
+    images. Of a video the page has 12 frames that are spread over it, or those of
+    --at; of images all, up to 60. They are inside the page: it loads nothing, and
+    nothing leaves the browser. It zooms to 16 times, moves a pick by a tenth of a
+    pixel with the arrow keys, keeps each change, and saves clicks.csv, which a
+    flight project reads without a further key: [picks] file = "clicks.csv".
+
+    A project that knows lens and camera positions lets the page predict: two picks
+    of a frame show where its other landmarks are, the third shows residuals, and two
+    exchanged labels are named. The page fits the rotation alone, as [solve] position
+    = "fixed" does. The project's own picks are there, and after vopd track the page
+    opens where a click tells the most.
+
+    --cards makes it the film reader of 1974: FRAMES are scans of a film, whose file
+    names end in frame numbers. Four fiducials and the landmarks of group 9 are read
+    three times each, and the page saves the deck with group 5 and its basic data, for
+    vopd run. DECK needs groups 1 to 12 alone.
 
     Frames count from 0 in the order in which they are shown. Images that a tag
     says are turned are shown upright, and pixels are those of the upright image.
@@ -49,27 +77,41 @@ def command(
         vopd pick flight.mp4 -o pick.html --landmarks landmarks.csv
         vopd pick flight.mp4 -o pick.html --at 0,150,300 --clicks clicks.csv
         vopd pick photographs -o pick.html
+        vopd pick flight.toml -o pick.html
+        vopd pick scans -o reader.html --cards head.dat --dpi 4000
 
     Exit status: 0 the page is written; 1 a file could not be read; 2 wrong usage.
     """
+    from vopd.flight.directions import directions_of
     from vopd.flight.files import open_input, read_by_content
     from vopd.flight.formats.landmarks import LANDMARK_FORMATS
-    from vopd.flight.formats.picks import CLICKS, read_clicks
-    from vopd.report.pick import pick_page
+    from vopd.flight.formats.picks import CLICKS, HIDDEN, read_clicks, read_hidden
+    from vopd.report.pick import PageContent, Predicted, pick_page
     from vopd.video import STILLS, open_frames, spread
 
     check_page_name(output)
-    refuse_to_overwrite((*frames, *filter(None, (landmarks, clicks))), output)
-    named = _numbers(at)
+    refuse_to_overwrite((*frames, *filter(None, (landmarks, clicks, cards))), output)
+    named, project, opened = _numbers(at), None, ProjectPicks()
+    if (cards is None) != (dpi is None):
+        raise click.UsageError("--cards and --dpi go together: the scan's pixels an inch of film.")
     own = Path(frames[0], "flight.toml")
     if own.is_file() and not any(one.suffix.lower() in STILLS for one in own.parent.iterdir()):
         frames = (str(own), *frames[1:])
     if frames[0].endswith(".toml"):
-        frames, landmarks = _of_project(frames, landmarks)
-    names: list[str] = []
+        if cards is not None:
+            raise click.UsageError("--cards: a film has no project; name its scans.")
+        project, frames, landmarks = _of_project(frames, landmarks)
+        opened = _picks_of(project) if clicks is None else opened
+    content = PageContent(
+        clicks=opened.clicks, hidden=opened.hidden, head=CLICKS, hidden_head=HIDDEN,
+        places=opened.places,
+    )  # fmt: skip
     if landmarks is not None:
         names = read_by_content(LANDMARK_FORMATS, open_input(landmarks, Path())).name
-    known = () if clicks is None else read_clicks(open_input(clicks, Path()))
+        content = content._replace(landmarks=names)
+    if clicks is not None:
+        file = open_input(clicks, Path())
+        content = content._replace(clicks=read_clicks(file), hidden=read_hidden(file))
     found = open_frames(frames)
     wrong = [k for k in named if k >= len(found)]
     if wrong:
@@ -78,24 +120,49 @@ def command(
     if not named and found.image_name and len(found) > MOST_STILLS:
         raise click.UsageError(f"{found.about}; choose up to {MOST_STILLS} of them with --at.")
     chosen = named or (range(len(found)) if found.image_name else spread(found, SPREAD))
+    if not named and not found.image_name and opened.clicks:
+        of = {found.label(k): k for k in range(len(found))}
+        picked = sorted({of[one] for one, *_ in opened.clicks if one in of})
+        picked = picked[:: -(-len(picked) // MOST_STILLS)] if picked else []
+        chosen = sorted({*picked, *(of[one.frame] for one in opened.places if one.frame in of)})
+        if len(chosen) < SPREAD:
+            chosen = sorted({*chosen, *spread(found, SPREAD - len(chosen))})
+    if cards is not None and dpi is not None:
+        content = _of_film(content, cards, dpi, found, chosen)
+    said = ""
+    if project is not None:
+        try:
+            lines = directions_of(project, found, chosen)
+            said = f"{project.name}: {count_text(len(lines.landmark), 'landmark')}, predicted "
+            said += "after two picks in a frame"
+            by = Predicted(
+                lines.landmark, lines.direction, *lines.lenses(), lines.sigma_px, lines.left_out
+            )
+            content = content._replace(predicted=by)
+        except VopdError as error:
+            said = f"nothing is predicted on the page: {error}"
+            content = content._replace(unpredicted=str(error).splitlines()[0])
     progress = Progress("frames", total=len(chosen))
     try:
-        page = pick_page(found, chosen, names, known, CLICKS, tell=lambda: progress.add(1))
+        page = pick_page(found, chosen, content, opened.file, lambda: progress.add(1))
     finally:
         progress.close()
-    with whole_file(output) as file:
-        file.write(page)
-    click.echo(found.about, err=True)
+    with whole_file(output) as file_written:
+        file_written.write(page)
+    for line in filter(None, (found.about, said)):
+        click.echo(line, err=True)
     size = f"{count_text(len(chosen), 'frame')}, {len(page) / 1e6:.1f} MB"
-    click.echo(
-        f"{output}: {size}; open it in a browser, pick, and save clicks.csv beside flight.toml",
-        err=True,
-    )
+    saved = f"{opened.file} beside flight.toml"
+    if content.deck is not None:
+        saved = "the deck"
+    click.echo(f"{output}: {size}; open it in a browser, pick, and save {saved}", err=True)
     ctx.exit(0)
 
 
-def _of_project(sources: tuple[str, ...], landmarks: str | None) -> tuple[tuple[str, ...], str]:
-    """Find the video of a project, and its landmarks if no others are given."""
+def _of_project(
+    sources: tuple[str, ...], landmarks: str | None
+) -> tuple[Project, tuple[str, ...], str]:
+    """Find a project, its video, and its landmarks if no others are given."""
     from vopd.flight.project import read_project
 
     if len(sources) > 1:
@@ -105,7 +172,71 @@ def _of_project(sources: tuple[str, ...], landmarks: str | None) -> tuple[tuple[
     if not section.has("video"):
         raise section.error("video", "is missing: the name of the video that is picked in")
     own = landmarks or str(project.folder / project.section("landmarks").text("file"))
-    return tuple(str(project.folder / name) for name in section.files("video")), own
+    return project, tuple(str(project.folder / name) for name in section.files("video")), own
+
+
+class ProjectPicks(NamedTuple):
+    """The picks of a project, and where its tracked flight asks for more."""
+
+    clicks: Sequence[Click] = ()
+    hidden: Sequence[tuple[str, str]] = ()
+    places: Sequence[NextPlace] = ()
+    file: str = "clicks.csv"
+
+
+def _picks_of(project: Project) -> ProjectPicks:
+    """Read the picks that a project has already."""
+    from vopd.flight.formats.picks import CLICKS, clicks_of, read_hidden
+    from vopd.flight.next_click import next_places
+    from vopd.flight.read import read_camera, read_pick_rows
+    from vopd.flight.result import solve_flight
+
+    section = project.section("picks")
+    if not section.has("file") or not (project.folder / section.text("file")).exists():
+        return ProjectPicks()
+    person = project.without("picks", "tracked", "tracked_from")
+    file = person.open("picks")
+    clicks = clicks_of(read_pick_rows(person, read_camera(person)))
+    saved = file.head.startswith(CLICKS)
+    hidden = read_hidden(file) if saved else []
+    name = Path(section.text("file")).name if saved else "clicks.csv"
+    places: Sequence[NextPlace] = ()
+    if section.has("tracked") and section.text("tracked_from") == "clicks":
+        try:
+            joint = solve_flight(project).estimates.joint
+            places = [] if joint is None else next_places(joint, MOST_PLACES + len(hidden))
+        except VopdError as error:
+            click.echo(f"where to click next is not known: {error}", err=True)
+    places = [one for one in places if (one.frame, one.landmark) not in hidden][:MOST_PLACES]
+    return ProjectPicks(clicks, hidden, places, name)
+
+
+def _of_film(
+    content: PageContent, cards: str, dpi: float, frames: VideoFrames, chosen: Sequence[int]
+) -> PageContent:
+    """Make a page that of a film reader, for a deck.
+
+    Raises:
+        VopdError: where a card cannot be read, or a frame has no number that a card has room for
+    """
+    from vopd.cards.head import read_head
+    from vopd.cards.read import open_deck
+    from vopd.flight.track import image_numbers
+    from vopd.program.constants import factor
+
+    with open_deck(cards) as file:
+        head = read_head(file.read(), cards)
+    own = image_numbers(frames.image_name) or range(len(frames))
+    numbers = [own[k] for k in chosen]
+    for k, number in zip(chosen, numbers, strict=True):
+        if not 0 <= number < 10_000 or numbers.count(number) > 1:
+            raise VopdError(
+                f"{frames.label(k)}: name each image by the number of its frame on the film, as "
+                "frame_0730.png; a card has four columns for it"
+            )
+    names = [*(f"fiducial {k}" for k in range(1, 5)), *head.landmarks]
+    deck = {**head._asdict(), "inch": 25.4 / dpi / factor}
+    return content._replace(landmarks=names, deck=deck, film_number=numbers)
 
 
 def _numbers(at: str | None) -> list[int]:

@@ -147,30 +147,52 @@ def _covariances(joint: JointSolution, tried: Flight) -> tuple[Floats, Floats]:
     return (between + between.T) / 2.0, flat.T @ flat
 
 
+class NextPlace(NamedTuple):
+    """A frame in which to click next, and why."""
+
+    frame: str  # its number, or its image
+    landmark: str  # empty for any two of them
+    text: str
+
+
+def next_places(joint: JointSolution, count: int = 3) -> list[NextPlace]:
+    """Say where to click next: frames where landmarks are lost, then those that tell most.
+
+    Args:
+        joint: the solution of a flight with clicks
+        count: how many places at most
+    """
+    flight, found = joint.model.flight, list[NextPlace]()
+    clicks = flight.picks.clicks
+    if clicks is None:
+        return found
+    for first, last in _runs(clicks.lost)[:count]:
+        where = f"frames {first} to {last}" if last > first else f"frame {first}"
+        middle = (first + last) // 2
+        text = f"two landmarks in frame {middle}: fewer than two are found in {where}"
+        found.append(NextPlace(str(middle), "", text))
+    for one in next_clicks(joint, count - len(found)):
+        u, v = one.pixel
+        name = flight.landmarks.name[one.landmark]
+        text = (
+            f"{name} in {frame_label(flight, one.frame)}, near {u:.0f}, {v:.0f}: the sigma of a "
+            f"typical frame falls from {one.before_deg:.3g} to {one.after_deg:.3g} degree"
+        )
+        own = flight.image_name[one.frame] if flight.image_name else str(flight.frame[one.frame])
+        found.append(NextPlace(own, name, text))
+    return found
+
+
 def next_click_texts(joint: JointSolution, count: int = 3) -> list[str]:
-    """Say where to click next, a line each: frames where landmarks are lost, then those that tell.
+    """Say where to click next, a line each; or that no click tells much.
 
     Args:
         joint: the solution of a flight with clicks
         count: how many lines at most
     """
-    flight, texts = joint.model.flight, list[str]()
-    clicks = flight.picks.clicks
-    if clicks is None:
-        return texts
-    for first, last in _runs(clicks.lost)[:count]:
-        where = f"frames {first} to {last}" if last > first else f"frame {first}"
-        texts.append(
-            f"click next: two landmarks in frame {(first + last) // 2}: fewer than two are found "
-            f"in {where}"
-        )
-    for one in next_clicks(joint, count - len(texts)):
-        u, v = one.pixel
-        texts.append(
-            f"click next: {flight.landmarks.name[one.landmark]} in "
-            f"{frame_label(flight, one.frame)}, near {u:.0f}, {v:.0f}: the sigma of a typical "
-            f"frame falls from {one.before_deg:.3g} to {one.after_deg:.3g} degree"
-        )
+    if joint.model.flight.picks.clicks is None:
+        return []
+    texts = [f"click next: {one.text}" for one in next_places(joint, count)]
     return texts or [f"no further click lowers the stated sigma by {100.0 * LEAST_GAIN:g} %"]
 
 

@@ -524,6 +524,12 @@ class Project:
         new = replace(before, values=before.values | {key: value})
         return replace(self, sections=self.sections | {section: new})
 
+    def without(self, section: str, *keys: str) -> Project:
+        """Leave keys of one section out."""
+        before = self.section(section)
+        left = {key: value for key, value in before.values.items() if key not in keys}
+        return replace(self, sections=self.sections | {section: replace(before, values=left)})
+
     def read(self, section: str, file: InputFile, formats: Sequence[InputFormat[R]]) -> R:
         """Read the file of a section; copies made by `changed` do not read it again."""
         key = section, file.name

@@ -553,18 +553,19 @@ def read_flight(name: str, location: str | None = None) -> Flight:
     return flight_of(read_project(name, location))
 
 
-def flight_of(project: Project) -> Flight:
+def flight_of(project: Project, rows: PickRows | None = None) -> Flight:
     """Read the files of a project whose keys have been read.
 
     Args:
         project: its sections
+        rows: picks that take the place of its own
 
     Raises:
         VopdError: where a value or a file is not as it should be; all values that are missing are
             named at once
     """
     try:
-        return _flight_of(project)
+        return _flight_of(project, rows)
     except NeededError as error:
         from vopd.flight.new import open_keys  # what no file says, as for a new project
 
@@ -578,10 +579,10 @@ def flight_of(project: Project) -> Flight:
 
 
 @np.errstate(all="ignore")
-def _flight_of(project: Project) -> Flight:
+def _flight_of(project: Project, given: PickRows | None) -> Flight:
     name = project.name
     camera_lens = read_camera(project)
-    lens, picks = camera_lens.read, read_pick_rows(project, camera_lens)
+    lens, picks = camera_lens.read, given or read_pick_rows(project, camera_lens)
     number, times, index = frames_of(project, picks)
     one = _all_as_one(project)
     if one:

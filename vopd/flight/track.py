@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import NamedTuple
 
@@ -54,7 +55,7 @@ def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]
     number, image, index = number_frames(rows.frame)
     section = project.section("picks")
     if image and section.has("frame_rate_hz") and _has_numbers(image):
-        own = np.array(_numbers_of(image), dtype=np.int64)
+        own = np.array(image_numbers(image), dtype=np.int64)
         order = np.argsort(own)
         number, image = own[order], tuple(image[k] for k in order)
         index = in_four_bytes(np.argsort(order)[index])
@@ -63,10 +64,10 @@ def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]
 
 def _has_numbers(image: tuple[str, ...]) -> bool:
     """Tell whether the names of all images end in numbers, each in another."""
-    return len({*_numbers_of(image)} - {-1}) == len(image)
+    return len({*image_numbers(image)} - {-1}) == len(image)
 
 
-def _numbers_of(image: tuple[str, ...]) -> list[int]:
+def image_numbers(image: Sequence[str]) -> list[int]:
     """Find the numbers at the ends of images' names, before the suffix; -1 where there is none."""
     found = [re.search(r"(\d{1,15})\D*$", name.rpartition(".")[0] or name) for name in image]
     return [-1 if one is None else int(one[1]) for one in found]

@@ -5,22 +5,56 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.report import page_template, style_and_script
 from vopd.video import VideoFrames
 
-QUALITY = 92  # of JPEG: the difference is less than a grey level or two
+QUALITIES = (92, 85, 75)  # of JPEG: of the first one the difference is a grey level or two
+WANTED_BYTES = 240_000_000  # of a page; of more frames the quality is lower
 MOST_BYTES = 400_000_000  # of a page, which a browser still opens
+DIGITS = 13  # of a direction's components: a nanosecond of arc
+
+# The page
+
+
+class Predicted(NamedTuple):
+    """What predicts N landmarks in the F frames of a page."""
+
+    landmark: Sequence[str]  # names, (N,)
+    direction: Floats  # (F, N, 3) unit vectors east, north, up from the camera; NaN where unknown
+    lenses: Sequence[Mapping[str, object]]  # kind, focal, centre, skew, k, field
+    which: Sequence[int]  # of them each frame has, (F,)
+    sigma_px: float  # of one pick
+    left_out: str  # what a solve has besides, for a sentence; empty for nothing
+
+
+class PageContent(NamedTuple):
+    """What a page begins with, besides its frames."""
+
+    landmarks: Iterable[str] = ()  # names that are offered
+    clicks: Sequence[tuple[str, str, float, float]] = ()
+    # the picks that there are, also of other frames: frame or image, landmark, u and v in pixels
+    # from the centre of the first pixel
+    hidden: Sequence[tuple[str, str]] = ()  # frames and landmarks that are not to be seen there
+    head: str = ""  # the first line of the file of picks
+    hidden_head: str = "# hidden: "  # the beginning of its lines of hidden landmarks
+    predicted: Predicted | None = None
+    unpredicted: str = ""  # why nothing is predicted
+    places: Sequence[tuple[str, str, str]] = ()  # where to click next: frame, landmark, and why
+    deck: Mapping[str, object] | None = None  # the cards around the readings of a film
+    film_number: Sequence[int] = ()  # of each frame, on those cards
 
 
 def pick_page(
     frames: VideoFrames,
     chosen: Sequence[int],
-    landmarks: Iterable[str] = (),
-    clicks: Iterable[tuple[str, str, float, float]] = (),
-    head: str = "",
+    content: PageContent,
     file: str = "clicks.csv",
     tell: Callable[[], object] = lambda: None,
 ) -> bytes:
@@ -29,10 +63,7 @@ def pick_page(
     Args:
         frames: of a video or a folder of images
         chosen: the indices of those on the page
-        landmarks: names that are offered
-        clicks: the picks that there are: frame or image, landmark, u and v in pixels from the
-            centre of the first pixel
-        head: the first line of the file of picks
+        content: what the page begins with
         file: the name that the page gives to the file of picks
         tell: is called after each frame
 
@@ -40,11 +71,9 @@ def pick_page(
         VopdError: if jinja2 is not installed, a frame cannot be read, or they are too many
     """
     template = page_template("pick.html")
-    rows, images, size = [], [], 0
+    rows, images, size = list[dict[str, Any]](), list[str](), 0
     for k, picture in zip(chosen, frames.pictures(chosen), strict=True):
-        buffer = io.BytesIO()
-        picture.save(buffer, "JPEG", quality=QUALITY, subsampling=0)
-        images.append(base64.b64encode(buffer.getvalue()).decode())
+        images.append(_jpeg(frames, k, picture, WANTED_BYTES // len(chosen)))
         size += len(images[-1])
         if size > MOST_BYTES:
             raise VopdError(
@@ -58,25 +87,64 @@ def pick_page(
         tell()
     here = {row["name"]: k for k, row in enumerate(rows)}
     known = [
-        {"frame": here[frame], "landmark": name, "u": u, "v": v}
-        for frame, name, u, v in clicks
-        if frame in here
+        {"frame": here.get(frame, frame), "landmark": name, "u": u, "v": v}
+        for frame, name, u, v in content.clicks
     ]
-    digest = hashlib.sha256(f"{frames.source} {[*here]} {known}".encode()).hexdigest()
+    hidden = [{"frame": here.get(one, one), "landmark": name} for one, name in content.hidden]
+    by = content.predicted
+    if by is not None:
+        rounded = np.round(by.direction, DIGITS).tolist()
+        for row, lens, to in zip(rows, by.which, rounded, strict=True):
+            row["lens"] = lens
+            row["to"] = [one if one[0] == one[0] else None for one in to]
+    for row, number in zip(rows, content.film_number, strict=False):
+        row["number"] = number
+    digest = hashlib.sha256(f"{frames.source} {[*here]} {known} {hidden} {content.deck}".encode())
+    names = [
+        *content.landmarks,
+        *(one["landmark"] for one in known if one["frame"] in here.values()),
+    ]
     page = template.render(
         source=frames.source,
         file=file,
         images=images,
         data={
-            "head": head,
+            "head": content.head,
+            "hiddenHead": content.hidden_head,
             "column": "image" if frames.image_name else "frame",
-            "key": digest,
+            "key": digest.hexdigest(),
             "frames": rows,
-            "landmarks": list(
-                dict.fromkeys([*landmarks, *(str(row["landmark"]) for row in known)])
-            ),
+            "landmarks": list(dict.fromkeys(names)),
             "picks": known,
+            "hidden": hidden,
+            "lenses": [] if by is None else by.lenses,
+            "sighted": [] if by is None else list(by.landmark),
+            "sigma": 1.0 if by is None else by.sigma_px,
+            "leftOut": "" if by is None else by.left_out,
+            "unpredicted": content.unpredicted,
+            "places": [
+                {"frame": here[frame], "landmark": name, "text": text}
+                for frame, name, text in content.places
+                if frame in here
+            ],
+            "deck": content.deck,
         },
         **style_and_script("pick"),
     )
     return page.encode("utf-8", "replace")
+
+
+def _jpeg(frames: VideoFrames, k: int, picture: Any, most: int) -> str:
+    """Write a frame as JPEG in base 64, of at most so many characters if it can be.
+
+    An image that is such a file already, and upright, stays as it is, to the last pixel.
+    """
+    own = frames.jpeg(k)
+    if own is not None and len(own) * 4 // 3 <= most:
+        return base64.b64encode(own).decode()
+    for quality in QUALITIES:
+        buffer = io.BytesIO()
+        picture.save(buffer, "JPEG", quality=quality, subsampling=0)
+        if buffer.tell() * 4 // 3 <= most:
+            break
+    return base64.b64encode(buffer.getvalue()).decode()

@@ -25,7 +25,7 @@ from vopd.flight.formats.tracked import (
 )
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of, read_camera, read_pick_rows
-from vopd.flight.track import frames_of, read_path
+from vopd.flight.track import frames_of, image_numbers, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
 from vopd.tracking.patches import PATCH_PX, SIGMA_FACTOR
@@ -109,10 +109,7 @@ def read_footage(project: Project) -> Footage:
         if not section.has(key):
             told = "the video" if key == "video" else "the file that is to be written"
             raise section.error(key, f'is missing: {told}, as {key} = "{example}"')
-    alone = {k: v for k, v in section.values.items() if k not in ("tracked", "tracked_from")}
-    clicked = replace(
-        project, sections=project.sections | {"picks": replace(section, values=alone)}
-    )
+    clicked = project.without("picks", "tracked", "tracked_from")
     if clicked.section("solve").has("frames"):
         clicked = clicked.changed("solve", "frames", "each")
     flight = flight_of(clicked)
@@ -162,16 +159,12 @@ def _numbers(project: Project, frames: VideoFrames) -> Ints:
 
 
 def _image_numbers(project: Project, frames: VideoFrames) -> list[int]:
-    import re
-
-    found = []
-    for name in frames.image_name:
-        match = re.search(r"(\d{1,15})\D*$", name.rpartition(".")[0] or name)
-        if match is None:
-            raise project.section("picks").error(
-                "video", f"{name} has no number in its name, as frame_0100.png for frame 100"
-            )
-        found.append(int(match[1]))
+    found = image_numbers(frames.image_name)
+    if -1 in found:
+        name = frames.image_name[found.index(-1)]
+        raise project.section("picks").error(
+            "video", f"{name} has no number in its name, as frame_0100.png for frame 100"
+        )
     if len(set(found)) < len(found):
         raise project.section("picks").error("video", "two images have one number")
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -411,9 +412,15 @@ PICK_FORMATS: tuple[InputFormat[PickRows], ...] = (
 )
 
 
-def read_clicks(file: InputFile) -> list[tuple[str, str, float, float]]:
-    """Read picks that `vopd pick` goes on with: frame or image, landmark, u and v from the centre
-    of the first pixel.
+HIDDEN = "# hidden: "
+"""The beginning of a line that says of a frame and a landmark that it is not to be seen there."""
+
+Click = tuple[str, str, float, float]
+"""Frame or image, landmark, u and v in pixels from the centre of the first pixel."""
+
+
+def read_clicks(file: InputFile) -> list[Click]:
+    """Read picks that `vopd pick` goes on with.
 
     Raises:
         VopdError: where the file does not say how pixels are counted
@@ -424,6 +431,20 @@ def read_clicks(file: InputFile) -> list[tuple[str, str, float, float]]:
             "it does not say from where pixels are counted; if u and v are 0 at the centre of the "
             f"first pixel and v counts down, write as its first line: {CLICKS}"
         )
-    pixel = rows.centred_px(np.arange(len(rows.landmark))).tolist()
-    names = zip(map(str, rows.frame), rows.landmark, pixel, strict=True)
-    return [(frame, landmark, u, v) for frame, landmark, (u, v) in names]
+    return clicks_of(rows)
+
+
+def clicks_of(rows: PickRows) -> list[Click]:
+    """List the picks of a person, without those that a program interpolated."""
+    kept = np.arange(len(rows.landmark))
+    if rows.interpolated is not None:
+        kept = kept[~rows.interpolated]
+    frame, landmark = list(map(str, rows.frame)), list(rows.landmark)
+    at = zip(kept.tolist(), rows.centred_px(kept).tolist(), strict=True)
+    return [(frame[k], landmark[k], u, v) for k, (u, v) in at]
+
+
+def read_hidden(file: InputFile) -> list[tuple[str, str]]:
+    """Read which landmarks are marked as not to be seen: frame or image, and landmark."""
+    lines = [one.removeprefix(HIDDEN) for one in file.text.splitlines() if one.startswith(HIDDEN)]
+    return [(row[0], row[1]) for row in csv.reader(lines) if len(row) == 2]
