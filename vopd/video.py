@@ -286,10 +286,19 @@ def presentation(path: Path) -> tuple[Ints, float]:
 
 def has_pyav() -> bool:
     """Tell whether PyAV decodes: it is installed, or `ffmpeg` is not there either."""
+    return _is_installed() or shutil.which("ffmpeg") is None
+
+
+def has_decoder() -> bool:
+    """Tell whether PyAV or `ffmpeg` is there."""
+    return _is_installed() or shutil.which("ffmpeg") is not None
+
+
+def _is_installed() -> bool:
     try:
         optional_package("av", "video")
     except VopdError:
-        return shutil.which("ffmpeg") is None
+        return False
     return True
 
 

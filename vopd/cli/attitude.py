@@ -197,9 +197,6 @@ def command(
                 said = f"the sigmas include errors of: {included}"
                 said += f"; not included: {left}" * bool(left)
             click.echo(f"{source}: {said}", err=True)
-    if not options.quiet:
-        for text in found.clicks:
-            click.echo(text, err=True)
     ctx.exit(found.status(options, messages))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -23,6 +24,18 @@ def pages() -> dict[str, Path]:
     return {one.stem: one for one in sorted(folder.glob("*.md")) if one.stem != "README"}
 
 
+def page_of(command: str, every: Mapping[str, Path]) -> str | None:
+    """Look up the page of a command in the table of commands; None if there is none.
+
+    Args:
+        command: its name
+        every: the pages by name
+    """
+    text = every["command-line"].read_text(encoding="utf-8")
+    row = re.search(rf"^\| `vopd {re.escape(command)}[ `].*?\]\(([\w-]+)\.md", text, re.M)
+    return row[1] if row else None
+
+
 def _complete(ctx: click.Context, argument: click.Parameter, begun: str) -> list[str]:
     return [name for name in pages() if name.startswith(begun)]
 
@@ -36,8 +49,10 @@ def command(page: str | None) -> None:
     Examples:
         vopd help
         vopd help flight-project
+        vopd help track
 
-    The options of a command are shown by the command: vopd attitude --help.
+    The name of a command is that of its page, too; its options are shown by the
+    command: vopd attitude --help.
 
     Exit status: 0; 2 there is no such page.
     """
@@ -47,6 +62,7 @@ def command(page: str | None) -> None:
         click.echo("\n".join(aligned(rows, {0, 1})))
         return
     name = page.removeprefix("docs/").removesuffix(".md")
+    name = name if name in every else page_of(name, every) or name
     if name not in every:
         near = get_close_matches(name, every, 1)
         hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(every)}"

@@ -32,7 +32,7 @@ class Collected(NamedTuple):
     def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
 
-        It is 3 where a frame did not converge, a flight misfits, or with `--strict` a frame has
+        Of flights that are tracked from clicks that is also where to click next. It is 3 where a frame did not converge, a flight misfits, or with `--strict` a frame has
         any flag, the errata of the program change a job by more than its standard deviations, or
         the residuals or the track of a flight speak for an error of its inputs.
         """
@@ -40,6 +40,8 @@ class Collected(NamedTuple):
             for finding in findings_of(job.about, job.summary):
                 messages(finding)
         messages.close()
+        for text in () if options.quiet else self.clicks:
+            click.echo(text, err=True)
         if self.failed:
             return 1
         flagged = sum(job.summary.flagged for job in self.jobs)

@@ -109,12 +109,13 @@ def command(
     With --deck it writes the project that is the same problem as one job of a card
     deck; vopd punch goes the other way.
 
-    Given none, it writes an example that runs at once, with frames of a video,
-    picks, landmarks, track, lens, wind, and the true angles.
+    Given none, it writes an example that runs at once, with a short video, six
+    clicks, landmarks, track, lens, wind, and the true angles.
 
     \b
     Examples:
         vopd new example
+        vopd track example/flight.toml
         vopd attitude example/flight.toml
         vopd new survey --gcp gcp_list.txt --lens cameras.json --track geo.txt
         vopd new hill --picks p.csv --landmarks l.csv --position 47.6,16.4,540 --height same

@@ -422,18 +422,18 @@ def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) ->
 
 NAME = "flight.toml"
 EXAMPLE = (
-    "picks.csv", "landmarks.csv", "track.csv", "lens.json", "wind.csv", "truth.csv",
-    "frame_000.png", "frame_050.png", "frame_100.png",
+    "flight.mp4", CLICKS, "landmarks.csv", "track.csv", "lens.json", "wind.csv", "truth.csv",
 )  # fmt: skip
 """The files of the example; tools/example_flight.py makes them."""
 EXAMPLE_VALUES: KeyValues = {
-    ("flight", "name"): '"drone over six masts"',
+    ("flight", "name"): '"drone over fields"',
     ("flight", "epoch"): "2026-05-01T09:30:00.240Z",
     ("camera", "lens"): '"lens.json"',
     ("camera", "image_size_px"): "[640, 360]",
-    ("picks", "file"): '"picks.csv"',
-    ("picks", "pixel_grid"): '"centre"',
+    ("picks", "file"): toml_text(CLICKS),
     ("picks", "sigma_px"): "0.5",
+    ("picks", "video"): '"flight.mp4"',
+    ("picks", "tracked"): toml_text(TRACKED),
     ("picks", "frame_rate_hz"): "25.0",
     ("picks", "first_frame_t_s"): "0.0",
     ("landmarks", "file"): '"landmarks.csv"',
@@ -450,8 +450,9 @@ HEAD = "A flight project: vopd check, attitude, plot and report take this file.\
 EXAMPLE_HEAD = (
     HEAD
     + """\
-The example: a drone with a video camera over fields with six landmarks. The frames are
-rendered, the picks have errors of half a pixel, and truth.csv has the true angles.
+The example: the video of a drone over fields, with clicks of six landmarks in its first
+frame. The frames are rendered, the clicks have errors of half a pixel, and truth.csv has
+the true angles. vopd track follows the clicks through the video, vopd attitude solves both.
 To make it yours, replace the files and the values that differ. Lines that begin with #
 are keys that are not used here, each with an example."""
 )
@@ -468,7 +469,8 @@ def example_project() -> NewProject:
     folder = files("vopd.flight") / "example"
     new = NewProject({name: (folder / name).read_bytes() for name in EXAMPLE})
     new.contents[NAME] = project_text(EXAMPLE_VALUES, {}, EXAMPLE_HEAD).encode()
-    new.said.append("an example: 21 frames of a drone's video over six landmarks, with its truth")
+    new.said.append("an example: a drone's video, clicks of six landmarks in it, and its truth")
+    new.then = "track {}"
     return new
 
 

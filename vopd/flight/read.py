@@ -303,6 +303,9 @@ APART = 20.0  # standard deviations between picks of one point that cannot both 
 
 
 POINTS_AT_ONCE = 100_000
+ONLY_CLICKS = (
+    "only the frames with clicks are solved; vopd track follows the clicks through the video"
+)
 
 
 def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
@@ -315,18 +318,22 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     section = project.section("picks")
     if section.has("tracked_from") and not section.has("tracked"):
         raise section.error("tracked_from", "is of the key tracked, which is missing")
-    if section.has("tracked") and section.text("tracked_from") == "clicks":
+    tracked, not_yet = section.has("tracked"), ""
+    if tracked and section.text("tracked_from") == "clicks":
         from vopd.flight.tracked_picks import read_tracked_picks  # of few flights
 
         if camera.table is not None:
             message = "picks tracked from clicks are of one camera's video: give [camera] lens"
             raise project.section("camera").error("of_images", message)
-        return read_tracked_picks(project, camera.read.lens.size_px)
-    file = project.open("picks", "tracked" if section.has("tracked") else "file")
+        name = section.text("tracked")
+        if (project.folder / name).exists() or not section.has("file"):
+            return read_tracked_picks(project, camera.read.lens.size_px)
+        tracked, not_yet = False, f"{name} is not there: {ONLY_CLICKS}"
+    file = project.open("picks", "tracked" if tracked else "file")
     rows = project.read("picks", file, PICK_FORMATS)
     frames = rows.frame.known if isinstance(rows.frame, Names) else []
     _refuse_long(file, [*rows.landmark.known, *frames])
-    if section.has("tracked"):
+    if tracked:
         rows = replace(rows, interpolated=np.ones(len(rows.landmark), bool))
     elif section.text("interpolated") == "drop" and rows.interpolated is not None:
         rows = rows.where(~rows.interpolated)
@@ -352,7 +359,8 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {count_text(len(sigma), 'pick')}, {grid} grid, v {way}"
     known = section.has("sigma_px") or bool(own.any())
-    return replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
+    rows = replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
+    return replace(rows, doubts=(not_yet,)) if not_yet else rows
 
 
 def _sizes_px(section: Section, file: InputFile, rows: PickRows, camera: CameraLens) -> Floats:

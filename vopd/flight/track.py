@@ -110,7 +110,7 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
                 f"{rate:g} a second, and by its own times the frames of {said}: they differ by "
                 f'{off_s:.3g} s over the flight; write times = "video" in its place',
             )
-        return FrameTimes(time_s, image, epoch)
+        return FrameTimes(time_s, image, epoch, "" if np.isfinite(shown_s).all() else said)
     if not section.has("times"):
         return FrameTimes(np.full(len(number), np.nan), image, epoch)
     if section.text("times") == VIDEO:
@@ -136,13 +136,20 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
 
 
 def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
-    """Read when frames are shown after the first of their video, seconds (F,), and a sentence."""
-    from vopd.video import open_frames
+    """Read when frames are shown after the first of their video, seconds (F,), and a sentence.
+
+    They are NaN of images, and where nothing decodes the video and the project has a frame rate.
+    """
+    from vopd.video import has_decoder, open_frames
 
     section = project.section("picks")
+    paths = [project.folder / name for name in section.files("video")]
     try:
-        frames = open_frames([str(project.folder / name) for name in section.files("video")])
+        frames = open_frames(map(str, paths))
     except VopdError as error:
+        rated = section.values.get("times") != VIDEO
+        if rated and not has_decoder() and all(one.is_file() for one in paths):
+            return np.full(len(number), np.nan), f"frame_rate_hz is not checked: {error}"
         raise section.error("video", str(error)) from error
     if frames.image_name:
         if section.values.get("times") != VIDEO:
