@@ -205,7 +205,7 @@ TOLERANCES = {
     "flight time": Tolerance("s", 1e-12, "a few decimals"),
     "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
     "rendered pick": Tolerance(
-        "px", 2.5, "picks of .5 px noise each way, 4 standard deviations; a disc of nine pixels"
+        "px", 2.5, "clicks of .5 px noise each way, 4 standard deviations; a compressed corner"
     ),
     "angle by cards": Tolerance(
         "deg", 5e-4, "readings of 5E-6 in. of 7.5 in. of focal length, 4E-5 degree; roll four times"

@@ -142,7 +142,9 @@ def rendered(time_s: float) -> Any:
     reach = camera[2] / -ray[:, 2]  # all rays go down
     east, north = (camera[:2] + ray[:, :2] * reach[:, None]).T
     at = (north - SOUTH_NORTH_M[0]) / CELL_M, (east - WEST_EAST_M[0]) / CELL_M
-    colour = [map_coordinates(one, at, order=1, mode="nearest") for one in np.moveaxis(ground(), 2, 0)]
+    colour = [
+        map_coordinates(one, at, order=1, mode="nearest") for one in np.moveaxis(ground(), 2, 0)
+    ]
     haze = np.clip(reach / 2500.0, 0.0, 0.85)
     light = np.stack(colour, axis=1) * (1.0 - haze)[:, None] + 205.0 * haze[:, None]
     mean = light.reshape(SIZE[1], FINER, SIZE[0], FINER, 3).mean(axis=(1, 3))

@@ -24,7 +24,7 @@ def content(data: bytes) -> str:
     """Describe an output by lines of text.
 
     Arrays of a .npz, columns of a Parquet file and records of tape 10 become lines of names and
-    numbers, a picture its size, an SVG its texts but for the
+    numbers, a picture or a video its size, an SVG its texts but for the
     numbers along its axes, a page itself without its figures, style and script, which are
     `page.css` and `page.js` of vopd/report. Anything else is its text.
     """
@@ -34,6 +34,8 @@ def content(data: bytes) -> str:
         return _parquet(data)
     if data.startswith(b"\x89PNG"):
         return "PNG, {} x {} pixels\n".format(*struct.unpack(">II", data[16:24]))
+    if data[4:8] == b"ftyp":
+        return f"MP4, {len(data)} bytes\n"
     if data.startswith(b"%PDF"):
         width, height = re.findall(rb"/MediaBox \[ ?0 0 ([\d.]+) ([\d.]+)", data)[0]
         return f"PDF, {width.decode()} x {height.decode()} points\n"

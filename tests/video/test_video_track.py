@@ -79,13 +79,40 @@ def test_videos_without_a_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     write_gpmf(Path("unfixed.mp4"), [(0, gps5([(47.0, 15.0, 1.0)], fix=0))])
     write_gpmf(Path("other.mp4"), [(0, device(klv("ACCL", "s", 2, 1, b"\0\1")))])
     write_gpmf(Path("wrong.mp4"), [(0, device(klv("GPS5", "?", 20, 1, b"\0" * 20)))])
-    Path("old.SRT").write_text("1\n00:00:00,000 --> 00:00:01,000\nGPS(15.1,47.2,18) BAROMETER:3\n")
-    Path("lost.SRT").write_text(
-        "1\n00:00:00,000 --> 00:00:01,000\n[latitude: 0.0] [longitude: 0.0] [abs_alt: 3.0]\n"
-    )
-    for name in ("none.mp4", "unfixed.mp4", "other.mp4", "wrong.mp4", "old.SRT", "lost.SRT"):
+    block = "1\n00:00:00,000 --> 00:00:01,000\n[latitude: {}] [longitude: {}]{}\n"
+    Path("flat.SRT").write_text(block.format(47.2, 15.1, ""))
+    Path("lost.SRT").write_text(block.format(0.0, 0.0, " [abs_alt: 3.0]"))
+    for name in ("none.mp4", "unfixed.mp4", "other.mp4", "wrong.mp4", "flat.SRT", "lost.SRT"):
         with refused(VopdError):
             read(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("block", "place"),
+    [
+        ("<font size=\"36\">SrtCnt : 1, DiffTime : 33ms\n2026-05-01 10:00:00,774,808\n[iso : 100] "
+         "[focal_len : 240] [latitude: -47.25] [longitude: 15.5] [altitude: 512.25] </font>",
+         (15.5, -47.25, 512.25)),
+        ("[latitude : -47.25] [longtitude : 15.5] [altitude: 512.25]", (15.5, -47.25, 512.25)),
+        ("HOME(15.4,-47.2) 2026.05.01 10:00:00\nGPS(15.5000,-47.2500,16) BAROMETER:31.5\nISO:100",
+         (15.5, -47.25, 31.5)),
+        ("HOME(15.4,-47.2) 2026.5.1 10:00:00\nGPS(15.5000,-47.2500,16) Hb:31.5 Hs:1.9",
+         (15.5, -47.25, 31.5)),
+        ("F/2.8, SS 30.15, ISO 260, EV -1.7, GPS (15.5, -47.25, 17), HOME (15.4, -47.2, -5.98m), "
+         "D 221.2m, H 31.50m, H.S n/a, V.S 0.10m/s, F.PRY (2.7°, -7.0°, 110.1°)",
+         (15.5, -47.25, 31.5)),
+        ("2026.05.01 10:00:00\nGPS(-47.2500,15.5000,0.0M) BAROMETER:31.5M", (15.5, -47.25, 31.5)),
+    ],
+    ids=["Air 2S", "Mavic 2", "Mavic Pro", "Mavic Pro before", "Mini, Phantom 4", "Matrice 300"],
+)  # fmt: skip
+def test_subtitles_of_drones(block: str, place: tuple[float, float, float], tmp_path: Path) -> None:
+    """Longitude first, but for the Matrice; heights of the older ones are above the take-off."""
+    path = tmp_path / "a.SRT"
+    path.write_text(f"1\n00:00:01,000 --> 00:00:02,000\n{block}\n", encoding="utf-8-sig")
+    rows = read(path)
+    assert_close("place or time as a file has it", rows.coordinate, [place])
+    assert_close("place or time as a file has it", rows.time_s, [1.0])
+    assert_approved(rows.said)
 
 
 def test_subtitles_repeat_positions(tmp_path: Path) -> None:

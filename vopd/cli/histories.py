@@ -32,9 +32,10 @@ class Collected(NamedTuple):
     def status(self, options: SharedOptions, messages: Messages) -> int:
         """Tell what is known once all parts have been made; return the exit status.
 
-        Of flights that are tracked from clicks that is also where to click next. It is 3 where a frame did not converge, a flight misfits, or with `--strict` a frame has
-        any flag, the errata of the program change a job by more than its standard deviations, or
-        the residuals or the track of a flight speak for an error of its inputs.
+        Of flights that are tracked from clicks that is also where to click next. The status is 3
+        where a frame did not converge, a flight misfits, or with `--strict` a frame has any flag,
+        the errata of the program change a job by more than its standard deviations, or the
+        residuals or the track of a flight speak for an error of its inputs.
         """
         for job in self.untold:
             for finding in findings_of(job.about, job.summary):

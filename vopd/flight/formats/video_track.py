@@ -178,16 +178,24 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
         return values / scale.ravel() if scale.size else values
 
 
-# Subtitles of a DJI drone: a block a frame, with the position in brackets
+# Subtitles of a DJI drone: a block a frame, with the position in brackets; or, of older drones, a
+# block a second, longitude first, with the number of satellites behind the place, and the height
+# above the take-off. A Matrice 300 has latitude first, and metres in the place of satellites.
 
 BLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->")
 FIELDS = tuple(
     re.compile(rf"\b(?:{names})\s*:\s*(-?[\d.]+)")
     for names in ("latitude", "longitude|longtitude", "abs_alt|altitude")
 )
+BEFORE = re.compile(r"\bGPS\s*\(\s*(-?[\d.]+)\s*,\s*(-?[\d.]+)\s*,\s*(?:\d+|-?[\d.]+(M))\s*\)")
+ABOVE = re.compile(r"\b(?:BAROMETER:|Hb:|H )\s*(-?[\d.]+)")
 NO_BRACKETS = (
-    "no block has [latitude: ..] [longitude: ..] and abs_alt or altitude; other .SRT are not read: "
-    "make a CSV of it, t_s,lat_deg,lon_deg,h_m"
+    "no block has [latitude: ..] [longitude: ..] and abs_alt or altitude, or GPS(..) with "
+    "BAROMETER or H; other .SRT are not read: make a CSV of it, t_s,lat_deg,lon_deg,h_m"
+)
+TAKE_OFF = (
+    "heights are above the take-off: height = { undulation_m = 412.0 } if that is at 412 m; GPS of "
+    "four decimals is to 11 m"
 )
 
 
@@ -199,23 +207,32 @@ def read_srt(file: InputFile) -> TrackRows:
     starts = list(BLOCK.finditer(file.text))
     values, lines = [], []
     ends = [one.start() for one in starts[1:]] + [len(file.text)]
-    line, counted = 1, 0
+    line, counted, above = 1, 0, 0
     for start, end in zip(starts, ends, strict=True):
         line += file.text.count("\n", counted, start.start())
         counted = start.start()
         found = [field.search(file.text, start.end(), end) for field in FIELDS]
-        if all(found):
-            hours, minutes, seconds, parts = start.groups()
-            t = int(hours) * 3600.0 + int(minutes) * 60.0 + int(seconds)
-            try:
-                place = [plain_number(one[1]) for one in found if one is not None]
-            except ValueError as error:
-                raise file.error(str(error), line) from error
-            values.append([t + int(parts.ljust(3, "0")) / 1000.0, *place])
-            lines.append(line)
+        words = [one[1] for one in found if one is not None]
+        if len(words) < 3:
+            before, high = (one.search(file.text, start.end(), end) for one in (BEFORE, ABOVE))
+            if before is None or high is None:
+                continue
+            words = [before[1], before[2]] if before[3] else [before[2], before[1]]
+            words.append(high[1])
+            above += 1
+        hours, minutes, seconds, parts = start.groups()
+        t = int(hours) * 3600.0 + int(minutes) * 60.0 + int(seconds)
+        try:
+            place = [plain_number(one) for one in words]
+        except ValueError as error:
+            raise file.error(str(error), line) from error
+        values.append([t + int(parts.ljust(3, "0")) / 1000.0, *place])
+        lines.append(line)
     table = np.array(values).reshape(-1, 4)
     if not len(table):
         raise file.error(NO_BRACKETS)
+    if 0 < above < len(table):
+        raise file.error("some blocks have heights above the take-off, others above the sea")
     there = (table[:, 1:3] != 0.0).any(axis=1)
     new = np.append(True, (np.diff(table[:, 1:], axis=0) != 0.0).any(axis=1))
     new[-1] = True  # a drone that hovers
@@ -226,6 +243,7 @@ def read_srt(file: InputFile) -> TrackRows:
         k = int(kept[np.argmax(np.abs(table[kept, 1]))])
         raise file.error(f"{table[k, 1]:g} is no latitude", lines[k])
     said = f"SRT of a DJI drone, {count_text(len(kept), 'position')} in {len(starts)} blocks"
+    said += f"; {TAKE_OFF}" if above else ""
     return TrackRows(
         table[kept][:, [2, 1, 3]],
         True,
