@@ -204,6 +204,9 @@ TOLERANCES = {
     "curvature": Tolerance("rad", 2e-8, "the meridian's radius changes by 1E-5 over 10 km"),
     "flight time": Tolerance("s", 1e-12, "a few decimals"),
     "flight speed": Tolerance("m/s", 1e-3, "north turns by 1E-5 rad along the track"),
+    "angle of six clicks": Tolerance(
+        "deg", 0.25, "clicks of .5 px at 520 px of focal length: .055, four times in roll"
+    ),
     "rendered pick": Tolerance(
         "px", 2.5, "clicks of .5 px noise each way, 4 standard deviations; a compressed corner"
     ),

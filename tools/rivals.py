@@ -15,17 +15,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from example_flight import (
-    LENS,
-    MARKS,
-    SIZE,
-    START,
-    VELOCITY,
-    K,
-    angles_deg,
-    origin_m,
-    rotations,
-)
+from example_flight import LENS, SIZE, START, VELOCITY, K, origin_m, rotations
 from scipy.spatial.transform import Rotation
 
 import vopd
@@ -35,6 +25,10 @@ from vopd.geometry.lenses import project, ray_of_pixel
 
 FRAMES, RATE_HZ, LEAST = 600, 100.0, 4
 NOISE_PX = 0.5
+MARKS = {  # east, north, and height of the mast's top
+    "chapel": (40.0, 330.0, 24.0), "silo": (150.0, 270.0, 18.0), "pylon": (330.0, 420.0, 35.0),
+    "barn": (215.0, 180.0, 9.0), "bridge": (120.0, 520.0, 6.0), "mast": (260.0, 610.0, 48.0),
+}  # fmt: skip
 PROJECT = """[flight]
 name = "rivals"
 [camera]
@@ -50,12 +44,22 @@ first_frame_t_s = 0.0
 [landmarks]
 file = "landmarks.csv"
 height = "ellipsoid"
+sigma_m = "exact"
 [track]
 file = "track.csv"
 height = "ellipsoid"
-{sigma}[atmosphere]
+sigma_m = {sigma}
+sigma_t_s = "exact"
+[atmosphere]
 refraction = "off"
 """
+
+
+def angles_deg(time_s: Floats) -> Floats:
+    """True yaw, pitch, roll, (F, 3)."""
+    t = np.asarray(time_s)
+    yaw = 28.0 + 7.0 * np.sin(1.6 * t)
+    return np.stack([yaw, -16.0 + 2.0 * np.sin(2.3 * t + 1.0), 5.0 * np.sin(1.1 * t + 0.4)], axis=1)
 
 
 def angles(from_enu: Floats) -> Floats:
@@ -114,14 +118,14 @@ def by_vopd(points: Floats, pixel: Floats, seen: Floats, camera: Floats, sigma_m
                 for n, (a, b, h) in enumerate(zip(*track, strict=True))
             )
         )
-        sigma = f"sigma_m = {sigma_m}\n" if sigma_m else ""
+        sigma = sigma_m or '"exact"'
         text = PROJECT.format(k=f"[{k}]", noise=NOISE_PX, rate=RATE_HZ, sigma=sigma)
         (folder / "flight.toml").write_text(text)
         return np.asarray(vopd.solve_flight(folder / "flight.toml").camera_deg)
 
 
 def compare(scale: float, seed: int) -> None:
-    """Print the rows of a flight whose lengths are those of the example times a scale."""
+    """Print the rows of a flight whose lengths are multiplied by a scale."""
     rng = np.random.default_rng(seed)
     time_s = np.arange(FRAMES) / RATE_HZ
     points = scale * np.array(list(MARKS.values()))

@@ -367,11 +367,16 @@ def _packets_by_ffmpeg(path: Path) -> tuple[list[int], float]:
     """Read the presentation times of all frames, and their unit, seconds, by ffmpeg."""
     with _ffmpeg(path, "-c", "copy", "-f", "framecrc") as output:
         lines = output.read().decode("ascii", "replace").splitlines()
-    base = next((line.split()[-1] for line in lines if line.startswith("#tb 0:")), "1/1")
-    above, _, below = base.partition("/")
+    unit_s = next((_tick_s(line) for line in lines if line.startswith("#tb 0:")), 1.0)
     packets = [found for line in lines if (found := FRAMECRC.match(line))]
     shown = [int(found[1]) for found in packets if not int(found[2] or "0", 16) & DISCARD]
-    return shown, int(above) / int(below)
+    return shown, unit_s
+
+
+def _tick_s(line: str) -> float:
+    """Read the unit of times, seconds, from the line `#tb 0: 1/90000`."""
+    above, _, below = line.split()[-1].partition("/")
+    return int(above) / int(below)
 
 
 def _by_ffmpeg(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[Any]:
@@ -407,8 +412,10 @@ def _read_pnm(stream: IO[bytes]) -> Any:
 
 
 @contextmanager
-def _ffmpeg(path: Path, *how: str, before: Sequence[str] = ()) -> Iterator[IO[bytes]]:
-    """Run ffmpeg on the first stream of frames of a video, and read what it writes.
+def _ffmpeg(
+    path: Path, *how: str, before: Sequence[str] = (), stream: str = "v:0"
+) -> Iterator[IO[bytes]]:
+    """Run ffmpeg on a stream of a video, the first one of frames, and read what it writes.
 
     Raises:
         VopdError: if it ends with an error
@@ -419,7 +426,7 @@ def _ffmpeg(path: Path, *how: str, before: Sequence[str] = ()) -> Iterator[IO[by
     with (
         tempfile.TemporaryFile() as errors,
         subprocess.Popen(
-            [*command, "-map", "0:v:0", *how, "-"], stdout=subprocess.PIPE, stderr=errors
+            [*command, "-map", f"0:{stream}", *how, "-"], stdout=subprocess.PIPE, stderr=errors
         ) as process,
     ):
         assert process.stdout is not None
@@ -437,7 +444,7 @@ def _ffmpeg(path: Path, *how: str, before: Sequence[str] = ()) -> Iterator[IO[by
 
 
 def payloads(path: Path, begin: bytes) -> list[tuple[float, float, bytes]]:
-    """Read the packets of a video's first stream of data that begin in some way, by PyAV.
+    """Read the packets of a video's first stream of data that begin in some way.
 
     Args:
         path: the video
@@ -451,6 +458,8 @@ def payloads(path: Path, begin: bytes) -> list[tuple[float, float, bytes]]:
     """
     tick, unit_s = presentation(path)
     zero_s = float(tick[0]) * unit_s
+    if not has_pyav():
+        return _payloads_by_ffmpeg(path, begin, zero_s)
     with opened(path) as (container, _):
         streams = [one for one in container.streams if one.type == "data"]
         found: dict[int, list[tuple[float, float, bytes]]] = {}
@@ -463,6 +472,36 @@ def payloads(path: Path, begin: bytes) -> list[tuple[float, float, bytes]]:
                 one = packet.pts * unit - zero_s, (packet.duration or 0) * unit, content
                 found.setdefault(packet.stream.index, []).append(one)
     return next((found[index] for index in sorted(found)), [])
+
+
+MOST_STREAMS = 20  # of data, that are looked through by ffmpeg
+
+
+def _payloads_by_ffmpeg(
+    path: Path, begin: bytes, zero_s: float
+) -> list[tuple[float, float, bytes]]:
+    """Read the packets of data as `payloads` does: their times and sizes, then what is in them."""
+    for stream in (f"d:{k}" for k in range(MOST_STREAMS)):
+        try:
+            with _ffmpeg(path, "-c", "copy", "-f", "framecrc", stream=stream) as output:
+                lines = output.read().decode("ascii", "replace").splitlines()
+            with _ffmpeg(path, "-c", "copy", "-f", "data", stream=stream) as output:
+                content = output.read()
+        except VopdError:  # there is no such stream
+            return []
+        unit_s = next((_tick_s(line) for line in lines if line.startswith("#tb 0:")), 1.0)
+        found, at = [], 0
+        for line in lines:
+            if line.startswith("#"):
+                continue
+            shown, lasts, size = (int(part) for part in line.split(",")[2:5])
+            own = content[at : at + size]
+            at += size
+            if own.startswith(begin):
+                found.append((shown * unit_s - zero_s, lasts * unit_s, own))
+        if found:
+            return found
+    return []
 
 
 def spread(frames: VideoFrames, count: int) -> list[int]:

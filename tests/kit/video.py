@@ -85,13 +85,21 @@ try:
     container = av.open(given[given.index("-i") + 1].removeprefix("file:"))
 except av.error.FFmpegError as error:
     sys.exit(str(error))
-stream, out = container.streams.video[0], sys.stdout.buffer
+_, letter, number = given[given.index("-map") + 1].split(":")
+kinds = [one for one in container.streams if one.type[0] == letter]
+if int(number) >= len(kinds):
+    sys.exit("Stream map matches no streams.")
+stream, out = kinds[int(number)], sys.stdout.buffer
 unit = float(stream.time_base)
 if "framecrc" in given:
     out.write(f"#tb 0: {{stream.time_base}}\n".encode())
     for packet in container.demux(stream):
         if packet.pts is not None:
-            out.write(f"0, {{packet.dts}}, {{packet.pts}}, 1, 9, 0x0\n".encode())
+            times = f"0, {{packet.dts}}, {{packet.pts}}, {{packet.duration}}"
+            out.write(f"{{times}}, {{packet.size}}, 0x0\n".encode())
+elif "data" in given:
+    for packet in container.demux(stream):
+        out.write(bytes(packet))
 else:
     low, high = map(float, re.search(r"t.,([-\d.]+).,([-\d.]+)", " ".join(given)).groups())
     for frame in container.decode(stream):

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import struct
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.video import klv, write_gpmf, write_video
+from tests.kit.video import klv, write_gpmf, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import open_input, read_by_content
@@ -71,6 +73,22 @@ def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
     assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5])
     assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.1])
     assert_approved(rows.said)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="the stub is a script")
+def test_ffmpeg_reads_gpmf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    packets = [(0, gps5([(47.1, 15.2, 400.5)])), (1000, gps5([(47.2, 15.3, 401.0)] * 2))]
+    write_gpmf(tmp_path / "a.mp4", packets)
+    write_video(tmp_path / "none.mp4", [0, 40])
+    by_pyav = read(tmp_path / "a.mp4")
+    write_stub(tmp_path / "bin" / "ffmpeg")
+    monkeypatch.setenv("PATH", str(tmp_path / "bin"), prepend=os.pathsep)
+    monkeypatch.setitem(sys.modules, "av", None)
+    rows = read(tmp_path / "a.mp4")
+    assert (rows.coordinate == by_pyav.coordinate).all()
+    assert rows.time_s is not None and list(rows.time_s) == [0.0, 1.0, 1.5]
+    with refused(VopdError):
+        read(tmp_path / "none.mp4")
 
 
 def test_videos_without_a_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
