@@ -2,8 +2,8 @@
 
     python -m tools.click_coverage [--flights N]
 
-An error is drawn once for each click, and one of the match for each tracked place; flights are made
-and compared without the package. Printed are the root mean square of all turns over what is
+Errors are drawn as `tests.kit.clicked_flights` says; flights are made and compared without the
+package. Printed are the root mean square of all turns over what is
 stated, the share of flights whose mean turn is inside its 95 % region, and the sigma of a match.
 """
 

@@ -115,7 +115,7 @@ def test_a_landmark_with_wrong_coordinates_is_no_wrong_click() -> None:
     said = " ".join(
         f.message for f in solve_flight_read(replace(one.flight, landmarks=marks)).findings
     )
-    assert "P3 does not fit the other landmarks" in said and "the click of" not in said
+    assert "coordinates of P3" in said and "the click of" not in said
 
 
 # A project with a tracked file
@@ -155,6 +155,14 @@ def test_other_clicks_need_another_track(tmp_path: Path) -> None:
         file.write("3,mast,700,500\n")
     with pytest.raises(VopdError, match=r"\[picks\] tracked: tracked.csv was made of .*again"):
         solve_flight(path)
+
+
+def test_the_sigma_of_clicks_is_the_one_that_is_stated_now(tmp_path: Path) -> None:
+    path = clicked_project(tmp_path)
+    before = solve_flight(path).history().uncertainty.components["click"]
+    path.write_text(path.read_text().replace(KEYS, KEYS + "sigma_px = 1.0\n"))
+    after = solve_flight(path).history().uncertainty.components["click"]
+    assert (after[:, :3] > 1.5 * before[:, :3]).all()
 
 
 def test_another_lens_is_said_and_the_picks_serve(tmp_path: Path) -> None:

@@ -1,7 +1,9 @@
 """Flights of clicks and tracks with drawn errors, and their least squares by one dense matrix.
 
-An error is drawn once for each click, and one of the match for each reading; geodesy, camera and
-the least squares are of numpy and scipy alone, a reading a row.
+An error is drawn once for each click, and one for each landmark in each frame: matches there are
+off by it from whichever click, and the click there takes its patch from that frame, so that all its
+matches elsewhere are off by as much the other way. Rendered videos are so (docs/track.md). Geodesy,
+camera and the least squares are of numpy and scipy alone, a reading a row.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from vopd.flight.equations import Priors
 from vopd.flight.flight import Flight
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.tracked import CLICKED, TRACKED, TrackedRows
-from vopd.flight.tracked_picks import CLICK_ALONE, join_tracks
+from vopd.flight.tracked_picks import join_tracks
 
 
 class ClickedFlight(NamedTuple):
@@ -44,7 +46,7 @@ def clicked_flight(
         every: frames between clicks of one landmark; those of different landmarks are staggered
         reach: frames over which a click is tracked
         click_px: standard deviation of a click
-        match_px: of a match
+        match_px: of a landmark's matches in a frame
         stated_px: of a match, as the rows have it; None: as it is
         landmark_m: of the landmarks' positions
     """
@@ -53,6 +55,7 @@ def clicked_flight(
     flight = flight_of(rng, scene, 0.0, Priors(landmark_m=marks))
     pixel = np.full((frames, landmarks, 2), np.nan)
     pixel[scene.frame, scene.landmark] = flight.picks.pixel
+    noise = rng.spawn(1)[0].normal(0.0, match_px, (frames, landmarks, 2))
     rows, errors = [], []
     for mark in range(landmarks):
         for source in range(min(mark * 3, frames - 1), frames, every):
@@ -62,8 +65,8 @@ def clicked_flight(
                 age = (frame - source) / reach
                 turn, grow = 0.4 * age, 1.0 + 0.2 * age
                 by = grow * np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-                shift = error if frame == source else by @ error + rng.normal(0.0, match_px, 2)
-                by = np.eye(2) if frame == source else by
+                # of the click itself nothing but its own error
+                shift = by @ (error - noise[source, mark]) + noise[frame, mark]
                 rows.append((frame, mark, source, pixel[frame, mark] + shift, by))
     frame, mark, source = (np.array([row[k] for row in rows]) for k in range(3))
     clicked = frame == source
@@ -99,14 +102,17 @@ def dense_solution(one: ClickedFlight, start: Floats, match_px: float) -> DenseS
     Args:
         one: the flight
         start: rotations to begin with, (F, 3, 3)
-        match_px: standard deviation of a match, in the place of the stated one
+        match_px: standard deviation of the matches of a landmark in a frame
     """
     rows, flight = one.rows, one.flight
     marks = np.array([flight.landmarks.name.index(name) for name in rows.landmark])
     click, which = _clicks(rows, marks)
     clicked = rows.status == CLICKED
     sigma_px = rows.sigma_px[clicked][np.argsort(which[clicked])]
-    own_px = np.where(clicked, CLICK_ALONE * rows.sigma_px, match_px)
+    _, point, times = np.unique(
+        np.stack([marks, rows.frame]), axis=1, return_inverse=True, return_counts=True
+    )
+    own_px = match_px * np.sqrt(times[point])  # those of one point are together as good as one
     frames, size_m = len(start), flight.landmarks.sigma_m
     own, mark_axes = axes(flight.path.position_m), axes(flight.landmarks.position_m)
     free = np.flatnonzero(size_m.any(axis=1))

@@ -132,10 +132,9 @@ COMPONENTS = (
 
 INPUTS = (
     "position", "landmark", "focal", "principal_point", "distortion", "refraction", "time",
-    "readout", "mount", "velocity", "wind", "click", "drift_of_matches",
+    "readout", "mount", "velocity", "wind", "click",
 )  # fmt: skip
-"""Components that only the user or the source can state; the others are estimated. The drift of
-matches can be stated by nobody yet: it is named as left out."""
+"""Components that only the user or the source can state; the others are estimated."""
 
 COMMON = (
     "principal_point", "distortion", "landmark", "focal", "time", "readout", "mount", "refraction",

@@ -24,7 +24,6 @@ class ClickEquations:
             standard deviations of the readings, (2Q, 2Q)
         right: the same as the right side of N e, (2Q,)
         spare: how many readings each pick has besides one, (P,)
-        telling: those of them that tell how good readings are, (P,)
     """
 
     def __init__(self, clicks: Clicks, pick: Ints) -> None:
@@ -38,7 +37,6 @@ class ClickEquations:
         self.seen, self._local = np.unique(own.click, return_inverse=True)
         q = len(self.seen)
         self.spare = np.maximum(np.bincount(own.pick, minlength=len(pick)) - 1, 0)
-        self.telling = np.zeros_like(self.spare) if clicks.shared else self.spare
         self.column, self.by_click = _of_picks(own, self._local, len(pick), q)
         self._weight = own.own_px**-2.0
         weighted = own.by_click * self._weight[:, None, None]

@@ -227,8 +227,6 @@ SIGMA_KEYS = {
     "velocity": "[track] velocity_sigma_m_s",
     "wind": "[wind] sigma_m_s",
     "click": "[picks] tracked_from: tracks of another program share those of their clicks",
-    "drift_of_matches": "errors of tracked places last from frame to frame: in 12 rendered videos "
-    "the sigmas were 1.4 times too small",
 }
 """Where the standard deviation of each component of a flight's uncertainty is stated."""
 
@@ -319,8 +317,6 @@ def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
         keys.pop("readout", None)
     if flight.picks.followed is None or not flight.picks.followed.any():
         del keys["click"]
-    if flight.picks.clicks is None:
-        del keys["drift_of_matches"]
     if flight.refraction.k == 0.0 and "refraction" not in flight.options.parameter_sigma:
         raised_deg = _standard_refraction_deg(solved)
         keys.pop("refraction", None)

@@ -28,7 +28,9 @@ class Clicks:
     """A person's clicks, C of them, and R readings of picks that carry their errors.
 
     A reading is a pick's pixel as one click's track has it; a click is one in its own frame. A
-    pick is the mean of its readings, each with the weight of its own variance.
+    pick is the mean of its readings, each with the weight of its own variance. They have one error
+    besides those of their clicks, that of the landmark in the frame: by how little they differ
+    tells nothing of it.
     """
 
     frame: Ints  # (C,) index into the frames of the flight
@@ -38,9 +40,8 @@ class Clicks:
     click: Ints  # (R,)
     off_px: Floats  # (R, 2) from the pick to the reading
     by_click: Floats  # (R, 2, 2) shift of the reading by a shift of the click
-    own_px: Floats  # (R,) standard deviation of u and of v besides the click's error
+    own_px: Floats  # (R,) standard deviation of u and of v besides the click's error, as if alone
     lost: Ints  # numbers of frames in which fewer than two landmarks are found
-    shared: bool = False  # readings of a pick have one error: by how little they differ tells none
     root: Floats | None = None
     """Times its transpose the covariance of u, v of all clicks, (2C, C'); None: by `sigma_px`."""
 

@@ -31,10 +31,8 @@ from vopd.flight.readout import row_parts, turning_rates
 from vopd.flight.sizes import (
     cost_of_frames,
     explained,
-    readings,
     residual_freedom,
     size_of_residuals,
-    squares_of_readings,
 )
 from vopd.flight.solve import FlightBlocks, FlightPart
 from vopd.geometry.earth import NED_FROM_ENU
@@ -256,7 +254,7 @@ def _first_order(
 def _freedom(joint: JointSolution) -> float:
     """Count the degrees of freedom of the residuals, with errors that are stated taken as known."""
     free = (~np.isfinite(joint.model.common_sigma)).sum()
-    return float(2.0 * readings(joint) - 3.0 * joint.model.solved - free)
+    return float(2.0 * len(joint.model.pick) - 3.0 * joint.model.solved - free)
 
 
 def _chance(joint: JointSolution, known: bool, count: int, gain: float, rest: float) -> float:
@@ -645,7 +643,7 @@ def _squares(solution: JointSolution, component: str) -> tuple[float, float]:
     """Add up squares of the errors of a component, and count their degrees of freedom."""
     model, state = solution.model, solution.state
     if component == "reading":
-        return squares_of_readings(solution), residual_freedom(solution)[0]
+        return float((solution.normal.residual**2).sum()), residual_freedom(solution)[0]
     common = model.common_of(state)
     own = [one == component for one in model.component]
     squares = float(((common / model.common_sigma)[own] ** 2).sum())

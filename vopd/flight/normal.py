@@ -103,11 +103,7 @@ class Normal:
             own, clicks = model.of_clicks, model.clicks
             self.common[own, own] += clicks.normal * (1.0 + carry)
             self._right[own] += clicks.right - clicks.normal @ common[own]
-            squares = clicks.squares(state.click_px)
-            self.cost += float(squares.sum())
-            frame = model.flight.picks.frame[model.pick]
-            if clicks.telling.any():
-                self.frame_cost += np.bincount(frame, squares, model.frames)
+            self.cost += float(clicks.squares(state.click_px).sum())
         self.right = RightSide(
             self._turn[..., None],
             self._place[..., None],

@@ -52,10 +52,10 @@ from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.readout import SETTLED as ROWS_SETTLED
 from vopd.flight.readout import picks_at_frame_times
 from vopd.flight.sizes import (
+    lasting,
     residual_freedom,
     sigma_freedom,
     size_of_residuals,
-    squares_of_readings,
 )
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.flight.track import LEAPS
@@ -622,9 +622,13 @@ def residual_reading(joint: JointSolution) -> JobReadingSigma:
 
 
 def _with_clicks(joint: JointSolution, estimates: FlightEstimates) -> JobReadingSigma:
-    """Estimate the sigma of a match from all readings, the errors of clicks being solved for."""
+    """Estimate the sigma of a match from the residuals, the errors of clicks being solved for.
+
+    It is as much larger than they are as they last from frame to frame.
+    """
     picks, (freedom, _) = joint.model.flight.picks, residual_freedom(joint)
-    ratio = squares_of_readings(joint) / max(freedom, LEAST_FREEDOM)
+    ratio = float((joint.normal.residual**2).sum()) / max(freedom, LEAST_FREEDOM)
+    ratio *= lasting(joint)
     sigma = max(picks.one_sigma_px * float(np.sqrt(ratio)), picks.least_sigma_px)
     found = sampled_reading_sigma(estimates.layout, estimates.of, Sigmas(reading=sigma))
     known = max(sigma_freedom(joint), LEAST_FREEDOM)

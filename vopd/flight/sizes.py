@@ -56,36 +56,13 @@ def fix_covariances(factored: Factored) -> Array:
     return np.asarray((own + through)[: len(factored.model.fix_sigma_m)])
 
 
-def readings(solution: JointSolution) -> int:
-    """Count the readings: picks, and what those of one pick from several clicks differ by.
-
-    Args:
-        solution: of the flight
-    """
-    model = solution.model
-    return len(model.pick) + (0 if model.clicks is None else int(model.clicks.telling.sum()))
-
-
-def squares_of_readings(solution: JointSolution) -> float:
-    """Add up the squares of the residuals of all readings, in their standard deviations.
-
-    Args:
-        solution: of the flight
-    """
-    residual, clicks = solution.normal.residual, solution.model.clicks
-    total = float((residual**2).sum())
-    if clicks is None or not clicks.telling.any():
-        return total
-    return total + float(clicks.squares(solution.state.click_px).sum())
-
-
 def residual_freedom(solution: JointSolution) -> tuple[float, float]:
     """Count the degrees of freedom that the picks keep, and those if all priors were exact.
 
     Args:
         solution: of the flight
     """
-    exact = 2.0 * readings(solution) - 3.0 * solution.model.solved
+    exact = 2.0 * len(solution.model.pick) - 3.0 * solution.model.solved
     return exact - sum(explained(solution).values()), exact
 
 
@@ -107,8 +84,29 @@ def sigma_freedom(solution: JointSolution) -> float:
         total = total + (fix_variances(varied) / model.fix_sigma_m**2).sum()
     errors = np.isfinite(model.common_sigma).sum() + model.fix_sigma_m.size
     free = (~np.isfinite(model.common_sigma)).sum()
-    exact = 2.0 * readings(solution) - 3.0 * model.solved - free
+    exact = 2.0 * len(model.pick) - 3.0 * model.solved - free
     return float(exact - errors - total.imag / DERIVATIVE)
+
+
+def lasting(solution: JointSolution) -> float:
+    """Estimate how much of the residuals lasts from frame to frame, 1 or more.
+
+    The variance of their means over short runs of frames, a landmark by itself, is as many times
+    that of as many independent ones (batch means). What is common to the frames is known as much
+    less well.
+
+    Args:
+        solution: of the flight
+    """
+    model, residual = solution.model, solution.normal.residual
+    run = model.flight.picks.frame[model.pick] // max(int(np.sqrt(model.frames)), 1)
+    _, own, count = np.unique(
+        np.stack([model.landmark, run]), axis=1, return_inverse=True, return_counts=True
+    )
+    total = np.zeros((len(count), 2))
+    np.add.at(total, own, residual)
+    square = float((residual**2).sum()) / max(len(residual), 1)
+    return max(float(((total**2).sum(axis=1) / count).mean()) / square, 1.0) if square else 1.0
 
 
 def cost_of_frames(solution: JointSolution) -> Floats:
@@ -165,9 +163,6 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     free, held = float((~np.isfinite(model.common_sigma)).sum()), model.flight.options.held
     free += 0.0 if held is None else held.unknowns
     freedom = float((2.0 * picks - 3.0)[count].sum()) - free
-    if model.clicks is not None:
-        own = count[model.flight.picks.frame[model.pick]]
-        freedom += 2.0 * float(model.clicks.telling[own].sum())
     if not freedom > 0.0:
         return 1.0, 1.0
     cost = float(cost_of_frames(solution)[count].sum()) - _by_stated(solution, count)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from vopd.arrays import Ints
 from vopd.findings import Finding, count_text
 from vopd.flight.flight import Clicks, Picks
-from vopd.flight.formats.picks import PickRows
+from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows
 from vopd.flight.formats.tracked import (
     AGAIN,
     CLICKED,
@@ -21,7 +23,6 @@ from vopd.flight.project import Project
 from vopd.flight.read import by_point, known_landmarks
 
 MOST_SIZES = 10.0  # of the image, from its first pixel to a tracked one
-CLICK_ALONE = 0.01  # of a click's standard deviation that no track of it shares
 LEAST_MATCH_PX = 0.02  # standard deviation of a match below which it is not believed
 
 
@@ -50,7 +51,7 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
         project.held[key] = read_tracked(file)
     rows: TrackedRows = project.held[key]
     doubts = refuse_stale(file, rows, project)
-    rows = rows.where(np.isin(rows.status, (CLICKED, TRACKED)))
+    rows = _with_stated_sigma(rows.where(np.isin(rows.status, (CLICKED, TRACKED))), project)
     if not len(rows.landmark):
         raise file.error(f"no landmark is found in any frame: {AGAIN}")
     far = np.abs(rows.pixel).max(axis=1) > MOST_SIZES * max(size_px)
@@ -74,6 +75,23 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
     )
 
 
+def _with_stated_sigma(rows: TrackedRows, project: Project) -> TrackedRows:
+    """Take the clicks' `[picks] sigma_px` as it is stated now; it may have changed since the run.
+
+    Sigmas of the clicks' own file, and those of points that are clicked several times, stay.
+    """
+    section = project.section("picks")
+    if not (section.has("file") and section.has("sigma_px")):
+        return rows
+    read = project.read("picks", project.open("picks", "file"), PICK_FORMATS)
+    frame = list(read.frame) if isinstance(read.frame, Names) else read.frame.tolist()
+    once = len({*zip(frame, read.landmark, strict=True)}) == len(frame)
+    if not once or np.isfinite(read.sigma_px).any():
+        return rows
+    stated_px = section.number("sigma_px")
+    return replace(rows, sigma_px=np.where(rows.status == CLICKED, stated_px, rows.sigma_px))
+
+
 def join_tracks(
     read: PickRows, number: Ints, landmarks: tuple[str, ...], project: str
 ) -> tuple[Picks, list[Finding]]:
@@ -90,11 +108,12 @@ def join_tracks(
     own_of, findings = known_landmarks(read.landmark, landmarks, project)
     rows, first = by_point(frame, own_of[read.landmark.which])
     clicked = tracks.status[rows] == CLICKED
-    own_px = np.where(clicked, CLICK_ALONE * tracks.sigma_px[rows], tracks.sigma_px[rows])
     pick = np.repeat(np.arange(len(first) - 1), np.diff(first))
-    if tracks.shared:  # together they are no better than one
-        matches = np.bincount(pick, ~clicked)[pick]
-        own_px = np.where(clicked, own_px, own_px * np.sqrt(np.maximum(matches, 1)))
+    matched_px = tracks.sigma_px[rows][~clicked]
+    usual = float(np.median(matched_px)) if len(matched_px) else LEAST_MATCH_PX
+    # the patch of a click is off as a match in its frame is, and takes that to all its matches
+    own_px = np.where(clicked, usual, tracks.sigma_px[rows])
+    own_px *= np.sqrt(np.bincount(pick)[pick])  # one error, the frame's: no better than one
     mark, source = own_of[read.landmark.which[rows]], tracks.from_frame[rows]
     keys, click = np.unique(np.stack([mark, source]), axis=1, return_inverse=True)
     click_px = np.ones(keys.shape[1])
@@ -104,11 +123,9 @@ def join_tracks(
     pixel = np.zeros((len(total), 2))
     np.add.at(pixel, pick, tracks.pixel[rows] * weight[:, None])
     pixel /= total[:, None]
-    usual = float(np.median(tracks.sigma_px[rows][~clicked] if not clicked.all() else own_px))
     clicks = Clicks(
         np.searchsorted(number, keys[1]), keys[0], click_px, pick, click,
         tracks.pixel[rows] - pixel[pick], tracks.by_click[rows], own_px, tracks.lost,
-        tracks.shared,
     )  # fmt: skip
     at = rows[first[:-1]]
     picks = Picks(

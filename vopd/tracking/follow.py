@@ -418,7 +418,6 @@ def _lines(
             block["correlation"].astype(float),
             block["status"].astype(np.int64),
             digests,
-            shared=True,
         )
         yield from islice(tracked_lines(rows), head if index else 0, None)
 

@@ -42,7 +42,7 @@ CLICKED, TRACKED = 0, 1
 HEAD = "# vopd track; pixels: u right, v down, (0, 0) the centre of the first pixel"
 """The first line; those of the digests follow: `# clicks: 0a1b...`."""
 SHARED = "# matches of a landmark in a frame from several clicks have one error"
-"""The line that follows them where that is so."""
+"""The line that follows them."""
 AGAIN = "run vopd track again"
 MOST_STRETCH = 1e3  # of a patch: more is no image of it
 
@@ -63,8 +63,6 @@ class TrackedRows:
         status: index of `STATUSES`, (R,)
         digest: of the files that were tracked: `clicks`, `video`, `project`
         lost: as read: numbers of frames in which fewer than two landmarks are found
-        shared: whether the matches of a landmark in a frame have one error, the frame's, from
-            whichever click they are; else each has its own
     """
 
     frame: Ints
@@ -77,7 +75,6 @@ class TrackedRows:
     status: Ints
     digest: Mapping[str, str] = field(default_factory=dict)
     lost: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
-    shared: bool = False
 
     def where(self, kept: Bools) -> TrackedRows:
         """Take some of the rows, (R,)."""
@@ -85,7 +82,7 @@ class TrackedRows:
         return TrackedRows(
             self.frame[kept], names, self.pixel[kept], self.sigma_px[kept],
             self.from_frame[kept], self.by_click[kept], self.correlation[kept],
-            self.status[kept], self.digest, self.lost, self.shared,
+            self.status[kept], self.digest, self.lost,
         )  # fmt: skip
 
 
@@ -164,8 +161,7 @@ def tracked_lines(rows: TrackedRows) -> Iterator[str]:
     yield HEAD + "\n"
     for name, digest in rows.digest.items():
         yield f"# {name}: {digest}\n"
-    if rows.shared:
-        yield SHARED + "\n"
+    yield SHARED + "\n"
     yield ",".join(COLUMNS) + "\n"
     numbers = np.hstack([rows.pixel, rows.sigma_px[:, None]]).tolist()
     each = zip(
@@ -238,7 +234,7 @@ def read_tracked(file: InputFile) -> TrackedRows:
         np.asarray(status).astype(np.int64), _digests(file),
     )  # fmt: skip
     _check_clicks(file, rows)
-    return replace(rows, lost=_lost(rows), shared=SHARED in file.head.splitlines())
+    return replace(rows, lost=_lost(rows))
 
 
 def _statuses(block: CsvTable) -> Ints:
