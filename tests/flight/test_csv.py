@@ -509,3 +509,12 @@ def test_a_date_and_a_time_in_two_columns(header: str) -> None:
     assert_close("time", found.time_s - first, [0.0, 50477.5])
     with refused(VopdError):
         read_text(TRACK_FORMATS, "track", rows.replace(header, "date,time"))
+
+
+def test_a_log_whose_header_says_utc() -> None:
+    """As trackers of rockets write it; the number of seconds beside it is the same time."""
+    header = "UTCTIME,UNIXTIME,ALT,LAT,LON,#SATS,FIX"
+    row = "2026-05-02 18:04:05.250,1777745045.25,681.3,35.3,-117.8,14,3"
+    found = read_text(TRACK_FORMATS, "track", f"{header}\n{row}\n{row.replace(':05', ':06')}\n")
+    assert_close("time", found.time_s, [1777745045.25, 1777745046.25])
+    assert found.coordinate[0].tolist() == [-117.8, 35.3, 681.3]

@@ -339,3 +339,18 @@ def test_images_that_are_the_track_give_no_times_besides(
     assert ("picks", "frame_rate_hz") not in new.needed
     assert f'\nname = "{tmp_path.name}"' in text
     assert_approved(new.said[-1], parts=[2])
+
+
+@pytest.mark.parametrize(
+    ("sigma", "own", "common"),
+    [("3", 1.5, 3.0), ("2,2,4", [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]), ("0.02", 0.02, None),
+     ("exact", "exact", None)],
+)  # fmt: skip
+def test_the_error_of_a_receiver_without_a_base_is_common(
+    sigma: str, own: object, common: object, tmp_path: Path
+) -> None:
+    (tmp_path / "track.csv").write_text("t_s,lat,lon,alt\n0,48,15,300\n1,48,15,301\n")
+    arguments = ("--track", tmp_path / "track.csv", "--sigma-position", sigma)
+    assert run("new", tmp_path / "here", *arguments).status == 0
+    track = read_project(tmp_path / "here" / "flight.toml").sections["track"].values
+    assert (track["sigma_m"], track.get("sigma_bias_m")) == (own, common)

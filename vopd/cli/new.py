@@ -48,7 +48,8 @@ _ANSWERS = (
     ("--pixel-grid", "NAME", "Where picks count from: centre, corner, one-based.",
      ("picks.pixel_grid", "camera.pixel_grid")),
     ("--image-size", "W,H", "Width and height of the images, pixels.", ("camera.image_size_px",)),
-    ("--sigma-position", "METRES", "Standard deviation of track or position: 3, or 2,2,4.",
+    ("--sigma-position", "METRES", "Standard deviation of track or position: 3, or 2,2,4. Of a "
+     "track, from .3 on, it is sigma_bias_m, and sigma_m half of it.",
      ("track.sigma_m", "position.sigma_m")),
     ("--sigma-landmarks", "METRES", "Standard deviation of the landmarks.",
      ("landmarks.sigma_m",)),

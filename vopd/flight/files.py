@@ -284,10 +284,11 @@ SYNONYMS = {
         "point_id",
         "u_px": "u x px x_px pixel_x image_x image_u im_x col column",
         "v_px": "v y py y_px pixel_y image_y image_v im_y row",
-        "lat_deg": "lat latitude latitude_deg gps_lat gps_latitude",
-        "lon_deg": "lon lng long longitude longitude_deg lng_deg gps_lon gps_long gps_longitude",
+        "lat_deg": "lat latitude latitude_deg gps_lat gps_latitude gps_lat_deg",
+        "lon_deg": "lon lng long longitude longitude_deg lng_deg gps_lon gps_long gps_longitude "
+        "gps_lon_deg gps_long_deg",
         "h_m": "h alt altitude height elevation elev ele alt_m altitude_m height_m elevation_m "
-        "gps_alt gps_altitude",
+        "gps_alt gps_altitude gps_alt_m",
         "x_m": "x east easting e east_m easting_m",
         "y_m": "y north northing n north_m northing_m",
         "z_m": "z up height elevation elev ele alt altitude h h_m up_m height_m elevation_m alt_m "
@@ -302,13 +303,16 @@ SYNONYMS = {
 Of several that are there the first is taken, and of heights none.
 """
 TIMES = (
-    "time", "timestamp", "t", "utc", "datetime", "date_time", "time_utc", "utc_time", "time_s",
-    "t_sec", "seconds", "sec", "elapsed", "elapsed_s", "unix", "unix_time", "unix_s", "posix_time",
+    "time", "timestamp", "t", "utc", "datetime", "date_time", "time_utc", "utc_time", "utctime",
+    "time_stamp", "time_s",
+    "t_sec", "seconds", "sec", "elapsed", "elapsed_s", "unix", "unix_time", "unixtime",
+    "unix_s", "posix_time",
     "t_ms", "time_ms", "timestamp_ms", "elapsed_ms", "unix_ms", "milliseconds", "ms",
 )  # fmt: skip
 """Other names of a time: dates are `t_utc`, numbers `t_s`, or seconds since 1970."""
 DATES = ("date", "gps_date", "utc_date", "date_utc", "day")
 """Names of a column of dates beside one of times of day."""
+NO_ZONE = re.compile(r":\d\d(\.\d*)?$")
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 MILLISECONDS = re.compile(r"(^|_)(ms|msec|milliseconds)$")
 """Ends of names of columns of times in thousandths of a second."""
@@ -586,17 +590,19 @@ class CsvTable:
 
     def times(self, name: str) -> Floats:
         """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset."""
-        texts, own = self.column(name), ""
+        texts, names = self.column(name), self.own or self.header
+        own = names[self.header.index(name)]
         date = [k for k, one in enumerate(self.header) if plain_name(one) in DATES]
         if date and texts and TIME_OF_DAY.match(texts[0]):
-            at, names = date[0], self.own or self.header
-            own = f"{names[at]} {names[self.header.index(name)]}"
-            pairs = zip(self.column(self.header[at]), texts, strict=True)
+            own = f"{names[date[0]]} {own}"
+            pairs = zip(self.column(self.header[date[0]]), texts, strict=True)
             texts = [
                 f"{day.replace('/', '-')}T{'0' * (text[1:2] == ':')}{text}" for day, text in pairs
             ]
-            if "utc" in plain_name(own).split("_"):
-                texts = [text if text.endswith("Z") else f"{text}Z" for text in texts]
+        if own == name:  # a column of this package states the zone in each row
+            own = ""
+        elif "utc" in plain_name(own):  # as loggers call it that write no zone
+            texts = [f"{text}Z" if NO_ZONE.search(text) else text for text in texts]
         return np.array([self._time(name, k, text, own) for k, text in enumerate(texts)])
 
     def _time(self, name: str, row: int, text: str, columns: str = "") -> float:

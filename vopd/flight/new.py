@@ -530,8 +530,39 @@ def project_of_files(
     new.needed = {key: why for key, why in new.needed.items() if key not in values}
     ask(new, values)
     new.needed = {key: why for key, why in new.needed.items() if key not in values}
+    share_receiver_error(new, values)
     new.contents[NAME] = project_text(values, new.needed, OWN_HEAD).encode()
     return new
+
+
+NO_BASE_M = 0.3
+"""Standard deviation from which positions are of a receiver without a base station (RTK)."""
+
+
+def share_receiver_error(new: NewProject, values: KeyValues) -> None:
+    """Divide the error of a receiver's track: all positions of some minutes are off together.
+
+    Half of it remains each position's own; as errors of each by itself hundreds of positions would
+    be taken for exact in the mean.
+
+    Args:
+        new: what is said, to be added to
+        values: the keys that are known
+    """
+    own, common = ("track", "sigma_m"), ("track", "sigma_bias_m")
+    if own not in values or common in values:
+        return
+    stated = tomllib.loads(f"x = {values[own]}")["x"]
+    sizes = stated if isinstance(stated, list) else [stated]
+    if EXACT in sizes or max(sizes) < NO_BASE_M:
+        return
+    values[common] = values[own]
+    half = [f"{one / 2.0:g}" for one in sizes]
+    values[own] = f"[{', '.join(half)}]" if isinstance(stated, list) else half[0]
+    new.said.append(
+        f"[track] sigma_bias_m = {values[common]}: a receiver without a base is off by as much for "
+        f"minutes; sigma_m = {values[own]}, half of it, for each position by itself"
+    )
 
 
 def look_at_files(
