@@ -317,13 +317,10 @@ def first_rows(job: Job) -> Ints:
 # short film has too few triples for that, so the usual care of a film reader
 # counts as much as `USUAL_WEIGHT` triples.
 
-USUAL_NOISE_IN = 0.003
-"""Standard deviation of one reading by a careful film reader, inches."""
+USUAL_NOISE_IN = 0.003  # standard deviation of one reading by a careful film reader, inches
 USUAL_WEIGHT = 50
-NEVER_BELOW_IN = 0.010
-"""Readings of one point that differ by this much or less are not questioned."""
-CHANCE = 0.001
-"""Probability that a deck without a bad reading draws a finding."""
+NEVER_BELOW_IN = 0.010  # readings of one point that differ by this much or less are not questioned
+CHANCE = 0.001  # probability that a deck without a bad reading draws a finding
 
 
 def noise_in(readings: Readings) -> float:
@@ -503,12 +500,8 @@ def ignored_all(job: Job, locations: CardLocations) -> Iterator[Finding]:
 EARTH_GROUPS = (5, 6, 7, 8, 9, 11, 12, BASIC_DATA.number)
 """The groups that must have been read to ask again what the Earth of 1974 costs."""
 
-TOGETHER = 1000
-"""Frames whose jobs are asked together."""
-
-LANDMARKS_AS_A_FRAME = 16
-"""A job holds the landmarks of all earlier jobs too."""
-
+TOGETHER = 1000  # frames whose jobs are asked together
+LANDMARKS_AS_A_FRAME = 16  # a job holds the landmarks of all earlier jobs too
 LIMIT_DEG = 0.1
 """Twice what the original's Earth costs in the flights of its report, .01 to .05 degree."""
 

@@ -155,8 +155,7 @@ class Fixes:
         return ", ".join(names.get(fix, fix.value) for fix in Fix if fix in self.chosen)
 
 
-NO_FIXES = Fixes()
-"""The original program, with all its errata."""
+NO_FIXES = Fixes()  # the original program, with all its errata
 
 
 def fixes(*names: str, ellipsoid: str = "wgs84") -> Fixes:

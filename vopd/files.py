@@ -186,8 +186,7 @@ SIGNATURES: tuple[tuple[bytes, str], ...] = (
 PICTURES = (b"heic", b"heix", b"mif1", b"avif")  # of the containers that videos are in too
 
 
-ENDS = 1 << 24
-"""Bytes from either end of a large file that are digested."""
+ENDS = 1 << 24  # bytes from either end of a large file that are digested
 
 
 def size_and_ends(path: Path) -> Iterator[bytes]:
@@ -212,8 +211,7 @@ def kind_by_first_bytes(start: bytes) -> str | None:
 
 # Optional packages, which an extra of this one installs
 
-ROOT = Path(__file__).parent.parent
-"""The folder of the package: a clone, or that of all packages."""
+ROOT = Path(__file__).parent.parent  # the folder of the package: a clone, or that of all packages
 
 
 def optional_package(module: str, extra: str, purpose: str = "") -> Any:

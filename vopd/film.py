@@ -287,10 +287,8 @@ def _gain(of_run: Floats, partials: Floats, results: Results) -> Floats:
 
 STEP_S, STEP_FT_S = 1e-3, 1e-3
 
-TIMES_S = np.array([0.0, STEP_S, -STEP_S])
-"""The times that are looked up, from that of each frame."""
-AT_TIME, LATER, EARLIER = 0, 1, 2
-"""Their indices."""
+TIMES_S = np.array([0.0, STEP_S, -STEP_S])  # the times that are looked up, from that of each frame
+AT_TIME, LATER, EARLIER = 0, 1, 2  # their indices
 _AXES = np.eye(3) * STEP_FT_S
 FASTER_FT_S = np.concatenate([np.zeros((1, 3)), _AXES, -_AXES])
 """What is added to the velocity along north, east, down: nothing, more of each, less of each."""

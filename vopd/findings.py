@@ -12,9 +12,7 @@ from typing import Literal
 #
 # An error that is raised carries a finding; a warning is one.
 
-BASIC_DATA = 0
-"""The number that stands for the basic data where a group's number is asked for."""
-
+BASIC_DATA = 0  # the number that stands for the basic data where a group's number is asked for
 Severity = Literal["error", "warning"]
 
 RULER_TENS = "".join(f"{tens:10d}" for tens in range(1, 9))
@@ -158,8 +156,7 @@ class InputError(VopdError):
         self.finding = finding
 
 
-DeckError = InputError
-"""The earlier name of `InputError`."""
+DeckError = InputError  # the earlier name of `InputError`
 
 
 def strict(finding: Finding) -> None:

@@ -14,14 +14,9 @@ import numpy as np
 
 from vopd.arrays import Bools, Ints, distinct_in_rows
 
-FEW = 4096
-"""Empty elements of an array: more, and frames are divided into blocks."""
-
-AT_ONCE = 24_000
-"""Landmarks of a block of a long job; a frame that has more is a block by itself."""
-
-TOGETHER = 100_000
-"""Landmarks and frames of a part of a long job; then the next part begins."""
+FEW = 4096  # empty elements of an array: more, and frames are divided into blocks
+AT_ONCE = 24_000  # landmarks of a block of a long job; a frame that has more is a block by itself
+TOGETHER = 100_000  # landmarks and frames of a part of a long job; then the next part begins
 
 
 class LandmarkLayout:

@@ -22,8 +22,7 @@ from vopd.findings import Finding, VopdError
 from vopd.job import Job
 from vopd.records import ByLandmark, FrameRecord, Record, Rows
 
-CONVERGED_RAD = 1e-6
-"""A frame has converged if its 22nd correction is at most this in every angle."""
+CONVERGED_RAD = 1e-6  # a frame has converged if its 22nd correction is at most this in every angle
 
 
 class Outcome(IntEnum):

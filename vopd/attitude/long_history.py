@@ -211,11 +211,8 @@ def one_part(history: History) -> HistoryParts:
 # more than `SAMPLE` landmarks, the reading sigma is estimated from frames with two or more
 # that are spread over it.
 
-SAMPLE = 25_000
-"""So many landmarks determine the reading sigma to a part in 250."""
-
-EstimateOf = Callable[[Ints], Estimate]
-"""Makes the estimate of frames, by their indices."""
+SAMPLE = 25_000  # so many landmarks determine the reading sigma to a part in 250
+EstimateOf = Callable[[Ints], Estimate]  # makes the estimate of frames, by their indices
 
 
 def history_of_long_job(

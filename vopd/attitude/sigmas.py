@@ -143,8 +143,7 @@ COMMON = (
 """Components whose error is the same in all frames; a mean over frames does not reduce it."""
 
 
-OF_FRAMES = ("click",)
-"""Components whose columns of residuals are other errors in each frame."""
+OF_FRAMES = ("click",)  # components whose columns of residuals are other errors in each frame
 
 
 class ErrorComponent(NamedTuple):

@@ -354,9 +354,7 @@ def _sigmas(components: tuple[str, ...]) -> list[TableColumn]:
 
 # Values.
 
-TableArrays = dict[str, NDArray[Any]]
-"""The columns of a table: names, and as many values each."""
-
+TableArrays = dict[str, NDArray[Any]]  # the columns of a table: names, and as many values each
 MAY_BE_INFINITE = "uncertainty."
 ROWS_AT_ONCE = 1000
 

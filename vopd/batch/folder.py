@@ -195,8 +195,7 @@ def read_record(line: str) -> SourceRecord | None:
 HIDDEN = ".vopd-batch"
 SUMMARY, TIMES = "summary.jsonl", "times.jsonl"
 
-Records = dict[str, SourceRecord]
-"""Records by the names of their sources."""
+Records = dict[str, SourceRecord]  # records by the names of their sources
 
 
 class BatchFolder:

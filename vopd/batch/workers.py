@@ -503,8 +503,7 @@ class Fleet:
 
 _ONE_AT_A_TIME = threading.Lock()  # matplotlib, for reports, is not made for several threads
 
-Files = dict[str, bytes]
-"""Contents by names relative to a folder."""
+Files = dict[str, bytes]  # contents by names relative to a folder
 Result = tuple[list["SourceRecord"], Files]
 """The records of a task and the contents of all outputs, unless they are written already."""
 

@@ -8,9 +8,7 @@ from typing import BinaryIO
 import numpy as np
 
 COLUMNS = 80
-NUMBERS = r"[\d .+\-EeDd]*"
-"""What the two fields of a deck's first card can hold, columns 1 to 20."""
-
+NUMBERS = r"[\d .+\-EeDd]*"  # what the two fields of a deck's first card can hold, columns 1 to 20
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 EBCDIC = (
     bytes(range(256)).decode("cp037").encode("latin-1").translate(

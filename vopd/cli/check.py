@@ -19,8 +19,7 @@ from vopd.pipeline import check_project, is_flight
 
 SHOWN = 3  # findings of one kind
 
-Reports = dict[str, list[Finding]]
-"""The findings of each deck, by the deck's name."""
+Reports = dict[str, list[Finding]]  # the findings of each deck, by the deck's name
 
 
 @click.command("check")

@@ -14,8 +14,7 @@ import vopd
 from vopd.screen import aligned
 
 PACKAGE = Path(vopd.__file__).parent
-PLACES = (PACKAGE / "docs", PACKAGE.parent / "docs")
-"""Of an installed package, and of a checkout."""
+PLACES = (PACKAGE / "docs", PACKAGE.parent / "docs")  # of an installed package, and of a checkout
 
 
 def pages() -> dict[str, Path]:

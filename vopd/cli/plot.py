@@ -75,9 +75,7 @@ def _picture(name: str, one: ReadSolution) -> StarPicture:
 
 # `vopd plot`: draw the attitude history of flights and decks.
 
-STAR_SOLUTION = ".json"
-"""The suffix of what `vopd stars solve` writes for this command."""
-
+STAR_SOLUTION = ".json"  # the suffix of what `vopd stars solve` writes for this command
 LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 
 

@@ -154,9 +154,7 @@ def _printable(about: About) -> About:
     return about._replace(source=printable(about.source))
 
 
-TABLE_OPTIONS = ("columns", "roll_180")
-"""The fields of `FileRequest` that a table uses."""
-
+TABLE_OPTIONS = ("columns", "roll_180")  # the fields of `FileRequest` that a table uses
 FORMATS = {
     one.name: one
     for one in (
@@ -204,8 +202,7 @@ FORMATS = {
 }  # fmt: skip
 """Every format by its name."""
 
-MEAN_FORMATS = ("csv", "jsonl", "npz", "parquet")
-"""Those that can hold a table of mean attitudes."""
+MEAN_FORMATS = ("csv", "jsonl", "npz", "parquet")  # those that can hold a table of mean attitudes
 
 
 def _writer(name: str) -> Callable[..., Any]:
@@ -259,8 +256,7 @@ def of_file(name: str) -> AttitudeFormat:
 
 # The epoch, statements and names that several formats write
 
-ZERO = "; zero is "
-"""What a statement of the time says before the epoch."""
+ZERO = "; zero is "  # what a statement of the time says before the epoch
 
 
 def own_epoch(histories: Sequence[History]) -> datetime | None:

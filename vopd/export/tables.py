@@ -45,8 +45,7 @@ if TYPE_CHECKING:
 # A spreadsheet takes a cell that begins with = + - or @ for a formula. File names and
 # titles come from others, so such a text is preceded by an apostrophe.
 
-TableText = dict[str, list[str]]
-"""The columns of a table as text."""
+TableText = dict[str, list[str]]  # the columns of a table as text
 
 
 def table_text(histories: Sequence[History]) -> TableText:
@@ -179,8 +178,7 @@ def _lines(rows: Iterable[Iterable[str]]) -> str:
 
 # Write JSON Lines: conventions and columns in the first line, then one object for each frame.
 
-Described = dict[str, dict[str, str]]
-"""Unit and meaning of columns, by name."""
+Described = dict[str, dict[str, str]]  # unit and meaning of columns, by name
 
 
 def _described(columns: Sequence[TableColumn]) -> Described:

@@ -47,9 +47,7 @@ FREE = {
 }
 """By name. Landmarks are no rows: they are solved for in any case, and only reported."""
 
-OF_A_LENS = ("focal", "aspect", "centre", "k1", "k2", "p1p2")
-"""Those of them that are of the lens."""
-
+OF_A_LENS = ("focal", "aspect", "centre", "k1", "k2", "p1p2")  # those of them that are of the lens
 SHOWN_NAME = {"clock_rate": "clock-rate"} | {axis: f"track-offset {axis}" for axis in SHIFT}
 """Parameters that a table names otherwise."""
 UNIT = {

@@ -122,8 +122,7 @@ MOST_LEFT = 0.7  # of a stated standard deviation: of a parameter that is held l
 HALF_WIDTH = 1.96  # of a 95 % interval, standard deviations
 TRADES = 0.95  # correlation from where on two parameters make the same images
 UNDETERMINED = 1e10  # times the variance that a parameter has where all others are known
-ANGLES = ("pitch", "yaw", "roll")
-"""Turns about the camera's right, down and forward axes."""
+ANGLES = ("pitch", "yaw", "roll")  # turns about the camera's right, down and forward axes
 
 
 def least_held(joint: JointSolution | None) -> NotHeld | None:

@@ -284,8 +284,7 @@ def solve_flight(
     )
 
 
-NAME = "flight.toml"
-"""The project in a folder."""
+NAME = "flight.toml"  # the project in a folder
 
 
 @np.errstate(all="ignore")

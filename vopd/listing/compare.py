@@ -550,8 +550,7 @@ def undetermined_fields(low_text: str, high_text: str) -> Undetermined:
 
 _TEXT = bytes([*range(0x20, 0x7F), 0x0A, 0x0D])
 _CHUNK = 1 << 16
-_BEGINNING = 1 << 20
-"""Bytes within which a listing has its first heading: some 200 pages."""
+_BEGINNING = 1 << 20  # bytes within which a listing has its first heading: some 200 pages
 
 
 def read_listing(name: str) -> str:

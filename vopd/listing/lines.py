@@ -19,9 +19,7 @@ from vopd.listing.formats import LINES, Field, Line
 # text, a row of numbers by the heading above it. No number is read here; blanks at the end of a
 # line are dropped.
 
-ILLEGIBLE = "?"
-"""A line of a damaged listing with this alone stands for any one line."""
-
+ILLEGIBLE = "?"  # a line of a damaged listing with this alone stands for any one line
 HEADINGS = {line.text: line for line in LINES.values() if line.literals and not line.fields}
 _ROWS = {line.under: line for line in LINES.values() if line.under}
 _WITH_TEXT = [
@@ -353,10 +351,8 @@ def _retrace(
 # To leave both without a partner costs 2. A pair that costs less is reported as one change, a pair
 # that would cost more as one page or line missing and another added.
 
-OTHER_KIND = 1.8
-"""Pairing lines of two kinds: reported as one change."""
-BLANK_LINE = 1.9
-"""Pairing text with a blank line: only where no other text is left to pair it with."""
+OTHER_KIND = 1.8  # pairing lines of two kinds: reported as one change
+BLANK_LINE = 1.9  # pairing text with a blank line: only where no other text is left to pair it with
 
 
 def page_cost(expected: ListingPage, actual: ListingPage) -> float:

@@ -365,8 +365,7 @@ GROUP = 4  # digits that are looked up together
 _DTYPE = {1: "u1", 2: "<u2", 3: "V3", 4: "<u4"}  # a group of 1 to 4 characters as one element
 _ZERO, _BLANK, _MINUS = (ord(char) for char in "0 -")
 
-Codes = NDArray[np.generic]
-"""Groups of characters, each one element of as many bytes."""
+Codes = NDArray[np.generic]  # groups of characters, each one element of as many bytes
 Whole = NDArray[np.integer]
 
 

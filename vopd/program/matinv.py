@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike
 
 from vopd.arrays import Bools, Floats, Ints
 
-Rows = list[list[Floats]]
-"""A stack of matrices: rows of elements, each an array over the stack."""
+Rows = list[list[Floats]]  # a stack of matrices: rows of elements, each an array over the stack
 
 
 def matinv(a: ArrayLike, b: ArrayLike) -> tuple[Floats, Floats, Floats, Ints]:

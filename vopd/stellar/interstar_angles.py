@@ -19,11 +19,8 @@ OUTLIER_RATIO = 5.0
 NOTICEABLE_ARCSEC = 1.0
 """Disagreement below which no star is an outlier, whatever that of the others."""
 
-MOST_PARTNERS = 40
-"""With how many others a star is compared to estimate the reading error."""
-
-NORMAL_MEDIAN = 0.6744897501960817
-"""Median size of a normal error of standard deviation 1."""
+MOST_PARTNERS = 40  # with how many others a star is compared to estimate the reading error
+NORMAL_MEDIAN = 0.6744897501960817  # median size of a normal error of standard deviation 1
 
 
 def star_pairs(count: int) -> Ints:

@@ -20,18 +20,12 @@ from vopd.stellar.methods.collinearity import collinearity, image_partials
 from vopd.stellar.methods.two_star import two_star
 from vopd.stellar.solution import StarSolution
 
-OutlierStart = Literal["interstar", "pairs"]
-"""From which half of the stars the search begins."""
-
-CHANCE = 1e-3
-"""Chance that good readings have an outlier as large, below which a star is one."""
-
+OutlierStart = Literal["interstar", "pairs"]  # from which half of the stars the search begins
+CHANCE = 1e-3  # chance that good readings have an outlier as large, below which a star is one
 MOST_PAIRS, LEAST_PAIRS = 500_000, 200
 """Pairs times stars that are tried at most, and pairs at least; they are chosen evenly."""
 
-ROUNDS = 20
-"""How often the set of good stars is solved again at most."""
-
+ROUNDS = 20  # how often the set of good stars is solved again at most
 LEAST_VARIANCE = 1e-18
 """Variance of an image coordinate, in focal lengths squared, that rounding alone makes."""
 

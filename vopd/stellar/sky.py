@@ -47,8 +47,7 @@ class SkyRequest:
 
 # The Hipparcos catalogue
 
-HIPPARCOS_EPOCH = 1991.25
-"""Julian year of the positions in both editions of the catalogue."""
+HIPPARCOS_EPOCH = 1991.25  # Julian year of the positions in both editions of the catalogue
 MOST_CATALOGUE = 100_000_000  # bytes of a star catalogue: both editions have some 55 MB
 
 NUMBER = re.compile(r"(?:hip\s*)?(\d{1,6})", re.IGNORECASE)
@@ -388,15 +387,12 @@ def axes_of_body(
 
 # Directions of a star file's stars, by catalogue and date
 
-NAMES = "name"
-"""The kind of a file whose stars are given by name or catalogue number alone."""
-
+NAMES = "name"  # the kind of a file whose stars are given by name or catalogue number alone
 IDENTIFIED = "identified"
 """The kind of a file whose stars were looked up by the patterns of their images."""
 
 EQUATORIAL = ("ra_deg,dec_deg", "ra_hours,dec_deg", NAMES, IDENTIFIED)
-LOWEST_DEG = -1.0
-"""Altitude below which a star cannot have been photographed."""
+LOWEST_DEG = -1.0  # altitude below which a star cannot have been photographed
 
 
 UNDATED = (

@@ -34,8 +34,7 @@ LARGEST_SIGMA_DEG = 3.0
 Up to there the actual errors of all methods have the stated deviation to some
 tenths; beyond, errors no longer grow in proportion to those of the readings."""
 
-STEP_MM = 1e-4
-"""Change of an image coordinate by which a pair's solution is differentiated."""
+STEP_MM = 1e-4  # change of an image coordinate by which a pair's solution is differentiated
 
 
 def collinearity_covariance(

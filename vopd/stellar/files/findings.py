@@ -19,8 +19,7 @@ from vopd.stellar.methods.run import SolvedStars
 from vopd.stellar.methods.single_rotation import ILL_CONDITIONED
 from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG
 
-SHOWN_OF_A_KIND = 3
-"""How many findings of one kind are shown; the others are counted."""
+SHOWN_OF_A_KIND = 3  # how many findings of one kind are shown; the others are counted
 
 
 KindOfFinding = tuple[str, Finding]
@@ -49,8 +48,7 @@ def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
 FAR_IMAGE = 1e3
 """Distance of an image from the principal point, in focal lengths, that no lens covers."""
 
-PLANE = np.array([0.48, -0.64, 0.6])
-"""Unit normal of a plane that no catalogue is aligned with."""
+PLANE = np.array([0.48, -0.64, 0.6])  # unit normal of a plane that no catalogue is aligned with
 
 
 def refuse_unsolvable(file: StarFile, stars: StarField) -> None:

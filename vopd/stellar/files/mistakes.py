@@ -50,8 +50,7 @@ ROUNDING = 1e-6
 LARGEST_PLATE_MM = 500.0
 """Image coordinates beyond this are hardly mm: the plates of the largest cameras have 360."""
 
-IMPLAUSIBLE_CHANCE = 1e-4
-"""Chance below which a reading sigma is wrong (chi-square test)."""
+IMPLAUSIBLE_CHANCE = 1e-4  # chance below which a reading sigma is wrong (chi-square test)
 
 
 class Plausibility(NamedTuple):
@@ -399,9 +398,7 @@ TWO_MISTAKES = (
 
 # The mistake that is believed: its residuals against chance
 
-CHANCE = 1e-4
-"""Chance below which a corrected mistake makes a difference (F test)."""
-
+CHANCE = 1e-4  # chance below which a corrected mistake makes a difference (F test)
 LEAST_GAIN = 9.0
 """How many times a corrected mistake must make the variance of the residuals smaller."""
 

@@ -112,8 +112,7 @@ class SolvedPhotograph:
 
 # Files of photographs
 
-FITS = b"SIMPLE  ="
-"""How every FITS file begins."""
+FITS = b"SIMPLE  ="  # how every FITS file begins
 
 
 def solve_photographs(
@@ -173,8 +172,7 @@ def solve_photographs(
     return photographs, counted(findings), status
 
 
-TOGETHER = 100
-"""How many photographs are solved together: more are no quicker."""
+TOGETHER = 100  # how many photographs are solved together: more are no quicker
 
 
 def _solve_together(
@@ -301,8 +299,7 @@ def _labels(files: Sequence[StarFile], *, several: bool) -> list[str]:
 
 # One photograph
 
-MOST_STARS_IN_PAIRS = 200
-"""How many stars are solved by all pairs, which then are 19,900."""
+MOST_STARS_IN_PAIRS = 200  # how many stars are solved by all pairs, which then are 19,900
 
 
 class StarProblem(NamedTuple):

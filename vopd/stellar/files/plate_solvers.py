@@ -132,8 +132,7 @@ def _error(message: str, source: str) -> InputError:
 COLUMNS = ("field_x", "field_y", "index_ra", "index_dec")
 """Position of the image in pixels, and right ascension and declination of its star in degrees."""
 
-CORR_FIRST_CENTRE = 1.0
-"""Coordinate of the centre of the first pixel, as everywhere in FITS."""
+CORR_FIRST_CENTRE = 1.0  # coordinate of the centre of the first pixel, as everywhere in FITS
 
 
 def read_corr_fits(data: bytes, source: str) -> StarFile:

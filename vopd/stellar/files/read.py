@@ -254,9 +254,7 @@ def read_rows(text: str, source: str) -> Iterator[tuple[int, list[str]]]:
 
 # One photograph: its stars or ground points, and their images
 
-MOST_STARS = 5000
-"""How many stars or ground points a photograph may have."""
-
+MOST_STARS = 5000  # how many stars or ground points a photograph may have
 NOT_QUITE_UNIT = 1e-6
 """Error of length up to which direction cosines count as rounded and are taken as given."""
 

@@ -20,8 +20,7 @@ from vopd.stellar.methods.run import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
 
 MOVED = "the last correction still moved an image"
-ROUNDING = 1e-9
-"""Orthogonality defect that rounding alone may make."""
+ROUNDING = 1e-9  # orthogonality defect that rounding alone may make
 
 
 def as_text(

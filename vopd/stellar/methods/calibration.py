@@ -20,9 +20,7 @@ PARAMETERS = {"focal": ("focal",), "centre": ("centre_x", "centre_y"), "k1": ("k
 
 UNKNOWNS = ("focal", "centre_x", "centre_y", "k1")
 LIMIT = 50
-SETTLED = 1e-11
-"""Converged when no image moves by more than this many principal distances."""
-
+SETTLED = 1e-11  # converged when no image moves by more than this many principal distances
 SINGULAR = 1e-9
 """Ratio of singular values of the design, its columns of length 1, below which it is singular."""
 

@@ -92,9 +92,7 @@ def rotation_about(axis: Floats, angle_rad: Floats) -> Floats:
 
 StartRule = Literal["svd", "two-star"]
 
-LIMIT = 50
-"""Corrections after which a solution to convergence is given up."""
-
+LIMIT = 50  # corrections after which a solution to convergence is given up
 SHIFT = 1e-12
 """Converged when the last correction moves no image by more than this many focal lengths."""
 

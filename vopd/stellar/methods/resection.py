@@ -91,24 +91,15 @@ def _placed(points: Floats, seen: Floats) -> list[tuple[Floats, Floats]]:
 
 # Four points or more, by least squares
 
-LEAST = 4
-"""Fewest points: three have up to four solutions."""
-
-SPREAD = 6
-"""Number of points, far from each other, whose triples give the first estimates."""
-
-TRIED = 4
-"""How many first estimates are corrected to convergence."""
-
+LEAST = 4  # fewest points: three have up to four solutions
+SPREAD = 6  # number of points, far from each other, whose triples give the first estimates
+TRIED = 4  # how many first estimates are corrected to convergence
 LIMIT = 50
-SETTLED = 1e-11
-"""Converged when no image moves by more than this many principal distances."""
-
+SETTLED = 1e-11  # converged when no image moves by more than this many principal distances
 DISTINCT = 1e-3
 """Distance of two positions, in distances to the points, above which they are two solutions."""
 
-AS_GOOD = 4.0
-"""Ratio of sums of squares up to which a second solution fits as well as the best."""
+AS_GOOD = 4.0  # ratio of sums of squares up to which a second solution fits as well as the best
 
 
 class Resection(NamedTuple):

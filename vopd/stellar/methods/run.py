@@ -29,9 +29,7 @@ from vopd.stellar.uncertainty import LARGEST_SIGMA_DEG, angle_sigmas_rad, boresi
 
 # One solution as plain values
 
-REDUCED_WEIGHT = 0.5
-"""Robust weight below which a star does not count in the rms and is marked."""
-
+REDUCED_WEIGHT = 0.5  # robust weight below which a star does not count in the rms and is marked
 ANGLE_NAMES = ("omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg", "swing_deg")
 ANGLE_SIGMA_NAMES = tuple(f"sigma_{name}" for name in ANGLE_NAMES)
 
@@ -308,9 +306,7 @@ CHURCH_WEIGHTS: dict[str, ChurchWeights] = {
 }
 """The weights of each Church method."""
 
-ONLY_PAIRS = ("two-star", "single-rotation")
-"""Methods that solve two stars and no more."""
-
+ONLY_PAIRS = ("two-star", "single-rotation")  # methods that solve two stars and no more
 LISTED_PAIR = np.array([[0, 1]])
 """The pair that programs TESTU and TWOSTAR solve, and so the default of these methods."""
 

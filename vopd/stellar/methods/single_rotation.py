@@ -19,8 +19,7 @@ AngleRule = Literal["farther", "mean"]
 ILL_CONDITIONED = 0.2
 """sin(D1, D2) below which reading errors grow fivefold and the solution draws a warning."""
 
-FLAT_COSINE = 0.999
-"""Cosine from which an arc cosine would lose more than a digit of the angle."""
+FLAT_COSINE = 0.999  # cosine from which an arc cosine would lose more than a digit of the angle
 
 
 def single_rotation(pair: StarField, *, angle: AngleRule = "farther") -> StarSolution:
