@@ -156,6 +156,11 @@ class InputError(VopdError):
         self.finding = finding
 
 
+def input_error(message: str, source: str) -> InputError:
+    """Make an error in a file, without a place or with one in the message."""
+    return InputError(Finding(message, source))
+
+
 DeckError = InputError  # the earlier name of `InputError`
 
 

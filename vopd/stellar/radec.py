@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, InputError, Report, strict
+from vopd.findings import Finding, Report, input_error, strict
 from vopd.geometry.linear import transform
 from vopd.stellar.angles import orientation_matrix
 from vopd.stellar.field import image_directions, right_ascension_declination_deg
@@ -83,16 +83,12 @@ def read_typed(
 
     def number(index: int, what: str) -> float:
         if index >= len(lines):
-            raise InputError(
-                Finding(f"the input ends before line {index + 1}, {what}", source=source)
-            )
+            raise input_error(f"the input ends before line {index + 1}, {what}", source)
         return _f15_6(lines[index], index + 1, what, source, report)
 
     head = [number(k, what) for k, what in enumerate(("focal length", "omega", "phi", "kappa"))]
     if head[0] <= 0.0:
-        raise InputError(
-            Finding(f"line 1: focal length must be positive: {head[0]:g}", source=source)
-        )
+        raise input_error(f"line 1: focal length must be positive: {head[0]:g}", source)
     images: list[tuple[float, float]] = []
     at = len(head)
     while at < len(lines) and len(images) < MOST_IMAGES:
@@ -102,7 +98,7 @@ def read_typed(
         images.append((x, number(at + 1, "image y")))
         at += 2
     if not images:
-        raise InputError(Finding(f"line {at + 1}: no image: x and y, a line each", source=source))
+        raise input_error(f"line {at + 1}: no image: x and y, a line each", source)
     if at >= len(lines):
         report(Finding("no 9999.9 after the last image", source=source, severity="warning"))
     return head[0], np.array(head[1:]), np.array(images)
@@ -111,9 +107,7 @@ def read_typed(
 def _f15_6(line: str, number: int, what: str, source: str, report: Report) -> float:
     field, rest = line[:15].replace(" ", ""), line[15:].strip()
     if not field.isascii() or F15_6.fullmatch(field) is None:
-        raise InputError(
-            Finding(f"line {number}: {what} is not a number: {field!r}", source=source)
-        )
+        raise input_error(f"line {number}: {what} is not a number: {field!r}", source)
     notes = [f"columns 16 on are not read: {rest!r}"] if rest else []
     mantissa, exponent = re.fullmatch(r"([+-]?[\d.]*)(.*)", field).groups()  # type: ignore[union-attr]
     power = int(exponent.lstrip("EDed") or "0")
@@ -125,7 +119,7 @@ def _f15_6(line: str, number: int, what: str, source: str, report: Report) -> fl
         report(Finding(f"line {number}: {note}", source=source, severity="warning"))
     value = value * 10.0**power if abs(power) < 300 else np.inf
     if not abs(value) < 1e9:
-        raise InputError(Finding(f"line {number}: {what} is too large: {field!r}", source=source))
+        raise input_error(f"line {number}: {what} is too large: {field!r}", source)
     return value
 
 

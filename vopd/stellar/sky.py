@@ -15,7 +15,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import install_command, optional_package
-from vopd.findings import Finding, InputError, Report, VopdError
+from vopd.findings import Finding, Report, VopdError, input_error
 from vopd.geometry.earth import NED_FROM_ENU, east_north_up
 from vopd.geometry.linear import transform
 from vopd.geometry.rotations import FORWARD, body_angles_deg, camera_angles_deg
@@ -84,15 +84,15 @@ def read_stars(file: str | None, numbers: Sequence[int]) -> PlacesOfStars:
     """
     path = _packaged() if file is None else Path(file)
     if kind := no_file(path, pipes=True):
-        raise InputError(Finding(kind, source=str(path)))
+        raise input_error(kind, str(path))
     try:
         lines = _lines(path)
         rows = np.array([_star_of(lines[n]) if n in lines else [np.nan] * 6 for n in numbers])
     except OSError as error:
-        raise InputError(Finding(f"cannot be read: {error.strerror}", source=str(path))) from None
+        raise input_error(f"cannot be read: {error.strerror}", str(path)) from None
     except (ValueError, IndexError):
         text = "neither hip_main.dat nor hip2.dat of the Hipparcos catalogue"
-        raise InputError(Finding(text, source=str(path))) from None
+        raise input_error(text, str(path)) from None
     ra, dec, parallax, pm_ra, pm_dec, magnitude = rows.reshape(-1, 6).T
     return PlacesOfStars(
         ra, dec, HIPPARCOS_EPOCH, pm_ra, pm_dec, np.maximum(parallax, 0.0), magnitude
@@ -265,25 +265,25 @@ def _ephemeris(file: str | None) -> Iterator[Any]:
 
     path = _packaged_ephemeris() if file is None else Path(file)
     if kind := no_file(path):
-        raise InputError(Finding(kind, source=str(path)))
+        raise input_error(kind, str(path))
     try:
         planets = SpiceKernel(str(path))
     except OSError as error:
         text = f"cannot be read: {error.strerror or error}"
-        raise InputError(Finding(text, source=str(path))) from None
+        raise input_error(text, str(path)) from None
     except Exception:  # of jplephem, which has no class of its own for it
-        raise InputError(Finding("not an ephemeris (.bsp)", source=str(path))) from None
+        raise input_error("not an ephemeris (.bsp)", str(path)) from None
     try:
         yield planets
     except EphemerisRangeError as error:
         first, last = (time.tdb_strftime("%Y-%m-%d") for time in (error.start_time, error.end_time))
         text = f"it has the dates from {first} to {last}, and not that of the photograph"
-        raise InputError(Finding(text, source=str(path))) from None
+        raise input_error(text, str(path)) from None
     except KeyError:
         text = "it does not have all of Earth, Sun, Jupiter and Saturn"
-        raise InputError(Finding(text, source=str(path))) from None
+        raise input_error(text, str(path)) from None
     except (TypeError, ValueError, IndexError, ArithmeticError):  # of numpy, over its bytes
-        raise InputError(Finding("its end is missing, or damaged", source=str(path))) from None
+        raise input_error("its end is missing, or damaged", str(path)) from None
     finally:
         planets.close()
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, InputError, VopdError
+from vopd.findings import VopdError, input_error
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.calibration import LensOfStars, without_lens
 
@@ -77,7 +77,7 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
         for_pixels = (axes.focal_px, axes.pitch_um, axes.centre_px, axes.size_px)
         if any(one is not None for one in for_pixels):
             message = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
-            raise InputError(Finding(message, source=file.source))
+            raise input_error(message, file.source)
         if axes.focal_mm is None:
             raise _missing(file, "--focal MM is needed (or --free focal)")
         points, focal = file.image * upward, axes.focal_mm
@@ -205,7 +205,7 @@ def _known(file: StarFile, values: Floats | None, column: str, option: str) -> F
     """Check a column that every star needs."""
     if values is None:
         message = f"{option} needs a column {column}"
-        raise InputError(Finding(message, source=file.source))
+        raise input_error(message, file.source)
     missing = np.flatnonzero(~np.isfinite(values))
     if missing.size:
         raise file.error(f"{option} needs {column}", int(missing[0]))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.findings import Finding, InputError, Report
+from vopd.findings import Finding, InputError, Report, input_error
 from vopd.stellar.field import REASONS, Failure, StarField, ground_directions
 from vopd.stellar.files.findings import (
     KindOfFinding,
@@ -510,14 +510,14 @@ def photograph_directions(file: StarFile, request: StarRequest, report: Report) 
         return sky_directions(file, sky, report)
     if sky.utc is not None or sky.place is not None:
         text = f"a date and a place are for stars by ra and dec or by name, not {file.kind}"
-        raise InputError(Finding(text, source=file.source))
+        raise input_error(text, file.source)
     ground = file.kind == "x_m,y_m,z_m"
     if ground and camera_m is None:
         text = "ground points need --camera X,Y,Z, or --resection"
-        raise InputError(Finding(text, source=file.source))
+        raise input_error(text, file.source)
     if camera_m is not None and not ground:
         text = f"--camera is for ground points; the file has {file.kind}"
-        raise InputError(Finding(text, source=file.source))
+        raise input_error(text, file.source)
     camera = None if camera_m is None else np.array(camera_m)
     directions = file_directions(file, camera, report)
     return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
@@ -553,7 +553,7 @@ def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
     if request.all_pairs:
         if count > MOST_STARS_IN_PAIRS:
             message = f"{count} stars: all pairs are solved of {MOST_STARS_IN_PAIRS} at most"
-            raise InputError(Finding(message, source=file.source))
+            raise input_error(message, file.source)
         return star_pairs(count)
     if request.pair is None:
         return None

@@ -11,7 +11,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
-from vopd.findings import Finding, InputError, Report
+from vopd.findings import Finding, InputError, Report, input_error
 from vopd.inputs import parse_json
 from vopd.stellar.files.read import PixelFormat, StarFile
 
@@ -34,7 +34,7 @@ def read_plate_solutions(text: str, source: str, report: Report) -> list[StarFil
     """
     solutions = list(_solutions(text, source))
     if not solutions:
-        raise InputError(Finding("the file has no plate solution", source=source))
+        raise input_error("the file has no plate solution", source)
     found = []
     for k, solution in enumerate(solutions, start=1):
         try:
@@ -53,7 +53,7 @@ def _solutions(text: str, source: str) -> Iterator[Any]:
     except (ValueError, RecursionError) as error:
         lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
         if len(lines) < 2 or not all(line.lstrip().startswith("{") for _, line in lines):
-            raise InputError(Finding(f"not JSON: {reason(error)}", source=source)) from None
+            raise input_error(f"not JSON: {reason(error)}", source) from None
         for number, line in lines:
             try:
                 yield parse_json(line)
@@ -69,7 +69,7 @@ def _star_file(solution: Any, name: str, source: str) -> StarFile:
     """Read the stars of one solution."""
     where = f"photograph {name}: " if name else ""
     if not isinstance(solution, dict) or any(not solution.get(key) for key in NEEDED):
-        raise _error(
+        raise input_error(
             f"{where}no {' and '.join(NEEDED)}: a star file in JSON is the dictionary that "
             "tetra3 gives with return_matches=True, where it has found a match",
             source,
@@ -81,26 +81,30 @@ def _star_file(solution: Any, name: str, source: str) -> StarFile:
         degrees = None if field_of_view is None else float(field_of_view)
         distortion = float(solution.get("distortion") or 0.0)
     except (TypeError, ValueError, OverflowError, RecursionError):
-        raise _error(f"{where}an entry of the plate solution is not a number", source) from None
+        raise input_error(
+            f"{where}an entry of the plate solution is not a number", source
+        ) from None
     count = len(centroids)
     if (
         centroids.shape != (count, 2)
         or stars.ndim != 2
         or stars.shape not in [(count, 2), (count, 3)]
     ):
-        raise _error(
+        raise input_error(
             f"{where}matched_centroids must be pairs y, x and matched_stars as many triples "
             "right ascension, declination, magnitude",
             source,
         )
     if not (np.isfinite(centroids).all() and np.isfinite(stars[:, :2]).all()):
-        raise _error(f"{where}a coordinate of the plate solution is not a finite number", source)
+        raise input_error(
+            f"{where}a coordinate of the plate solution is not a finite number", source
+        )
     if (np.abs(stars[:, 1]) > 90.0).any():
-        raise _error(f"{where}a declination of the plate solution is beyond +-90", source)
+        raise input_error(f"{where}a declination of the plate solution is beyond +-90", source)
     if degrees is not None and not 0.0 < degrees < 180.0:
-        raise _error(f"{where}FOV: {degrees:g} is not between 0 and 180 degrees", source)
+        raise input_error(f"{where}FOV: {degrees:g} is not between 0 and 180 degrees", source)
     if not abs(distortion) < 1.0:
-        raise _error(f"{where}distortion: {distortion:g} is not between -1 and 1", source)
+        raise input_error(f"{where}distortion: {distortion:g} is not between -1 and 1", source)
     return StarFile(
         source,
         tuple(range(1, count + 1)),
@@ -121,10 +125,6 @@ def _names(numbers: Any, count: int) -> tuple[str, ...]:
     if not isinstance(numbers, list) or len(numbers) != count:
         return ("",) * count
     return tuple("-".join(map(str, one)) if isinstance(one, list) else str(one) for one in numbers)
-
-
-def _error(message: str, source: str) -> InputError:
-    return InputError(Finding(message, source=source))
 
 
 # `corr.fits` of astrometry.net (`solve-field --corr`)
@@ -154,19 +154,19 @@ def read_corr_fits(data: bytes, source: str) -> StarFile:
             with fits.open(io.BytesIO(data), memmap=False) as units:
                 tables = [_columns(unit) for unit in units]
     except Exception as error:  # astropy raises what its parts raise
-        raise _corr_error(f"not a FITS file that can be read: {reason(error)}", source) from None
+        raise input_error(f"not a FITS file that can be read: {reason(error)}", source) from None
     found = next((table for table in tables if set(COLUMNS) <= set(table)), None)
     if found is None:
-        raise _corr_error(
+        raise input_error(
             f"the FITS file has no table with the columns {', '.join(COLUMNS)}", source
         )
     x, y, ra_deg, dec_deg = (found[name] for name in COLUMNS)
     if not len(x):
-        raise _corr_error("the table of matched stars is empty", source)
+        raise input_error("the table of matched stars is empty", source)
     rows = np.column_stack([x, y, ra_deg, dec_deg])
     bad = ~np.isfinite(rows).all(axis=1) | (np.abs(rows[:, 3]) > 90.0)
     if bad.any():
-        raise _corr_error(
+        raise input_error(
             f"row {int(np.argmax(bad)) + 1}: a coordinate is not a number in range", source
         )
     magnitudes = [name for name in found if name == "mag" or name.endswith("_mag")]
@@ -195,7 +195,3 @@ def _columns(unit: Any) -> dict[str, Floats]:
         for name, values in columns.items()
         if values.ndim == 1 and values.dtype.kind in "iuf"
     }
-
-
-def _corr_error(message: str, source: str) -> InputError:
-    return InputError(Finding(message, source=source))

@@ -16,7 +16,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.files import kind_by_first_bytes, reason
-from vopd.findings import Finding, InputError, Report, count_text, strict
+from vopd.findings import Finding, InputError, Report, count_text, input_error, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
 from vopd.inputs import no_file, read_limited
@@ -247,7 +247,7 @@ def read_rows(text: str, source: str) -> Iterator[tuple[int, list[str]]]:
         try:  # line by line: no cell of a star file spans two
             cells = next(csv.reader([line], strict=True, delimiter=separator))
         except csv.Error as error:
-            raise _error(f"line {number}: not CSV: {reason(error)}", source) from None
+            raise input_error(f"line {number}: not CSV: {reason(error)}", source) from None
         if any(cell.strip() for cell in cells):
             yield number, cells
 
@@ -336,9 +336,7 @@ def file_directions(
         return star_directions(stars.positions[:, 0], stars.positions[:, 1])
     if stars.kind == "x_m,y_m,z_m":
         if camera_m is None:
-            raise InputError(
-                Finding("ground points need the camera's position", source=stars.source)
-            )
+            raise input_error("ground points need the camera's position", stars.source)
         directions = ground_directions(stars.positions, camera_m)
         _refuse(stars, ~np.isfinite(directions).all(axis=-1), "the point is at the camera")
         return directions
@@ -393,12 +391,12 @@ def read_star_csv(
     rows = read_rows(text, source)
     header, cells = next(rows, (0, []))
     if not cells:
-        raise _error("the file has no header: x_mm,y_mm,ra_deg,dec_deg", source)
+        raise input_error("the file has no header: x_mm,y_mm,ra_deg,dec_deg", source)
     names = tuple(name.strip().lower() for name in cells)
     try:
         columns = read_columns(names, images_only=images_only)
     except ColumnError as error:
-        raise _error(f"line {header}: {error}", source) from None
+        raise input_error(f"line {header}: {error}", source) from None
     names = columns.names
     if columns.read_as:
         report(Finding(f"line {header}: {columns.read_as}", source=source, severity="warning"))
@@ -408,19 +406,19 @@ def read_star_csv(
         if len(cells) != len(names):
             given, named = count_text(len(cells), "value"), count_text(len(names), "column")
             text = f"{given}, where the header names {named}"
-            raise _error(f"line {number}: {text}", source)
+            raise input_error(f"line {number}: {text}", source)
         star = dict(zip(names, cells, strict=True))
         name = star["image"].strip() if several else ""
         if several and not name:
             text = "image: the cell is empty: which photograph is the star in?"
-            raise _error(f"line {number}: {text}", source)
+            raise input_error(f"line {number}: {text}", source)
         group = groups.setdefault(name, [])
         if len(group) <= MOST_STARS:  # one more tells that there are too many
             group.append((number, star))
         elif not several:
             break
     if not groups:
-        raise _error(f"line {header}: no star follows the header", source)
+        raise input_error(f"line {header}: no star follows the header", source)
     if columns.ignored:
         text = f"line {header}: columns that are ignored: {', '.join(columns.ignored)}"
         report(Finding(text, source=source, severity="warning"))
@@ -443,7 +441,7 @@ def read_images_mm(text: str, source: str = "") -> Floats:
     """
     (file,) = read_star_csv(text, source, images_only=True)
     if file.unit != "mm":
-        raise _error("the images must be in mm: x_mm,y_mm", source)
+        raise input_error("the images must be in mm: x_mm,y_mm", source)
     return file.image
 
 
@@ -468,7 +466,7 @@ def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, source: 
 
     if len(stars) > MOST_STARS:
         text = f"line {stars[MOST_STARS][0]}: more than {MOST_STARS} stars in one photograph"
-        raise _error(text, source)
+        raise input_error(text, source)
     image, positions = numbers(*columns.image), numbers(*KINDS.get(columns.kind, ()))
     sigmas = numbers(*columns.sigmas) if columns.sigmas else None
     if sigmas is not None:
@@ -499,7 +497,7 @@ def _number(star: Star, name: str, source: str) -> float:
     try:
         return read_cell(cells[name], name)
     except ColumnError as error:
-        raise _error(f"line {number}: {error}", source) from None
+        raise input_error(f"line {number}: {error}", source) from None
 
 
 def _moment(stars: Sequence[Star], source: str) -> datetime | None:
@@ -514,15 +512,11 @@ def _moment(stars: Sequence[Star], source: str) -> datetime | None:
             found = found.replace(tzinfo=found.tzinfo or UTC).astimezone(UTC)
         except (ValueError, OverflowError):
             text = f"utc: {text!r} is not an ISO 8601 date and time"
-            raise _error(f"line {number}: {text}", source) from None
+            raise input_error(f"line {number}: {text}", source) from None
         if moment not in (None, found):
-            raise _error(f"line {number}: utc: one photograph has two dates", source)
+            raise input_error(f"line {number}: utc: one photograph has two dates", source)
         moment = found
     return moment
-
-
-def _error(message: str, source: str) -> InputError:
-    return InputError(Finding(message, source=source))
 
 
 # Input files as bytes and as text
@@ -552,7 +546,7 @@ def read_bytes(name: str) -> tuple[bytes, str]:
             return read_limited(file), source
     except (OSError, ValueError) as error:  # ValueError: a null in the name
         reason = str(getattr(error, "strerror", None) or error)
-        raise _error(f"cannot be read: {reason}", source) from None
+        raise input_error(f"cannot be read: {reason}", source) from None
 
 
 def read_text(name: str) -> tuple[str, str]:
@@ -569,18 +563,18 @@ def decoded_text(data: bytes, source: str) -> str:
     """
     kind = kind_by_first_bytes(data)
     if kind is not None:
-        raise _error(f"this is {kind}; {_advice(kind)}", source)
+        raise input_error(f"this is {kind}; {_advice(kind)}", source)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         text = f"not UTF-8 text (byte 0x{data[error.start]:02X}): save it as UTF-8"
-        raise _error(f"line {line}: {text}", source) from None
+        raise input_error(f"line {line}: {text}", source) from None
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise _error(f"line {line}: not text: it holds a null byte", source)
+        raise input_error(f"line {line}: not text: it holds a null byte", source)
     if not text.strip():
-        raise _error("line 1: the file is empty", source)
+        raise input_error("line 1: the file is empty", source)
     return text
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vopd.arrays import Floats
 from vopd.files import reason
-from vopd.findings import Finding, InputError
+from vopd.findings import input_error
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.read import UNITS, read_text
 from vopd.stellar.methods.run import ANGLE_NAMES, ANGLE_SIGMA_NAMES, SolvedStars
@@ -253,9 +253,9 @@ def read_solutions(name: str) -> list[ReadSolution]:
     try:
         found = [_solution(one) for one in json.loads(text)]
     except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
-        raise InputError(Finding(f"{what}: {reason(error)}", source=source)) from None
+        raise input_error(f"{what}: {reason(error)}", source) from None
     if not found:
-        raise InputError(Finding("it has no solution", source=source))
+        raise input_error("it has no solution", source)
     return found
 
 
