@@ -329,6 +329,10 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
         if (project.folder / name).exists() or not section.has("file"):
             return read_tracked_picks(project, camera.read.lens.size_px)
         tracked, not_yet = False, f"{name} is not there: {ONLY_CLICKS}"
+        clicks = section.text("file")
+        if not (project.folder / clicks).exists():
+            page = f"vopd pick {project.name} -o pick.html"
+            raise section.error("file", f"{clicks} is not there: {page} makes the page to click on")
     file = project.open("picks", "tracked" if tracked else "file")
     rows = project.read("picks", file, PICK_FORMATS)
     frames = rows.frame.known if isinstance(rows.frame, Names) else []
