@@ -26,6 +26,7 @@ TOLERANCES = {
     "landmark predicted on a page": Tolerance("px", 1e-5, "1e-8 degree of 1500 px, and rounding"),
     "warp of a patch": Tolerance("px", 2e-5, "the Earth's curvature in 20 m of 1000"),
     "row of a rolling shutter": Tolerance("px", 2e-4, "rows found in two rounds"),
+    "ground on a terrain": Tolerance("m", 0.02, "rays end within a hundredth of a metre"),
     "match of a drawn patch": Tolerance("px", 0.02, "sampled between four pixels"),
     "turn by drawn shifts": Tolerance("rad", 2e-6, "the prior of the turn, .03 rad"),
     "turn by whole frames": Tolerance("rad", 1e-4, "a tenth of a pixel"),

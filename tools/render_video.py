@@ -479,8 +479,14 @@ class Renderer:
         texel = float(np.linalg.norm(mark - self.motion.place_m(middle))) / self.camera.focal_px
         angle = 0.7 + 1.3 * which
         cosine, sine = np.cos(angle), np.sin(angle)
+        slope = np.zeros(2)  # of the ground that a mark lies on
+        if mark[2] == foot and len(self.ground.hills):
+            beside = mark[:2] + size * np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]])
+            west, east, south, north = self.ground.height_m(*beside.T)
+            slope = np.array([east - west, north - south]) / (2.0 * size)
         for z in [*np.arange(foot, mark[2], max(1.0, 0.7 * texel)), mark[2]]:
-            reach = (z - c[:, 2]) / du
+            rise = slope[0] * (c[:, 0] - mark[0]) + slope[1] * (c[:, 1] - mark[1])
+            reach = (z - c[:, 2] + rise) / (du - slope[0] * de - slope[1] * dn)
             e, n = c[:, 0] + reach * de - mark[0], c[:, 1] + reach * dn - mark[1]
             a, b = cosine * e + sine * n, cosine * n - sine * e
             if z < mark[2]:  # the shaft

@@ -22,7 +22,7 @@ from vopd.tracking.patches import (
     search,
     warp,
 )
-from vopd.tracking.run import agreement
+from vopd.tracking.run import RESIDUAL_PX, agreement
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
 
 EARTH_M = 6378137.0
@@ -82,6 +82,25 @@ def test_the_ground_from_twice_as_high(
     assert_close("warp of a patch", found.clicked[0], pixel)
     assert_close("warp of a patch", found.by_click[0], by_click)
     assert found.inside.all()
+
+
+class Rising:
+    """A terrain that rises by a tenth to the east, 7 m below the landmark, unknown in the west."""
+
+    def above_m(self, position_m: Floats) -> Floats:
+        found = position_m[:, 0] - EARTH_M + 7.0 - 0.1 * position_m[:, 1]
+        return np.asarray(np.where(position_m[:, 1] < -200.0, np.nan, found))
+
+
+def test_the_ground_on_a_terrain() -> None:
+    """40 m east in 1000 m: t below the camera is .04 t east, so 1000 - t = .1 * .04 t."""
+    scene = replace(above(1000.0), terrain=Rising())
+    found = scene.ground(view(0, NADIR), np.array([[140.0, 80.0], [100.0, 80.0]]), 0)
+    t = 1000.0 / 1.004
+    assert_close("ground on a terrain", found, [[0.04 * t, 0.0, 1000.0 - t], [0.0, 0.0, 0.0]])
+    unknown = scene.ground(view(0, NADIR), np.array([[-150.0, 80.0]]), 0)  # along the slope
+    t = 1000.0 / 0.975
+    assert_close("ground on a terrain", unknown, [[-0.25 * t, 0.0, 1000.0 - t]])
 
 
 def test_rows_of_a_rolling_shutter() -> None:
@@ -146,14 +165,15 @@ def test_most_landmarks_outvote_one() -> None:
     eye = np.tile(np.eye(2), (5, 1, 1))
     warps = Warps(np.zeros((5, 625, 2)), np.zeros((5, 2)), eye, by_turns, np.ones(5, bool))
     found = no_matches(5)._replace(shift=shift, good=np.ones(5, bool), sigma_px=np.full(5, 0.05))
-    agreed = agreement(warps, found, patches, np.zeros(5))
+    agreed = agreement(warps, found, patches, np.full(5, RESIDUAL_PX))
     assert agreed is not None
     assert agreed[1].tolist() == [True, True, True, False, True]
     assert_close("turn by drawn shifts", agreed[0], turn)
     same = np.tile(by_turns[:1], (5, 1, 1))
     apart = found._replace(shift=np.array([[0.0, 0.0], [7.0, 0.0]] + [[0.0, 0.0]] * 3))
     apart.good[2:] = False
-    assert agreement(warps._replace(by_turns=same), apart, patches, np.zeros(5)) is None
+    limit_px = np.full(5, RESIDUAL_PX)
+    assert agreement(warps._replace(by_turns=same), apart, patches, limit_px) is None
 
 
 def test_a_frame_that_has_turned() -> None:

@@ -16,6 +16,7 @@ from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
 from tests.tolerances import within
 from tools.render_video import Settings, make
+from vopd import solve_flight
 from vopd.flight.project import read_project
 from vopd.tracking import follow as rooms
 from vopd.tracking.follow import TrackOptions, follow
@@ -260,6 +261,75 @@ def test_a_click_on_another_point(flight: Path) -> None:
     done = vopd("track", "flight.toml")
     assert done.status == 3
     assert_approved("".join(line + "\n" for line in done.stderr.splitlines() if "warning" in line))
+
+
+def test_terrains(flight: Path) -> None:
+    """Of this place, with a mast, with a hole, in feet, of another place, without one, broken."""
+    import rasterio
+    from affine import Affine
+
+    marks = rows(flight / "landmarks.csv")
+    north, east = (np.mean([float(row[name]) for row in marks]) for name in ("lat_deg", "lon_deg"))
+    where = {row["landmark"]: (float(row["lat_deg"]), float(row["lon_deg"])) for row in marks}
+    level = np.full((200, 200), float(marks[0]["h_m"]) - 3.0, np.float32)
+    place = Affine(0.001, 0.0, east - 0.1, 0.0, -0.0005, north + 0.05)
+    change("flight.toml", '"landmarks.csv"', '"landmarks.csv"\nterrain = "terrain.tif"')
+
+    def told(of: Any = place, heights: Any = level, crs: str | None = "EPSG:4326") -> str:
+        bands = heights if heights.ndim == 3 else heights[None]
+        count, tall, broad = bands.shape
+        with rasterio.open(
+            "terrain.tif", "w", driver="GTiff", width=broad, height=tall, count=count,
+            dtype=bands.dtype, crs=crs, transform=of, nodata=-9999.0,
+        ) as file:  # fmt: skip
+            file.write(bands)
+        return ran()
+
+    def ran() -> str:
+        done = vopd("track", "flight.toml", "--to", ".05")
+        lines = [one for one in done.stderr.splitlines() if "terrain" in one or "ground:" in one]
+        return "".join(f"{one}\n" for one in lines)
+
+    said = [told()]
+    mast = level.copy()
+    row = int((north + 0.05 - where["L4"][0]) / 0.0005)
+    column = int((where["L4"][1] - east + 0.1) / 0.001)
+    mast[row - 1 : row + 2, column - 1 : column + 2] -= 40.0
+    said.append(told(heights=mast))
+    mast[row - 1 : row + 2, column - 1 : column + 2] = -9999.0
+    said.append(told(heights=mast))
+    said.append(told(heights=level * np.float32(3.2808)))
+    said.append(told(Affine(0.001, 0.0, east + 3.0, 0.0, -0.0005, north)))
+    said.append(told(crs=None))
+    said.append(told(heights=np.stack([level, level])))
+    told()
+    whole = (flight / "terrain.tif").read_bytes()
+    (flight / "terrain.tif").write_bytes(whole[: len(whole) // 2])
+    said.append(ran())
+    (flight / "terrain.tif").write_text("lat,lon,h\n")
+    said.append(ran())
+    (flight / "terrain.tif").unlink()
+    said.append(ran())
+    assert_approved("".join(said))
+
+
+def test_patches_of_a_strip_are_alike(flight: Path) -> None:
+    """Each is turned to look like the first; a click 12 px beside its landmark is marked."""
+    true = truth()
+    marks = [m for m in ("L1", "L2", "L4", "L5") if all((k, m) in true for k in (0, 10, 20))]
+    every = [(k, mark, *true[k, mark]) for k in (0, 10, 20) for mark in marks]
+    odd = every.index((10, marks[0], *true[10, marks[0]]))
+    every[odd] = (10, marks[0], every[odd][2] + 12.0, every[odd][3])
+    clicks(*every)
+    vopd("track", "flight.toml")
+    (axis,) = solve_flight("flight.toml").plot("patches").subfigs[0].axes
+    assert [text.get_text() for text in axis.get_yticklabels()] == marks
+    cells = [text for text in axis.texts if len(text.get_text().split()) == 2]
+    wrong = [text.get_text() for text in cells if text.get_fontweight() == "bold"]
+    assert len(wrong) == 1 and wrong[0].startswith("10 ")
+    like = [float(text.get_text().split()[1]) for text in cells if text.get_fontweight() != "bold"]
+    assert len(like) > 30 and np.median(like) > 0.95
+    assert float(wrong[0].split()[1]) < 0.5
 
 
 def test_a_video_that_ends_too_early(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,11 +35,28 @@ GOES_ON = "the same command goes on"
     metavar="PX",
     help="Side of the patches, pixels.",
 )
+@click.option(
+    "--least-correlation",
+    type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+    default=0.6,
+    show_default=True,
+    metavar="R",
+    help="Correlation with its click from which a patch is found.",
+)
+@click.option(
+    "--residual",
+    "residual_px",
+    type=click.FloatRange(0.0, 100.0, min_open=True),
+    default=0.8,
+    show_default=True,
+    metavar="PX",
+    help="How far a patch may be from where the other landmarks have it, pixels.",
+)
 @quiet_option
 @click.pass_context
 def command(
     ctx: click.Context, /, project: str, from_s: float | None, to_s: float | None, every: int,
-    reach: int, patch_px: int, quiet: bool,
+    reach: int, patch_px: int, least_correlation: float, residual_px: float, quiet: bool,
 ) -> None:  # fmt: skip
     """Follow clicked landmarks through a video, for vopd attitude.
 
@@ -96,10 +113,9 @@ def command(
     def count(total: int) -> None:
         progress.total = total
 
+    options = TrackOptions(from_s, to_s, every, reach, patch_px, least_correlation, residual_px)
     try:
-        done = follow(
-            read, TrackOptions(from_s, to_s, every, reach, patch_px), lambda: progress.add(1), count
-        )
+        done = follow(read, options, lambda: progress.add(1), count)
     finally:
         progress.close()
     messages = Messages(quiet)

@@ -174,6 +174,10 @@ KEYS: tuple[Key, ...] = (
     Key("landmarks.height", "undulation_m", "number", "", _UNDULATION),
     Key("landmarks", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 1 to 5 from a map",
         _ROWS, size=3),
+    Key("landmarks", "terrain", "file", "", "a GeoTIFF of heights, for vopd track",
+        "a GeoTIFF of heights, by which `vopd track` lays patches on the ground where it is not "
+        "level. Its heights are counted as the landmarks' are, unless its coordinate reference "
+        "system says otherwise; it is laid through each landmark"),
     Key("track", "file", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format",
         "the track of a camera that moves"),
     Key("track", "columns", "other", "", "names of the columns of a CSV", "as for picks"),

@@ -28,7 +28,7 @@ from vopd.flight.read import flight_of, read_camera, read_pick_rows
 from vopd.flight.track import frames_of, image_numbers, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
-from vopd.tracking.patches import PATCH_PX, SIGMA_FACTOR
+from vopd.tracking.patches import LEAST_CORRELATION, PATCH_PX, SIGMA_FACTOR
 from vopd.tracking.run import (
     AMBIGUOUS,
     CLICKED,
@@ -36,10 +36,12 @@ from vopd.tracking.run import (
     LOST,
     OCCLUDED,
     REACH,
+    RESIDUAL_PX,
     ClickedPixels,
     Tracker,
 )
 from vopd.tracking.scene import Scene
+from vopd.tracking.terrain import read_terrain, relief_text
 from vopd.version import __version__
 from vopd.video import VideoFrames, grey_frames, grey_frames_backward, open_frames
 
@@ -59,6 +61,8 @@ class TrackOptions(NamedTuple):
         every: only each so manieth frame has rows
         reach: frames from a click within which all are matched with it
         patch_px: side of a patch, unless a landmark's row has another
+        least_correlation: of a patch that is found
+        residual_px: of a patch against the turn of the camera that most agree with, at most
     """
 
     from_s: float | None = None
@@ -66,6 +70,8 @@ class TrackOptions(NamedTuple):
     every: int = 1
     reach: int = REACH
     patch_px: int = PATCH_PX
+    least_correlation: float = LEAST_CORRELATION
+    residual_px: float = RESIDUAL_PX
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +139,9 @@ def read_footage(project: Project) -> Footage:
     fixes = read.path.fixes
     own_m = None if fixes is None else np.linalg.norm(fixes.frame_sigma_m[index], axis=1)
     scene = Scene(
-        flight.lens, path, flight.landmarks, flight.refraction, flight.mount, flight.shutter, own_m
-    )
+        flight.lens, path, flight.landmarks, flight.refraction, flight.mount, flight.shutter, own_m,
+        read_terrain(clicked),
+    )  # fmt: skip
     own = np.asarray(every) if not flight.image_name else np.array(_image_numbers(project, frames))
     by_name = list(frames.image_name) if flight.image_name else own.tolist()
     place = {name: k for k, name in enumerate(by_name)}
@@ -254,13 +261,22 @@ def follow(
     clicks = _in_range(footage, first, last)
     output = str(project.folder / project.section("picks").text("tracked"))
     digests = track_digests(footage.project)
+    terrain = footage.scene.terrain
+    marks = np.unique(clicks.landmark)
+    lines, findings = (
+        (relief_text(footage.scene.landmark_m[marks]), []) if terrain is None
+        else terrain.about(footage.flight.landmarks, marks)
+    )  # fmt: skip
     about = digests | options._asdict() | {"version": __version__, "frames": len(footage.number)}
     journal = Journal(Path(f"{output}.part"), about)
     sides = np.full(len(footage.flight.landmarks.name), options.patch_px | 1)
     own_px = footage.flight.landmarks.patch_px
     if own_px is not None:
         sides = np.where(np.isfinite(own_px), np.nan_to_num(own_px).astype(int) | 1, sides)
-    run = Tracker(footage.scene, clicks, footage.time_s, sides, options.reach)
+    run = Tracker(
+        footage.scene, clicks, footage.time_s, sides, options.reach, options.least_correlation,
+        options.residual_px,
+    )  # fmt: skip
     count(2 * (last - first + 1))
 
     def pictures(low: int, high: int) -> Iterator[tuple[int, Any]]:
@@ -278,7 +294,7 @@ def follow(
         for text in _lines(journal, footage, clicks, scale, digests):
             file.write(text.encode())
     summary, elsewhere = _summary(journal, footage, run, scale, by)
-    findings = _findings(journal, footage, run, clicks)
+    findings += _findings(journal, footage, run, clicks)
     if elsewhere:
         message = (
             f"{', '.join(elsewhere)}: hidden, or not where the others have it, in more frames than "
@@ -292,7 +308,7 @@ def follow(
         )
         findings.insert(0, Finding(message, project.name, severity="warning"))
     journal.remove()
-    return Tracked(output, tuple(summary), tuple(findings))
+    return Tracked(output, (*summary, *lines), tuple(findings))
 
 
 def _forward(run: Tracker, journal: Journal, pictures: Iterator[tuple[int, Any]]) -> int:

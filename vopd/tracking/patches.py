@@ -196,8 +196,9 @@ def no_matches(count: int) -> Matches:
 
 @np.errstate(all="ignore")
 def match(
-    grey: Floats, warps: Warps, patches: list[GroundedPatch], start: Floats, reach_px: float
-) -> Matches:
+    grey: Floats, warps: Warps, patches: list[GroundedPatch], start: Floats, reach_px: float,
+    least: float = LEAST_CORRELATION,
+) -> Matches:  # fmt: skip
     """Find patches in a frame, each near where it is laid.
 
     Args:
@@ -206,6 +207,7 @@ def match(
         patches: the same patches
         start: first shifts, (C, 2)
         reach_px: a patch that moves farther from there is not found
+        least: correlation of a patch that is found
     """
     by = warps.by_click
     scale = np.sqrt(np.abs(by[:, 0, 0] * by[:, 1, 1] - by[:, 0, 1] * by[:, 1, 0]))
@@ -253,7 +255,7 @@ def match(
     # sigma of u and of v, the mean of both
     each = np.sqrt(variance * wide / (2.0 * both))
     far = np.hypot(*(shift - start[usable]).T) > reach_px
-    good = (correlation > LEAST_CORRELATION) & (gain > 0.1) & ~far
+    good = (correlation > least) & (gain > 0.1) & ~far
     good &= (own.std(axis=1) > LEAST_CONTRAST) & (seen.std(axis=1) > LEAST_CONTRAST)
     good &= both / larger**2 > LEAST_CURVATURE
     sigma = np.maximum(SIGMA_FACTOR * each, LEAST_SIGMA_PX)
@@ -317,7 +319,11 @@ def _bilinear(flat: Floats, width: int, height: int, at: Floats) -> Floats:
 
 @np.errstate(all="ignore")
 def search(
-    grey: Floats, warps: Warps, patches: list[GroundedPatch], radius_px: float
+    grey: Floats,
+    warps: Warps,
+    patches: list[GroundedPatch],
+    radius_px: float,
+    least: float = LEAST_CORRELATION,
 ) -> tuple[Floats, Bools]:
     """Search patches in a square around where each is laid, to whole pixels of the patch.
 
@@ -326,6 +332,7 @@ def search(
         warps: the patches laid on it
         patches: the same patches
         radius_px: half the side of the square, pixels of this frame
+        least: correlation of a patch that is found
 
     Returns:
         Shifts of the best places, (C, 2), NaN where there is none, and whether another one is
@@ -355,7 +362,7 @@ def search(
         beyond = windows[:, :, :: side - 1, :: side - 1].any(axis=(2, 3))
         likeness = np.where(beyond, -1.0, likeness)
         best = np.unravel_index(int(np.argmax(likeness)), likeness.shape)
-        if not likeness[best] > LEAST_CORRELATION:
+        if not likeness[best] > least:
             continue
         shift[k] = by @ np.array([best[1] - wide, best[0] - wide], dtype=float)
         row, column = np.ogrid[: likeness.shape[0], : likeness.shape[1]]

@@ -21,6 +21,7 @@ from vopd.flight.solve import solve_rotations
 from vopd.tracking.alignment import Alignment, Level, reduced
 from vopd.tracking.journal import ATTITUDE, ROW
 from vopd.tracking.patches import (
+    LEAST_CORRELATION,
     GroundedPatch,
     Matches,
     Patch,
@@ -121,6 +122,8 @@ class Tracker:
         time_s: of the frames, (F,); NaN where not known
         patch_px: side of the patch of each landmark, (N,)
         reach: frames from a click within which all of it are matched
+        least_correlation: of a patch that is found
+        residual_px: of a patch against the turn of the camera that most agree with, at most
     """
 
     scene: Scene
@@ -128,6 +131,8 @@ class Tracker:
     time_s: Floats
     patch_px: Ints
     reach: int = REACH
+    least_correlation: float = LEAST_CORRELATION
+    residual_px: float = RESIDUAL_PX
     attitudes: RunningAttitudes = field(init=False)
     patches: dict[int, Patch] = field(default_factory=dict)
     grounded: dict[int, GroundedPatch | None] = field(default_factory=dict)
@@ -425,22 +430,23 @@ class Tracker:
         """
         if len({one.patch.landmark for one in patches}) < 2:
             return None
+        least = self.least_correlation
         for radius in WIDENING_PX:
             warps, places = self._warps(view, patches)
             start = np.zeros((len(patches), 2))
             several = np.zeros(len(patches), bool)
             if radius > WIDENING_PX[0]:
-                start, several = search(grey, warps, places, radius)
+                start, several = search(grey, warps, places, radius, least)
                 rows = np.flatnonzero(np.isfinite(start[:, 0]) & ~several)
                 found = no_matches(len(places))
                 if len(rows):
                     some = [places[k] for k in rows]
-                    part = _matched(grey, subset(warps, rows), some, start[rows], NEAR_PX)
+                    part = _matched(grey, subset(warps, rows), some, start[rows], NEAR_PX, least)
                     found.put(rows, part)
             else:
-                found = _matched(grey, warps, places, start, radius)
+                found = _matched(grey, warps, places, start, radius, least)
             agreed = agreement(
-                warps, found, places, self._slack_px(view, places), self._late(warps)
+                warps, found, places, self._limit_px(view, places), self._late(warps)
             )
             if agreed is None:
                 continue
@@ -448,9 +454,9 @@ class Tracker:
                 rotation = turned_by(agreed[0], view.rotation)
                 view = View(frame, rotation, view.rate_rad_s, view.velocity_m_s)
                 warps, places = self._warps(view, patches)
-                found = _matched(grey, warps, places, np.zeros((len(places), 2)), NEAR_PX)
+                found = _matched(grey, warps, places, np.zeros((len(places), 2)), NEAR_PX, least)
                 agreed = agreement(
-                    warps, found, places, self._slack_px(view, places), self._late(warps)
+                    warps, found, places, self._limit_px(view, places), self._late(warps)
                 )
                 if agreed is None:
                     break
@@ -464,15 +470,16 @@ class Tracker:
             return Located(final, warps, found, inlier, residual, len(marks))
         return None
 
-    def _slack_px(self, view: View, patches: list[GroundedPatch]) -> Floats:
-        """Find what the errors of the camera's place may add to residuals, pixels, (C,)."""
+    def _limit_px(self, view: View, patches: list[GroundedPatch]) -> Floats:
+        """Find the largest residuals, with the errors of the camera's place, pixels, (C,)."""
         sigma_m = self.scene.place_sigma_m
         if sigma_m is None:
-            return np.zeros(len(patches))
+            return np.full(len(patches), self.residual_px)
         place = self.scene.camera_m(view.frame, view.rotation)
         away = [np.linalg.norm(one.clicked_m - place) for one in patches]
         each = np.array([np.hypot(sigma_m[view.frame], sigma_m[p.patch.frame]) for p in patches])
-        return np.asarray(SLACK * self.scene.lens.focal_px[0] * each / np.array(away))
+        slack_px = SLACK * self.scene.lens.focal_px[0] * each / np.array(away)
+        return np.asarray(self.residual_px + slack_px)
 
     def _late(self, warps: Warps) -> Floats | None:
         """Find when the rows of patches are read, from -.5 to .5 of the readout, (C,)."""
@@ -588,15 +595,17 @@ class Located(NamedTuple):
 
 
 def _matched(
-    grey: Any, warps: Warps, patches: list[GroundedPatch], start: Floats, reach_px: float
-) -> Matches:
+    grey: Any, warps: Warps, patches: list[GroundedPatch], start: Floats, reach_px: float,
+    least: float,
+) -> Matches:  # fmt: skip
     """Match patches of several sizes."""
     found = no_matches(len(patches))
     for side in sorted({one.patch.side for one in patches}):
         rows = np.array([k for k, one in enumerate(patches) if one.patch.side == side])
         some = subset(warps, rows)
         some = some._replace(pixel=some.pixel[:, : side * side])
-        found.put(rows, match(grey, some, [patches[k] for k in rows], start[rows], reach_px))
+        own = [patches[k] for k in rows]
+        found.put(rows, match(grey, some, own, start[rows], reach_px, least))
     return found
 
 
@@ -613,7 +622,7 @@ def agreement(
     warps: Warps,
     found: Matches,
     patches: list[GroundedPatch],
-    slack_px: Floats,
+    limit: Floats,
     late: Floats | None = None,
 ) -> tuple[Floats, Bools, Floats] | None:
     """Find the turn of the camera that the shifts of most landmarks agree with.
@@ -622,7 +631,7 @@ def agreement(
         warps: the patches laid on a frame
         found: their shifts
         patches: the patches, C
-        slack_px: what residuals may be larger by than `RESIDUAL_PX`, (C,)
+        limit: of the residuals, pixels, (C,)
         late: of a rolling shutter: when their rows are read, in readouts, (C,)
 
     Returns:
@@ -635,7 +644,6 @@ def agreement(
     if len(marks) < 2:
         return None
     by, shift = warps.by_turns, found.shift
-    limit = RESIDUAL_PX + slack_px
     if late is not None:  # shake between frames turns the camera while its rows are read
         by = np.concatenate([by, by * late[:, None, None]], axis=2)
     weight = found.sigma_px**-2.0

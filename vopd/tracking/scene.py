@@ -17,9 +17,12 @@ from vopd.flight.lines_of_sight import sight_lines
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 from vopd.geometry.lenses import Lens, project, ray_of_pixel
 from vopd.geometry.rotations import rotation_matrices
+from vopd.tracking.terrain import Terrain
 
 FLAT = 0.1  # sine of the angle below which a line of sight grazes the ground
 FAR = 1e3  # distances of the landmarks: ground that is farther away does not move
+SLOPE = 0.01  # of the distance: along so much of the terrain its slope at a landmark is taken
+ROUNDS, SETTLED_M = 12, 0.01  # of rays that are brought on the terrain
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,7 @@ class Scene:
         shutter: a rolling one, or None
         place_sigma_m: standard deviation of the camera's place in each frame by itself, (F,); None:
             it is exact, or the same error in all frames
+        terrain: the ground; None: it is level at each landmark
     """
 
     lens: Lens
@@ -44,6 +48,7 @@ class Scene:
     mount: Floats
     shutter: Shutter | None = None
     place_sigma_m: Floats | None = None
+    terrain: Terrain | None = None
 
     @cached_property
     def _origin(self) -> Floats:
@@ -137,8 +142,8 @@ class Scene:
     def ground(self, view: View, pixel: Floats, landmark: int) -> Floats:
         """Intersect the rays of pixels with the ground about a landmark, (..., 3), site axes.
 
-        The ground is the horizontal plane through the landmark; where the line of sight to it
-        grazes that plane, as to a summit or the top of a mast, the plane across the line.
+        The ground is the horizontal plane through the landmark, or the terrain; where the line
+        of sight grazes it, as to a summit or the top of a mast, the plane across the line.
 
         Args:
             view: of the frame with the pixels
@@ -148,13 +153,58 @@ class Scene:
         place = self.camera_m(view.frame, view.rotation)
         raised = self.raised_m(view.frame)[landmark]
         away = self.landmark_m[landmark] + raised - place
-        normal = self.up[landmark]
-        if abs(away @ normal) < FLAT * np.linalg.norm(away):
+        slope = self._slope(landmark, float(np.linalg.norm(away)))
+        normal = self.up[landmark] if slope is None else slope
+        if across := abs(away @ normal) < FLAT * np.linalg.norm(away):
             normal = away / np.linalg.norm(away)
         ray, start = self.rays(view, pixel)
         reach = (away @ normal - start @ normal) / (ray @ normal)
         reach = np.where(reach > 0.0, reach, np.nan)
-        return np.asarray(place + start + ray * reach[..., None] - raised)
+        start = start + place - raised
+        if slope is not None and not across:
+            reach = self._on_terrain(start, ray, reach, landmark, slope)
+        return np.asarray(start + ray * reach[..., None])
+
+    def _above_m(self, point: Floats, landmark: int) -> Floats:
+        """Find how far points (..., 3) are above the terrain that goes through a landmark."""
+        assert self.terrain is not None
+        every = np.concatenate([point.reshape(-1, 3), self.landmark_m[landmark][None]])
+        *above, own = self.terrain.above_m(every @ self.axes + self._origin)
+        return np.asarray(np.array(above) - own).reshape(point.shape[:-1])
+
+    def _slope(self, landmark: int, distance_m: float) -> Floats | None:
+        """Find the normal of the terrain at a landmark, (3,); None where there is no terrain."""
+        if self.terrain is None:
+            return None
+        step_m = SLOPE * distance_m
+        here, axes = self.landmark_m[landmark], self.landmarks.axes[landmark] @ self.axes.T
+        west, east, south, north = self._above_m(
+            here + step_m * np.array([-axes[0], axes[0], -axes[1], axes[1]]), landmark
+        )
+        normal = axes[2] + ((east - west) * axes[0] + (north - south) * axes[1]) / (2.0 * step_m)
+        return None if np.isnan(normal).any() else np.asarray(normal / np.linalg.norm(normal))
+
+    @np.errstate(all="ignore")
+    def _on_terrain(
+        self, start: Floats, ray: Floats, reach: Floats, landmark: int, normal: Floats
+    ) -> Floats:
+        """Lengthen or shorten rays until they end on the terrain, by secants.
+
+        Where it has no height, or a ray passes over it, the plane along its slope remains.
+        """
+        slope = ray @ normal / (normal @ self.up[landmark])  # of heights above it, along a ray
+        first, length = self._above_m(start + ray * reach[..., None], landmark), reach
+        above, step = first, -first / slope
+        for _ in range(ROUNDS):
+            length = length + step
+            last, above = above, self._above_m(start + ray * length[..., None], landmark)
+            steep = (above - last) / step
+            steep = np.where(steep / slope > 0.2, steep, slope)
+            step = np.where(np.abs(above) < SETTLED_M, 0.0, -above / steep)
+            if not np.nan_to_num(step).any():
+                break
+        good = (np.abs(above) < 1.0) & (length > 0.0)
+        return np.where(good, length, reach)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,255 @@
+"""Terrain about landmarks: the shape of the ground, from a GeoTIFF that rasterio reads.
+
+A landmark's own height is known better than the terrain's. The terrain is raised or lowered until
+it goes through the landmark, so that its shape alone counts.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.files import optional_package
+from vopd.findings import Finding, VopdError
+from vopd.flight.coordinates import HeightDatum, earth_centred_positions, has_height_axis
+from vopd.flight.flight import LandmarkSet
+from vopd.flight.project import Project, Section
+from vopd.flight.track import height_datum
+from vopd.geometry.earth import geodetic
+
+MOST_CELLS = 1000  # along a side of what is read at once: of more, each second, third ... one
+LOWEST_M, HIGHEST_M = -500.0, 9000.0  # of land: what is beyond, as -9999, is no height
+ABOVE_M = 15.0  # of a landmark above the ground, beyond the others': it is said
+APART_M = 50.0  # of half of the landmarks, the same: the terrain is of another place, or in feet
+LEVELS_M = 110.0  # of all: no geoid is farther from the ellipsoid
+RELIEF, RELIEF_M = 0.03, 10.0  # of landmarks' heights, of their extent and in metres
+NAMED = 3  # landmarks in a sentence
+
+
+class Terrain:
+    """A GeoTIFF of heights.
+
+    Args:
+        name: of the file, for messages
+        dataset: as rasterio has opened it
+        section: `[landmarks]` of the project
+    """
+
+    def __init__(self, name: str, dataset: Any, section: Section) -> None:
+        self.name, self._dataset, self._section = name, dataset, section
+        self._rasterio = optional_package("rasterio", "terrain")
+        self._to_crs = optional_package("rasterio.warp", "terrain").transform
+
+    def heights_m(self, position_m: Floats) -> Floats:
+        """Read heights, as the file counts them, at Earth-centred positions, (n,).
+
+        Args:
+            position_m: (n, 3)
+
+        Returns:
+            NaN outside the file, and where it has no height.
+
+        Raises:
+            VopdError: where the file is damaged
+        """
+        found = np.full(len(position_m), np.nan)
+        here, data = geodetic(position_m), self._dataset
+        x, y = self._to_crs(
+            "EPSG:4326", data.crs, here.longitude_deg.tolist(), here.latitude_deg.tolist()
+        )[:2]
+        grid = ~data.transform
+        across = grid.a * np.array(x) + grid.b * np.array(y) + grid.c
+        down = grid.d * np.array(x) + grid.e * np.array(y) + grid.f
+        u, v = across - 0.5, down - 0.5
+        inside = (across >= 0.0) & (down >= 0.0) & (across <= data.width) & (down <= data.height)
+        if not inside.any():
+            return found
+        u = np.clip(u[inside], 0.0, data.width - 1.0)
+        v = np.clip(v[inside], 0.0, data.height - 1.0)
+        low = np.floor([u.min(), v.min()]).astype(int)
+        high = np.minimum(np.floor([u.max(), v.max()]).astype(int) + 2, [data.width, data.height])
+        size = high - low
+        shape = np.minimum(size, MOST_CELLS)
+        window = self._rasterio.windows.Window(*low.tolist(), *size.tolist())
+        try:
+            cells = data.read(1, window=window, out_shape=tuple(shape[::-1]), masked=True)
+        except self._rasterio.errors.RasterioError as error:
+            raise self._section.error(
+                "terrain", f"{self.name} cannot be read at the landmarks: is it complete?"
+            ) from error
+        height = np.ma.filled(cells.astype(float), np.nan)
+        height[~((height > LOWEST_M) & (height < HIGHEST_M))] = np.nan
+        step = size / shape
+        column, row = (u - low[0] + 0.5) / step[0] - 0.5, (v - low[1] + 0.5) / step[1] - 0.5
+        found[inside] = _bilinear(height, column, row)
+        return found
+
+    def above_m(self, position_m: Floats) -> Floats:
+        """Find how far Earth-centred positions are above it, its heights as they stand, (n,)."""
+        return np.asarray(geodetic(position_m).height_m - self.heights_m(position_m))
+
+    def about(self, marks: LandmarkSet, used: Floats) -> tuple[list[str], list[Finding]]:
+        """Compare heights of landmarks with the terrain's.
+
+        Args:
+            marks: the landmarks
+            used: indices of those that are clicked
+
+        Returns:
+            A line for the summary, and warnings.
+
+        Raises:
+            VopdError: where the terrain is that of another place
+        """
+        position_m = marks.position_m[used]
+        names = [marks.name[k] for k in used.tolist()]
+        raw_m = self.heights_m(position_m)
+        known = np.isfinite(raw_m)
+        if not known.any():
+            raise self._section.error("terrain", self._elsewhere(position_m))
+        warned = []
+        if not known.all():
+            some = _named([name for name, one in zip(names, known, strict=True) if not one])
+            warned.append(
+                f"[landmarks] terrain: {self.name} has no height at {some}: the ground there is "
+                "taken as level"
+            )
+        try:
+            above = self._above_of(position_m[known], raw_m[known])
+        except VopdError:  # a grid is not there, which the shape of the ground does not need
+            lines = [f"terrain: {self.name}; heights are not compared, for want of its geoid"]
+            return lines, self._told(warned)
+        usual = float(np.median(above))
+        off = np.abs(above - usual)
+        if np.median(off) > APART_M or abs(usual) > LEVELS_M:
+            warned.append(
+                f"[landmarks] terrain: {self.name}: heights of the landmarks less the terrain's "
+                f"are {above.min():.0f} to {above.max():.0f} m: is it of this place, and in metres?"
+            )
+        lines = [
+            f"terrain: {self.name}, {abs(usual):.1f} m {'below' if usual >= 0.0 else 'above'} the "
+            f"landmarks (median of {len(above)}); it is laid through each of them"
+        ]
+        own = [name for name, one in zip(names, known, strict=True) if one]
+        high = np.flatnonzero(off > ABOVE_M)
+        if len(high) and not warned:
+            some = _named([f"{own[k]} ({above[k] - usual:+.0f} m)" for k in high])
+            lines.append(
+                f"  not on the ground: {some}; for masts patch_px = 13 in the file of landmarks"
+            )
+        return lines, self._told(warned)
+
+    def _above_of(self, position_m: Floats, raw_m: Floats) -> Floats:
+        """Find how far positions are above the terrain, its heights in its own height system."""
+        here = geodetic(position_m)
+        name = self._dataset.crs.to_wkt()
+        datum: HeightDatum | None = HeightDatum("same")
+        if has_height_axis(name, self.name):
+            datum = None
+        elif self._section.has("height"):
+            datum = height_datum(self._section)
+        if datum is not None:
+            name = "EPSG:4326"
+            x, y = here.longitude_deg, here.latitude_deg
+        else:
+            x, y = (
+                np.array(one) for one in self._to_crs(
+                    "EPSG:4326", self._dataset.crs, here.longitude_deg.tolist(),
+                    here.latitude_deg.tolist())[:2]
+            )  # fmt: skip
+        ground = np.stack([x, y, raw_m], axis=1)
+        on_it = earth_centred_positions(ground, datum is not None, name, datum, self.name)
+        return np.asarray(here.height_m - geodetic(on_it).height_m)
+
+    def _told(self, warned: list[str]) -> list[Finding]:
+        return [Finding(one, self._section.project, severity="warning") for one in warned]
+
+    def _elsewhere(self, position_m: Floats) -> str:
+        here = geodetic(position_m)
+        bounds = self._dataset.bounds
+        x, y = [bounds.left, bounds.right], [bounds.bottom, bounds.top]
+        longitude, latitude = self._to_crs(self._dataset.crs, "EPSG:4326", x, y)[:2]
+        place = f"latitude {here.latitude_deg.mean():.4f}, "
+        place += f"longitude {here.longitude_deg.mean():.4f}"
+        if not np.isfinite([*longitude, *latitude]).all():
+            return f"{self.name} has no height at the landmarks, {place}: is it of this place?"
+        return (
+            f"{self.name} has no height at the landmarks, {place}: it is of latitude "
+            f"{min(latitude):.4f} to {max(latitude):.4f}, longitude {min(longitude):.4f} to "
+            f"{max(longitude):.4f}"
+        )
+
+
+def relief_text(landmark_m: Floats) -> list[str]:
+    """Say that a terrain would help where landmarks differ much in height; else nothing.
+
+    Args:
+        landmark_m: of those that are clicked, east, north, up, (N, 3)
+    """
+    high_m, wide_m = (float(one) for one in (np.ptp(landmark_m[:, 2]), _extent(landmark_m[:, :2])))
+    if high_m < max(RELIEF * wide_m, RELIEF_M):
+        return []
+    return [
+        f"the landmarks' heights differ by {high_m:.0f} m: where the ground slopes, a match drifts "
+        "by some hundredths of a pixel; [landmarks] terrain prevents that"
+    ]
+
+
+def _extent(place_m: Floats) -> float:
+    return float(np.hypot(*np.ptp(place_m, axis=0)))
+
+
+def _named(names: list[str]) -> str:
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more
+
+
+def _bilinear(grid: Floats, column: Floats, row: Floats) -> Floats:
+    """Interpolate between the four cells about each place; NaN where one of them has none."""
+    height, width = grid.shape
+    left = np.clip(np.floor(column).astype(int), 0, max(width - 2, 0))
+    top = np.clip(np.floor(row).astype(int), 0, max(height - 2, 0))
+    x, y = np.clip(column - left, 0.0, 1.0), np.clip(row - top, 0.0, 1.0)
+    right, below = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
+    upper = grid[top, left] * (1.0 - x) + grid[top, right] * x
+    lower = grid[below, left] * (1.0 - x) + grid[below, right] * x
+    return np.asarray(upper * (1.0 - y) + lower * y)
+
+
+def read_terrain(project: Project) -> Terrain | None:
+    """Open the terrain of a project; None if it names none.
+
+    Args:
+        project: whose `[landmarks] terrain` names the file
+
+    Raises:
+        VopdError: where it is no raster of heights, or rasterio is not installed
+    """
+    section = project.section("landmarks")
+    if not section.has("terrain"):
+        return None
+    name = section.text("terrain")
+    path = project.folder / name
+    if not path.is_file():
+        raise section.error("terrain", f"{name}: there is no such file")
+    rasterio = optional_package("rasterio", "terrain", "[landmarks] terrain")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a file without a place, which is an error below
+            dataset = rasterio.open(path)
+    except rasterio.errors.RasterioError as error:
+        message = f"{name}: not a GeoTIFF that can be read: is it complete?"
+        raise section.error("terrain", message) from error
+    if dataset.crs is None or dataset.transform.is_identity:
+        raise section.error(
+            "terrain", f"{name} does not say where it is: give it a coordinate reference system, "
+            "as by gdal_translate -a_srs EPSG:... -a_ullr ..."
+        )  # fmt: skip
+    if dataset.count > 1 or np.dtype(dataset.dtypes[0]).kind == "c":
+        raise section.error(
+            "terrain", f"{name} has {dataset.count} bands: a terrain is one band of heights"
+        )
+    return Terrain(name, dataset, section)
