@@ -41,5 +41,8 @@ class JobScene:
     image: Callable[[int, str], ImageScene] | None = None  # None: a film, which has no pixels
     photograph: Callable[[int, str], Any] | None = None  # a PIL image; None: none is named
     crs: str = ""  # of the landmarks, if it is projected
+    clicks: Callable[[], tuple[Ints, Ints, Floats, Bools]] | None = None
+    """Clicks that were followed through a video: frames, landmarks, pixels (C, 2), and which of
+    them do not fit and are not used; None: each pick stands for itself."""
     plane: Callable[[Floats], tuple[Floats, Floats]] | None = None
     """Easting and northing in `crs`, and the convergence of its grid, degrees, of positions."""

@@ -39,7 +39,7 @@ class Shown:
         """Draw a figure.
 
         Args:
-            name: "attitude", "attack", "residuals", "image", "map" or "all"
+            name: "attitude", "attack", "residuals", "image", "map", "patches" or "all"
             frame: number or name of the frame of image and map; None takes the one with the
                 most landmarks
 

@@ -10,6 +10,7 @@ from vopd.figures.attitude import NO_ATTACK, draw_attack, draw_attitude, has_att
 from vopd.figures.image import Photograph as Photograph
 from vopd.figures.image import draw_image
 from vopd.figures.map import draw_map
+from vopd.figures.patches import draw_patches, has_patches
 from vopd.figures.residuals import draw_residuals
 from vopd.figures.style import Inches, matplotlib_figure, ready, wrapped
 from vopd.findings import VopdError
@@ -79,10 +80,11 @@ FIGURES = {
     "residuals": FigureKind(draw_residuals, "Residuals", (9.0, 7.0), (8.0, 5.0)),
     "image": FigureKind(draw_image, "One frame's image", (9.0, 6.5), (6.0, 4.0)),
     "map": FigureKind(draw_map, "Map", (9.0, 9.0), (7.0, 6.5)),
+    "patches": FigureKind(draw_patches, "Patches", (9.0, 6.0), (7.0, 4.0)),
 }
 """Every kind of figure by its name."""
 
-OF_ONE_FRAME = ("image", "map")
+OF_ONE_FRAME = ("image", "map", "patches")
 
 
 def figure_names(name: str | Sequence[str], histories: Sequence[History]) -> list[str]:
@@ -99,6 +101,7 @@ def figure_names(name: str | Sequence[str], histories: Sequence[History]) -> lis
     attack = of_vehicle and has_attack(drawn_jobs(histories))
     missing: set[str] = set() if attack else {"attack"}
     missing |= set() if any(h.estimate.scene for h in histories) else {"map"}
+    missing |= set() if has_patches(histories) else {"patches"}
     return [one for one in FIGURES if one not in missing]
 
 

@@ -85,8 +85,27 @@ def _without(flight: Flight) -> FlightOfClicks:
         flight = without_readings(read, np.isin(every.click, left_out))
     else:
         flight, more = _without_contrary(flight, joint)
+    wrong = [click for click in tells if not stays[click]]
+    flight = _with_wrong(flight, read, wrong)
     texts = [text for click, text in tells.items() if not stays[click]] + more
     return FlightOfClicks(flight, [Finding(one, read.source, severity="warning") for one in texts])
+
+
+def _with_wrong(flight: Flight, read: Flight, wrong: list[int]) -> Flight:
+    """Keep where clicks are that are left out of a flight, for figures.
+
+    Args:
+        flight: without them
+        read: the flight with them
+        wrong: their indices
+    """
+    every, left = read.picks.clicks, flight.picks.clicks
+    assert every is not None and left is not None
+    own = np.isin(every.click, wrong) & (read.picks.frame[every.pick] == every.frame[every.click])
+    pixel = read.picks.pixel[every.pick[own]] + every.off_px[own]
+    at = np.stack([every.frame, every.landmark], axis=1)[every.click[own]]
+    known = np.concatenate([at, pixel], axis=1)
+    return replace(flight, picks=replace(flight.picks, clicks=replace(left, wrong=known)))
 
 
 def _chances(joint: JointSolution) -> Floats:

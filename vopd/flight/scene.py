@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 from vopd.flight.flight import Flight
 from vopd.flight.lines_of_sight import sight_lines
@@ -47,6 +47,7 @@ class FlightScene:
             self.image,
             self.photograph if named else None,
             grid.crs if grid else "",
+            self.clicks if flight.picks.clicks is not None else None,
             self._on_grid if grid else None,
         )
 
@@ -64,6 +65,19 @@ class FlightScene:
 
     def _picks(self, k: int) -> Ints:
         return np.flatnonzero(self._flight.picks.frame == k)
+
+    def clicks(self) -> tuple[Ints, Ints, Floats, Bools]:
+        """List a person's clicks: frames, landmarks, pixels, and which are not used."""
+        picks, clicks = self._flight.picks, self._flight.picks.clicks
+        assert clicks is not None
+        of_frame = picks.frame[clicks.pick] == clicks.frame[clicks.click]
+        rows = np.flatnonzero(of_frame)
+        own = clicks.click[rows]
+        at = np.concatenate([clicks.frame[own], clicks.wrong[:, 0].astype(int)])
+        mark = np.concatenate([clicks.landmark[own], clicks.wrong[:, 1].astype(int)])
+        pixel = picks.pixel[clicks.pick[rows]] + clicks.off_px[rows]
+        wrong = np.arange(len(at)) >= len(own)
+        return at, mark, np.concatenate([pixel, clicks.wrong[:, 2:]]), wrong
 
     def sight(self, number: int, name: str) -> tuple[Ints, Floats]:
         """Trace the picks of a frame: landmarks, and Earth-centred unit vectors."""

@@ -470,18 +470,26 @@ CAPTIONS = {
     "deviations; the numbers are in the table of landmarks.",
     "image": "One frame's landmarks, measured and computed, with their residuals.",
     "map": "Camera, landmarks and the lines of sight of one frame, from above and from the side.",
+    "patches": "Each landmark as it was clicked, and as it was found in other frames: the patches "
+    "of a row are alike if they are of the same point.",
 }
 
 
 def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, str]]:
     """Draw every figure of `FIGURES`: its name, title, caption, and its SVG as a data URI.
 
-    Angles of attack are left out where no frame has them. Photographs are not in the page.
+    Angles of attack are left out where no frame has them. Photographs are not in the page, but
+    for the patches of clicks that were followed.
     """
     figures = []
     for name in figure_names("all", histories):
         kind = FIGURES[name]
-        drawn = draw(name, histories, photograph=False)
+        try:
+            drawn = draw(name, histories, photograph=None if name == "patches" else False)
+        except VopdError:
+            if name != "patches":
+                raise
+            continue  # a video that is elsewhere
         picture = base64.b64encode(svg(drawn).encode()).decode()
         figures.append((name, kind.title, CAPTIONS[name], f"data:image/svg+xml;base64,{picture}"))
     return figures
