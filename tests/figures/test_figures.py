@@ -30,7 +30,15 @@ from vopd.attitude.long_history import with_about
 from vopd.attitude.table import table
 from vopd.attitude.uncertainty import ANGLES
 from vopd.errata import fixes
-from vopd.figures import FIGURES, MOST_DRAWN, draw, drawn_jobs, least_size_in, refuse_small
+from vopd.figures import (
+    FIGURES,
+    MOST_DRAWN,
+    OF_CLICKS,
+    draw,
+    drawn_jobs,
+    least_size_in,
+    refuse_small,
+)
 from vopd.figures.attitude import (
     broken,
     from_cut,
@@ -54,6 +62,9 @@ def figure_of(name: str, made: Callable[[], Sequence[History]] = flight) -> Any:
     figure = draw(name, made())
     figure.draw_without_rendering()
     return figure
+
+
+OF_JOBS = [one for one in FIGURES if one not in OF_CLICKS]
 
 
 def panels(figure: Any) -> list[Any]:
@@ -189,7 +200,7 @@ def test_an_angle_that_is_not_determined_has_no_band() -> None:
 
 def test_units_stand_on_every_axis() -> None:
     units = ("degrees", "µm", "mm", "sigma", ", m", ", km")
-    for name in FIGURES:
+    for name in OF_JOBS:
         for axis in panels(figure_of(name)):
             named = axis.get_ylabel() or not axis.axison or axis.get_subplotspec().colspan.start
             assert (
@@ -273,7 +284,7 @@ def test_the_frame_with_the_most_landmarks_by_default() -> None:
 
 def test_legends_cover_no_point() -> None:
     """In pixels, where they end up."""
-    for name in FIGURES:
+    for name in OF_JOBS:
         figure = figure_of(name)
         boxes = [part.legends[0].get_window_extent() for part in figure.subfigs if part.legends]
         boxes += [a.get_legend().get_window_extent() for a in panels(figure) if a.get_legend()]
@@ -301,7 +312,7 @@ def test_a_figure_for_a_pipe() -> None:
     assert done.status == 0 and done.output.startswith(b"\x89PNG\r\n\x1a\n")
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize("name", OF_JOBS)
 def test_the_smallest_size_holds_every_panel(name: str) -> None:
     """No warning of the layout, panels that can be read, legends that cover no label."""
     for made in (histories("appendix_h/cases_1_2_3"),):
@@ -330,8 +341,8 @@ def test_the_smallest_size_holds_every_panel(name: str) -> None:
 def test_the_smallest_size_of_all_has_room_for_each() -> None:
     """Heights are shared in the proportion of the usual ones."""
     width, height = least_size_in("all")
-    usual = sum(kind.size_in[1] for kind in FIGURES.values())
-    for kind in FIGURES.values():
+    usual = sum(FIGURES[name].size_in[1] for name in OF_JOBS)
+    for kind in map(FIGURES.__getitem__, OF_JOBS):
         assert kind.least_in[0] <= width
         assert kind.least_in[1] <= height * kind.size_in[1] / usual + 0.05
 
@@ -473,6 +484,7 @@ KINDS = {  # title, usual size, smallest size
     "residuals": ("Residuals", (9, 7), (8, 5)),
     "image": ("One frame's image", (9, 6.5), (6, 4)),
     "map": ("Map", (9, 9), (7, 6.5)),
+    "patches": ("Patches", (9, 6), (7, 4)),
 }
 OF_ANY = list(KINDS)[:4]  # those that a job without a scene has, too
 LEAST = {name: kind[2] for name, kind in KINDS.items()} | {"all": (8, 29.5)}  # 37.5 / 7 * 5.5

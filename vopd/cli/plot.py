@@ -152,6 +152,7 @@ def command(
       residuals  which landmark does not fit, from when on, and is sigma right?
       image      do picks and computed places of landmarks meet in the photograph?
       map        where are camera and landmarks, and do the lines of sight meet them?
+      patches    did each landmark stay the same through the video? Only after vopd track
 
     The photograph is that of the project: images that the picks name, in the
     project's folder or one within it, or a frame of [picks] video; else --images

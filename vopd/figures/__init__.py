@@ -84,6 +84,8 @@ FIGURES = {
 }
 """Every kind of figure by its name."""
 
+OF_CLICKS = ("patches",)
+"""Those that only clicks followed through a video have."""
 OF_ONE_FRAME = ("image", "map", "patches")
 
 
@@ -155,7 +157,9 @@ def draw(
 def least_size_in(name: str | Sequence[str]) -> Inches:
     """Find the smallest width and height, inches, of a figure, of several, or of "all"."""
     names = [name] if isinstance(name, str) else list(name)
-    kinds = [FIGURES[one] for one in (FIGURES if "all" in names else names)]
+    if "all" in names:
+        names = [one for one in FIGURES if one not in OF_CLICKS]
+    kinds = [FIGURES[one] for one in names]
     if len(kinds) == 1:
         return kinds[0].least_in
     total = sum(kind.size_in[1] for kind in kinds)
