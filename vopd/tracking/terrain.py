@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Floats, Ints
 from vopd.files import optional_package
 from vopd.findings import Finding, VopdError
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, has_height_axis
@@ -91,7 +91,7 @@ class Terrain:
         """Find how far Earth-centred positions are above it, its heights as they stand, (n,)."""
         return np.asarray(geodetic(position_m).height_m - self.heights_m(position_m))
 
-    def about(self, marks: LandmarkSet, used: Floats) -> tuple[list[str], list[Finding]]:
+    def about(self, marks: LandmarkSet, used: Ints) -> tuple[list[str], list[Finding]]:
         """Compare heights of landmarks with the terrain's.
 
         Args:
