@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 STILLS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp")
 GAP = 1.5  # of the usual time between frames: a longer one is a gap
+VARIES, TWO_MS = 0.1, 0.002  # of the usual time, beyond rounding: the rate varies
 AT_MOST_DECODED = 1_000  # frames after a key frame, for one that is asked for
 WITH_LUMA = (
     "yuv420p", "yuv422p", "yuv444p", "yuvj420p", "yuvj422p", "yuvj444p", "nv12", "nv21", "gray",
@@ -94,6 +95,9 @@ class VideoFrames:
         usual_s = float(np.median(step_s))
         told += f" in {self.time_s[-1]:.3f} s" + (f", {1 / usual_s:.6g} a second" * (usual_s > 0))
         twice, gaps = int((step_s <= 0.0).sum()), int((step_s > GAP * usual_s).sum())
+        even_s = step_s[(step_s > 0.0) & (step_s <= GAP * usual_s)]
+        if len(even_s) and np.ptp(even_s) > VARIES * usual_s + TWO_MS:
+            told += f", {1000 * even_s.min():.4g} to {1000 * even_s.max():.4g} ms apart"
         if twice:
             told += f", {twice} shown at the time of another"
         if gaps:

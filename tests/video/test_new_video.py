@@ -65,3 +65,11 @@ def test_a_video_with_a_track_by_date(folder: Path) -> None:
     assert {("picks", "first_frame_t_s"), ("flight", "epoch")} <= {*new.needed}
     with refused(VopdError):
         project_of_files(folder, given, video=["l.csv"])
+
+
+def test_a_calibration_for_pictures_of_another_size(folder: Path) -> None:
+    """The size is that of the frames, so that vopd check asks about the lens, too."""
+    Path("lens.txt").write_text("1 OPENCV 128 96 150 150 64 48 0 0 0 0\n")
+    new = project_of_files(folder, {"landmarks": "l.csv", "lens": "lens.txt"}, video=["a.mp4"])
+    assert values(new)["camera"] == {"lens": "lens.txt", "image_size_px": list(SIZE)}
+    assert_approved(new.said[2])

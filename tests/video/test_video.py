@@ -34,6 +34,8 @@ def test_times_of_presentation(tmp_path: Path) -> None:
     frames = open_frames([str(write_video(tmp_path / "a.mp4", UNEVEN_MS))])
     assert_close("presentation time", frames.time_s, np.array(UNEVEN_MS) / 1000.0)
     assert_approved(frames.about)
+    varying = open_frames([str(write_video(tmp_path / "b.mp4", [0, 32, 80, 112, 160, 208]))])
+    assert_approved(varying.about)
 
 
 def test_a_later_start_counts_from_the_first_frame(tmp_path: Path) -> None:

@@ -329,9 +329,15 @@ def look_at_video(
     values["picks", "video"] = several[0] if len(several) == 1 else f"[{', '.join(several)}]"
     values["picks", "times"] = toml_text(VIDEO)
     new.said.append(frames.about)
-    if ("camera", "image_size_px") not in values:
-        ((_, picture),) = frames.decoded(0, 0, grey=True)
-        values["camera", "image_size_px"] = toml_numbers(picture.shape[1], picture.shape[0])
+    ((_, picture),) = frames.decoded(0, 0, grey=True)
+    own = toml_numbers(picture.shape[1], picture.shape[0])
+    if (of_lens := values.get(("camera", "image_size_px"), own)) != own:
+        new.said.append(
+            f"{frames.source} has frames of {own}, upright, the lens is for {of_lens}: calibrate "
+            "with video; or, if both are the same picture in two sizes, --set "
+            f"camera.lens_size_px={of_lens.replace(' ', '')}"
+        )
+    values["camera", "image_size_px"] = own
     if "picks" not in named:
         values["picks", "file"] = toml_text(CLICKS)
         values["picks", "tracked"] = toml_text(TRACKED)
