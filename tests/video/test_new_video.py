@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.approved.texts import assert_approved, refused
+from tests.kit.command import vopd
 from tests.kit.video import SIZE, write_video
 from vopd.findings import VopdError
 from vopd.flight.new import NAME, NewProject, project_of_files
@@ -73,3 +74,12 @@ def test_a_calibration_for_pictures_of_another_size(folder: Path) -> None:
     new = project_of_files(folder, {"landmarks": "l.csv", "lens": "lens.txt"}, video=["a.mp4"])
     assert values(new)["camera"] == {"lens": "lens.txt", "image_size_px": list(SIZE)}
     assert_approved(new.said[2])
+
+
+def test_what_a_project_without_clicks_needs_is_named_at_once(folder: Path) -> None:
+    """Its first step is not the page to click on while there are no landmarks."""
+    ran = vopd("new", "p", "--video", "a.mp4")
+    assert ran.stdout.endswith("next: vopd check p/flight.toml\n")
+    needed = [line.split(" (")[0] for line in ran.stdout.splitlines() if "needed: " in line]
+    asked = vopd("check", "p").stdout
+    assert len(needed) == 7 and all(f"\n{one.split()[-1]} = " in asked for one in needed)

@@ -537,6 +537,8 @@ def project_of_files(
     ask(new, values)
     new.needed = {key: why for key, why in new.needed.items() if key not in values}
     share_receiver_error(new, values)
+    if ("landmarks", "file") in new.needed:  # nothing to click yet
+        new.then = ""
     new.contents[NAME] = project_text(values, new.needed, OWN_HEAD).encode()
     return new
 
@@ -632,7 +634,8 @@ def open_keys(project: Project) -> dict[tuple[str, str], str]:
     for name, section in project.sections.items():
         values |= {(name, key): "" for key in section.values or ("",)}
         file = section.values.get("lens" if name == "camera" else "file")
-        if isinstance(file, str):
+        clicked = not section.has("video") or (project.folder / str(file)).exists()
+        if isinstance(file, str) and clicked:
             given["lens" if name == "camera" else name] = str(project.folder / file)
         if (columns := section.columns() if section.has("columns") else None) is not None:
             new.columns[name] = columns
