@@ -8,19 +8,9 @@ as fast, but has no selected inverse.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from vopd.arrays import Array
-
-
-class Round(NamedTuple):
-    """The odd blocks of one round, O of them: what they leave to their neighbours."""
-
-    inverse: Array  # (O, b, b)
-    before: Array  # (O, b, b) inverse times the coupling with the block before
-    after: Array  # (O, b, b) with the block after; 0 behind the last one
 
 
 class BlockTridiagonal:
@@ -35,7 +25,9 @@ class BlockTridiagonal:
     """
 
     def __init__(self, diagonal: Array, coupling: Array) -> None:
-        self.rounds: list[Round] = []
+        # of the odd blocks of each round, (O, b, b): the inverse, and that times the coupling with
+        # the block before and with the block after, 0 behind the last one
+        self.rounds: list[tuple[Array, Array, Array]] = []
         self.log_determinant = 0.0
         self.is_diagonal = not coupling.any()
         while len(diagonal) > 1 and not self.is_diagonal:
@@ -61,7 +53,7 @@ class BlockTridiagonal:
         even[:odd] -= to_before @ before
         following = len(even) - 1
         even[1:] -= (to_after.swapaxes(1, 2) @ after)[:following]
-        self.rounds.append(Round(inverse, before, after))
+        self.rounds.append((inverse, before, after))
         return even, -(to_before @ after)[:following]
 
     def solve(self, right: Array) -> Array:
@@ -72,17 +64,17 @@ class BlockTridiagonal:
         """
         odds = []
         right = right.astype(np.result_type(right, self.last))
-        for one in self.rounds:
+        for _, before, after in self.rounds:
             odd, even = right[1::2], right[0::2].copy()
-            even[: len(odd)] -= one.before.swapaxes(1, 2) @ odd
-            even[1:] -= (one.after.swapaxes(1, 2) @ odd)[: len(even) - 1]
+            even[: len(odd)] -= before.swapaxes(1, 2) @ odd
+            even[1:] -= (after.swapaxes(1, 2) @ odd)[: len(even) - 1]
             odds.append(odd)
             right = even
         found = self.last @ right
-        for one, odd in zip(self.rounds[::-1], odds[::-1], strict=True):
-            after = np.zeros((len(odd), *found.shape[1:]), found.dtype)
-            after[: len(found) - 1] = found[1 : len(odd) + 1]
-            own = one.inverse @ odd - one.before @ found[: len(odd)] - one.after @ after
+        for (inverse, before, after), odd in zip(self.rounds[::-1], odds[::-1], strict=True):
+            behind = np.zeros((len(odd), *found.shape[1:]), found.dtype)
+            behind[: len(found) - 1] = found[1 : len(odd) + 1]
+            own = inverse @ odd - before @ found[: len(odd)] - after @ behind
             found = _interleaved(found, own)
         return found
 
@@ -94,17 +86,17 @@ class BlockTridiagonal:
         """
         diagonal = self.last
         beside = np.zeros_like(diagonal[1:])
-        for one in self.rounds[::-1]:
-            odd, even = len(one.inverse), len(diagonal)
+        for inverse, before, after in self.rounds[::-1]:
+            odd, even = len(inverse), len(diagonal)
             at = diagonal[:odd]
-            after = np.zeros_like(at)
-            after[: even - 1] = diagonal[1 : odd + 1]
+            behind = np.zeros_like(at)
+            behind[: even - 1] = diagonal[1 : odd + 1]
             across = np.zeros_like(at)  # rows: the block before, columns: the one after
             across[: even - 1] = beside[:odd]
-            by_before = -(one.before @ at + one.after @ across.swapaxes(1, 2))
-            by_after = -(one.before @ across + one.after @ after)
-            own = one.inverse - by_before @ one.before.swapaxes(1, 2)
-            own -= by_after @ one.after.swapaxes(1, 2)
+            by_before = -(before @ at + after @ across.swapaxes(1, 2))
+            by_after = -(before @ across + after @ behind)
+            own = inverse - by_before @ before.swapaxes(1, 2)
+            own -= by_after @ after.swapaxes(1, 2)
             diagonal = _interleaved(diagonal, own)
             beside = _interleaved(by_before.swapaxes(1, 2), by_after)[: len(diagonal) - 1]
         return diagonal, beside
