@@ -43,38 +43,23 @@ SOONER_S = 10.0  # than a frame that is asked for ffmpeg begins to decode
 
 @dataclass(frozen=True, eq=False)
 class Chapter:
-    """A file of a video, F frames.
+    """A file of a video, F frames."""
 
-    Args:
-        path: of the file
-        first: index of its first frame among those of the whole video
-        tick: presentation times in the file's own unit, (F,)
-        unit_s: that unit, seconds
-    """
-
-    path: Path
-    first: int
-    tick: Ints
-    unit_s: float
+    path: Path  # of the file
+    first: int  # index of its first frame among those of the whole video
+    tick: Ints  # presentation times in the file's own unit, (F,)
+    unit_s: float  # that unit, seconds
 
 
 @dataclass(frozen=True, eq=False)
 class VideoFrames:
-    """The frames of a video, or images, F of them.
+    """The frames of a video, or images, F of them."""
 
-    Args:
-        source: the video or the folder, for messages
-        image_name: file names of images; empty for the frames of a video
-        time_s: of presentation after the first frame, seconds (F,); NaN for images
-        images: of images
-        chapters: of a video, in one file or several
-    """
-
-    source: str
-    image_name: tuple[str, ...]
-    time_s: Floats
-    images: tuple[Path, ...] = ()
-    chapters: tuple[Chapter, ...] = ()
+    source: str  # the video or the folder, for messages
+    image_name: tuple[str, ...]  # file names of images; empty for the frames of a video
+    time_s: Floats  # of presentation after the first frame, seconds (F,); NaN for images
+    images: tuple[Path, ...] = ()  # of images
+    chapters: tuple[Chapter, ...] = ()  # of a video, in one file or several
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -106,9 +91,6 @@ class VideoFrames:
 
     def pictures(self, chosen: Iterable[int]) -> Iterator[Image]:
         """Iterate over some frames as upright images in RGB, one at a time.
-
-        Args:
-            chosen: their indices
 
         Raises:
             VopdError: if one cannot be decoded
@@ -196,9 +178,6 @@ def eight_bits(image: Image) -> Image:
 def open_frames(names: Iterable[str]) -> VideoFrames:
     """Find the frames of a video, of a folder of images, or of images.
 
-    Args:
-        names: of one video, one folder, or any number of images
-
     Raises:
         VopdError: if there is none, or a video cannot be read
     """
@@ -260,9 +239,6 @@ def _refuse_twins(paths: list[Path]) -> None:
 
 def presentation(path: Path) -> tuple[Ints, float]:
     """Read the presentation times of all frames of a video, in order, without decoding it.
-
-    Args:
-        path: the video
 
     Returns:
         The times in the video's own unit, (F,), and that unit, seconds.
@@ -450,10 +426,6 @@ def _ffmpeg(
 def payloads(path: Path, begin: bytes) -> list[tuple[float, float, bytes]]:
     """Read the packets of a video's first stream of data that begin in some way.
 
-    Args:
-        path: the video
-        begin: the first bytes of each
-
     Returns:
         When each is shown after the first frame and how long, seconds, and its content.
 
@@ -509,12 +481,7 @@ def _payloads_by_ffmpeg(
 
 
 def spread(frames: VideoFrames, count: int) -> list[int]:
-    """Choose frames spread over a video, the first and the last among them.
-
-    Args:
-        frames: all of them
-        count: how many
-    """
+    """Choose frames spread over a video, the first and the last among them."""
     chosen = np.linspace(0, len(frames) - 1, min(count, len(frames)))
     return [int(k) for k in np.unique(np.round(chosen))]
 
@@ -526,11 +493,6 @@ BACKWARD_BYTES = 100_000_000  # of pictures that are held at once where frames a
 
 def grey_frames(frames: VideoFrames, first: int, last: int) -> Iterator[tuple[int, Any]]:
     """Iterate over frames as grey pictures, each decoded once.
-
-    Args:
-        frames: of a video or images
-        first: index of the first one
-        last: index of the last one
 
     Yields:
         The index of a frame and its grey levels, 0 to 255, (H, W), upright. A video that cannot

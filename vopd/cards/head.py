@@ -31,10 +31,6 @@ def read_head(file: bytes, name: str) -> DeckHead:
 
     Where group 5 counts no frame yet, it has no further cards.
 
-    Args:
-        file: the deck
-        name: for messages
-
     Raises:
         VopdError: where a card cannot be read
     """

@@ -24,12 +24,7 @@ def pages() -> dict[str, Path]:
 
 
 def page_of(command: str, every: Mapping[str, Path]) -> str | None:
-    """Look up the page of a command in the table of commands; None if there is none.
-
-    Args:
-        command: its name
-        every: the pages by name
-    """
+    """Look up the page of a command in the table of commands; None if there is none."""
     text = every["command-line"].read_text(encoding="utf-8")
     row = re.search(rf"^\| `vopd {re.escape(command)}[ `].*?\]\(([\w-]+)\.md", text, re.M)
     return row[1] if row else None

@@ -42,9 +42,6 @@ def residual_points(histories: Sequence[History]) -> Residuals:
 
     The standard deviation of a residual is that of its reading, less what the fit of the frame's
     three angles takes of it.
-
-    Args:
-        histories: the jobs
     """
     parts: list[tuple[Any, ...]] = []
     for job, h in enumerate(histories):
@@ -67,12 +64,7 @@ def residual_points(histories: Sequence[History]) -> Residuals:
 def draw_residuals(
     figure: Any, histories: Sequence[History], _: int | str | None = None, __: Any = None
 ) -> str:
-    """Draw residuals x and y against time and in sigmas; those of a single image by landmark.
-
-    Args:
-        figure: to draw in
-        histories: the jobs
-    """
+    """Draw residuals x and y against time and in sigmas; those of a single image by landmark."""
     found = residual_points(histories)
     if len(found.time) and np.ptp(found.time) > 0.0:
         return _against_time(figure, histories, found)

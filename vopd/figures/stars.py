@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
 SIZE_IN = (9.0, 10.0)
 MARKERS = "osD^v*"
-APART = 0.12
-"""Distance of the methods' marks of one pair, in distances of the pairs."""
+APART = 0.12  # distance of the methods' marks of one pair, in distances of the pairs
 
 
 def draw_errors_by_pair(
@@ -58,34 +57,21 @@ def draw_errors_by_pair(
 # Draw a photograph of stars: where they were read and where the attitude puts them.
 
 STARS_SIZE_IN = (9.0, 6.5)
-MOST_LABELS = 60
-"""Above this number of stars their names would hide each other and are left out."""
+MOST_LABELS = 60  # above this number of stars their names would hide each other and are left out
 
 
 class StarPicture(NamedTuple):
-    """What is drawn of one photograph.
+    """What is drawn of one photograph."""
 
-    Attributes:
-        title: what is solved, and how
-        images: x right and y up from the principal point, (n, 2)
-        residuals: observed minus computed, (n, 2)
-        labels: the stars' names or numbers
-        unit: of the images, "mm" or "px"
-    """
-
-    title: str
-    images: Floats
-    residuals: Floats
-    labels: Sequence[str]
-    unit: str
+    title: str  # what is solved, and how
+    images: Floats  # x right and y up from the principal point, (n, 2)
+    residuals: Floats  # observed minus computed, (n, 2)
+    labels: Sequence[str]  # the stars' names or numbers
+    unit: str  # of the images, "mm" or "px"
 
 
 def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> Figure:
     """Draw the image of a photograph as seen from behind the camera, with its residuals as arrows.
-
-    Args:
-        picture: what to draw
-        size_in: width and height, inches
 
     Raises:
         VopdError: where matplotlib is not installed

@@ -44,9 +44,6 @@ _UNDATED: dict[str, dict[str, Any]] = {  # without dates, so that the same figur
 def matplotlib_figure(size_in: Inches) -> Iterator[Any]:
     """Open a new figure, with the style of all figures in force.
 
-    Args:
-        size_in: width and height, inches
-
     Raises:
         VopdError: where matplotlib is not installed
     """
@@ -225,12 +222,7 @@ def plain(text: str) -> str:
 
 
 def wrapped(text: str, width_in: float) -> str:
-    """Break the lines of a title where they would leave the figure.
-
-    Args:
-        text: of several lines
-        width_in: of the figure, inches
-    """
+    """Break the lines of a title where they would leave the figure."""
     most = int(width_in * LETTERS_IN)
     return "\n".join("\n".join(wrap(line, most)) for line in text.splitlines())
 

@@ -48,11 +48,6 @@ class FrameDirections(NamedTuple):
 def directions_of(project: Project, frames: VideoFrames, chosen: Sequence[int]) -> FrameDirections:
     """Trace the lines of sight to all landmarks of a project in frames of its video.
 
-    Args:
-        project: need not have picks
-        frames: of its video, or its images
-        chosen: the indices of those on the page
-
     Raises:
         VopdError: where the project lacks what tells the camera's places, or the lens, or that is
             not of frames of this size

@@ -18,12 +18,7 @@ FEWEST = 30  # pairs of following frames: fewer tell nothing of it
 
 
 def followed_findings(flight: Flight, joint: JointSolution) -> list[Finding]:
-    """Warn of tracks of other programs whose residuals agree from frame to frame.
-
-    Args:
-        flight: as it was solved
-        joint: its solution
-    """
+    """Warn of tracks of other programs whose residuals agree from frame to frame."""
     alike = correlation_of_neighbours(joint)
     if not alike > ALIKE:
         return []
@@ -44,9 +39,6 @@ def followed_findings(flight: Flight, joint: JointSolution) -> list[Finding]:
 
 def correlation_of_neighbours(joint: JointSolution) -> float:
     """Correlate residuals of followed picks with those of the same landmark in the next frame.
-
-    Args:
-        joint: the solution of a flight
 
     Returns:
         The correlation of u and v together; NaN where there are few such picks.

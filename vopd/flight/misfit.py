@@ -123,12 +123,7 @@ def ordinary_frames(joint: JointSolution) -> Bools:
 
 
 def too_wide_text(joint: JointSolution, reading: JobReadingSigma) -> str:
-    """Say that the stated sigma of the picks is larger than they show; or nothing.
-
-    Args:
-        joint: the solution of a flight
-        reading: the reading sigma in force
-    """
+    """Say that the stated sigma of the picks is larger than they show; or nothing."""
     if reading.source != "stated":
         return ""
     ratio, chance = size_of_residuals(joint, np.ones(joint.model.frames, bool))
@@ -363,9 +358,6 @@ def _moves_an_angle(joint: JointSolution, trial: Floats, stated: Floats, one: Si
 
 def input_errors(joint: JointSolution, path: CameraPath) -> tuple[list[TriedError], Floats]:
     """List the errors that are tried, and differentiate the images by them.
-
-    Args:
-        joint: the solution of a flight
 
     Returns:
         The errors, and the changes of the computed images by a unit of each of their columns, in
@@ -616,10 +608,6 @@ def size_spoken_for(first: JointSolution, component: str) -> tuple[float, float]
     By restricted maximum likelihood: the errors found, squared in stated sigmas, are as many as
     the picks say of them. "reading" is the picks' own.
 
-    Args:
-        first: the solution with what is stated
-        component: of the uncertainty
-
     Returns:
         The factor, and the gain in twice the log likelihood.
     """
@@ -654,11 +642,7 @@ def _squares(solution: JointSolution, component: str) -> tuple[float, float]:
 
 
 def log_likelihood(solution: JointSolution) -> float:
-    """Evaluate twice the restricted log likelihood, but for a constant of the flight.
-
-    Args:
-        solution: of the flight
-    """
+    """Evaluate twice the restricted log likelihood, but for a constant of the flight."""
     model = solution.model
     stated = np.isfinite(model.common_sigma)
     logs = np.log(model.common_sigma[stated]).sum() + np.log(model.fix_sigma_m).sum()
@@ -688,11 +672,7 @@ MATCHED = 2.0  # times what a tracked file states: its sigma of a match is an es
 
 
 def stated_sigma_px(flight: Flight) -> float | None:
-    """Look up the standard deviation that picks should have; None where nothing states it.
-
-    Args:
-        flight: as it was read
-    """
+    """Look up the standard deviation that picks should have; None where nothing states it."""
     picks = flight.picks
     if picks.clicks is not None:
         return MATCHED * picks.one_sigma_px

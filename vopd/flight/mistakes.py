@@ -66,12 +66,7 @@ def usual_mistakes(project: Project, result: FlightResult, named: bool = False) 
 
 
 def exchanges(flight: Flight, expected_px: float) -> list[str]:
-    """Name the exchange of image axes or of labels that explains large residuals; or nothing.
-
-    Args:
-        flight: as it was read
-        expected_px: the residuals that it should have
-    """
+    """Name the exchange of image axes or of labels that explains large residuals; or nothing."""
     flight = some_frames(flight)
     estimate = solved_trial(flight)
     before = typical_px(flight, estimate)

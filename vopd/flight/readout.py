@@ -21,11 +21,7 @@ NEAR_S = 0.5  # nor does one farther away than this, whatever the interval of th
 
 
 def row_parts(flight: Flight) -> Floats:
-    """Find when each pick's row is read after its frame's time, in readout times, (P,).
-
-    Args:
-        flight: one with a rolling shutter
-    """
+    """Find when each pick's row is read after its frame's time, in readout times, (P,)."""
     shutter, pixel = flight.shutter, flight.picks.pixel
     assert shutter is not None
     if flight.picks.part is not None:

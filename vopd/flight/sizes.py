@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 
 def explained(solution: JointSolution) -> dict[str, float]:
-    """Count what the picks say of the errors of each component: the sum of 1 - after / before.
-
-    Args:
-        solution: of the flight
-    """
+    """Count what the picks say of the errors of each component: the sum of 1 - after / before."""
     model, factored = solution.model, solution.factored
     parts = 1.0 - np.diag(factored.common) / model.common_sigma**2
     found: dict[str, float] = {}
@@ -33,20 +29,12 @@ def explained(solution: JointSolution) -> dict[str, float]:
 
 
 def fix_variances(factored: Factored) -> Array:
-    """Calculate variances of the fixes' errors after the solve (J, 3).
-
-    Args:
-        factored: the normal equations
-    """
+    """Calculate variances of the fixes' errors after the solve (J, 3)."""
     return np.asarray(np.einsum("jii->ji", fix_covariances(factored)))
 
 
 def fix_covariances(factored: Factored) -> Array:
-    """Calculate covariances of each fix's errors after the solve, east, north, up, (J, 3, 3).
-
-    Args:
-        factored: the normal equations
-    """
+    """Calculate covariances of each fix's errors after the solve, east, north, up, (J, 3, 3)."""
     assert factored.chain is not None and factored.fixes is not None
     diagonal, _ = factored.chain.selected_inverse()
     together = factored.fixes.together
@@ -57,11 +45,7 @@ def fix_covariances(factored: Factored) -> Array:
 
 
 def residual_freedom(solution: JointSolution) -> tuple[float, float]:
-    """Count the degrees of freedom that the picks keep, and those if all priors were exact.
-
-    Args:
-        solution: of the flight
-    """
+    """Count the degrees of freedom that the picks keep, and those if all priors were exact."""
     exact = 2.0 * len(solution.model.pick) - 3.0 * solution.model.solved
     return exact - sum(explained(solution).values()), exact
 
@@ -73,9 +57,6 @@ def sigma_freedom(solution: JointSolution) -> float:
     R the covariance of the readings, W the marginal weights less what the turns fit. With the
     covariance M after the solve and the prior P it is 2N - 3F - q + trace (P^-1 M)^2, q errors,
     and that trace the derivative of P^-1 M by a factor of P.
-
-    Args:
-        solution: of the flight
     """
     model, scale = solution.model, 1.0 + 1j * DERIVATIVE
     varied = Factored(solution.normal, fix_scale=scale, common_scale=scale)
@@ -94,9 +75,6 @@ def lasting(solution: JointSolution) -> float:
     The variance of their means over short runs of frames, a landmark by itself, is as many times
     that of as many independent ones (batch means). What is common to the frames is known as much
     less well.
-
-    Args:
-        solution: of the flight
     """
     model, residual = solution.model, solution.normal.residual
     run = model.flight.picks.frame[model.pick] // max(int(np.sqrt(model.frames)), 1)
@@ -114,9 +92,6 @@ def cost_of_frames(solution: JointSolution) -> Floats:
 
     The squares of errors over their prior standard deviations are shared evenly by the picks that
     depend on them: those of a landmark by its own, those of parameters by all.
-
-    Args:
-        solution: of the flight
     """
     model, state = solution.model, solution.state
     landmark = np.zeros(len(model.flight.landmarks.name))

@@ -166,11 +166,6 @@ def times_of_csv(
 ) -> tuple[dict[str, float], bool]:
     """Read the times from a CSV with frame or image, and t_s or t_utc.
 
-    Args:
-        section: `[picks]`
-        file: the CSV
-        by_image: whether the frames have names and not numbers
-
     Returns:
         The times by the name of an image or the number of a frame, and whether they are seconds
         since 1970 and not of the flight.
@@ -195,10 +190,6 @@ def times_of_csv(
 
 def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float], str, bool]:
     """Read the times from the tags of a folder of images, in UTC by their zone or the project's.
-
-    Args:
-        section: `[picks]`
-        file: the folder
 
     Returns:
         The times by the names of the images, where they come from as a sentence, and whether the

@@ -29,10 +29,6 @@ LEAST_MATCH_PX = 0.02  # standard deviation of a match below which it is not bel
 def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
     """Read the picks that `vopd track` has found from a person's clicks.
 
-    Args:
-        project: whose `[picks] tracked` names the file
-        size_px: of the images
-
     Raises:
         VopdError: where the file is not as `vopd track` writes it, or is of other clicks
     """

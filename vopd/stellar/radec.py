@@ -67,11 +67,6 @@ def read_typed(
     a number without a point counts millionths (76 is .000076), and only columns
     1 to 15 are read.
 
-    Args:
-        text: the lines
-        source: the file's name in messages
-        report: takes warnings of points that are missing and the like
-
     Returns:
         The focal length, mm; omega, phi, kappa, (3,), degrees; and the images, (n, 2), mm.
 

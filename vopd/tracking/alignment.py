@@ -27,15 +27,10 @@ LEAST_SHARED = 0.2  # of the points that must be seen in both frames
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A frame reduced by averaging squares of pixels.
+    """A frame reduced by averaging squares of pixels."""
 
-    Args:
-        grey: (h, w)
-        factor: pixels of the frame along the side of such a square
-    """
-
-    grey: Floats
-    factor: int
+    grey: Floats  # (h, w)
+    factor: int  # pixels of the frame along the side of such a square
 
     @cached_property
     def slopes(self) -> tuple[Floats, Floats]:
@@ -81,12 +76,6 @@ class Alignment:
         self, before: View, old: tuple[Level, Level], after: View, new: tuple[Level, Level]
     ) -> tuple[Floats, float]:
         """Find the attitude of a frame from another frame whose attitude is known.
-
-        Args:
-            before: the frame with its attitude
-            old: that frame, reduced
-            after: the other frame, with a first attitude
-            new: that frame, reduced
 
         Returns:
             The attitude, (3, 3), and the correlation of both frames.

@@ -44,8 +44,7 @@ if TYPE_CHECKING:
 
 # Picks as read
 
-Sizes = dict[str, tuple[int, int]]
-"""Widths and heights of images by their names."""
+Sizes = dict[str, tuple[int, int]]  # widths and heights of images by their names
 
 
 class Names(Sequence[str]):

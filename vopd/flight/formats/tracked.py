@@ -49,31 +49,22 @@ MOST_STRETCH = 1e3  # of a patch: more is no image of it
 
 @dataclass(frozen=True, eq=False)
 class TrackedRows:
-    """The rows of a tracked file, R of them.
+    """The rows of a tracked file, R of them."""
 
-    Args:
-        frame: numbers of frames, (R,)
-        landmark: names, (R,)
-        pixel: u right, v down from the centre of the first pixel, (R, 2); NaN where there is none
-        sigma_px: standard deviation of u and of v by the match alone; of a row `clicked` that of
-            the click, (R,); NaN where there is no pixel
-        from_frame: the frame in which the landmark was clicked, (R,); -1: none
-        by_click: shift here per shift of the click, (R, 2, 2)
-        correlation: of the patch with the image, (R,); NaN where there is none
-        status: index of `STATUSES`, (R,)
-        digest: of the files that were tracked: `clicks`, `video`, `project`
-        lost: as read: numbers of frames in which fewer than two landmarks are found
-    """
-
-    frame: Ints
-    landmark: Names
+    frame: Ints  # numbers of frames, (R,)
+    landmark: Names  # names, (R,)
+    # u right, v down from the centre of the first pixel, (R, 2); NaN where there is none
     pixel: Floats
+    # standard deviation of u and of v by the match alone; of a row `clicked` that of the click,
+    # (R,); NaN where there is no pixel
     sigma_px: Floats
-    from_frame: Ints
-    by_click: Floats
-    correlation: Floats
-    status: Ints
+    from_frame: Ints  # the frame in which the landmark was clicked, (R,); -1: none
+    by_click: Floats  # shift here per shift of the click, (R, 2, 2)
+    correlation: Floats  # of the patch with the image, (R,); NaN where there is none
+    status: Ints  # index of `STATUSES`, (R,)
+    # of the files that were tracked: `clicks`, `video`, `project`
     digest: Mapping[str, str] = field(default_factory=dict)
+    # as read: numbers of frames in which fewer than two landmarks are found
     lost: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def where(self, kept: Bools) -> TrackedRows:
@@ -153,11 +144,7 @@ def _of_project(project: Project) -> str:
 
 
 def tracked_lines(rows: TrackedRows) -> Iterator[str]:
-    """Write the lines of a tracked file.
-
-    Args:
-        rows: its rows, in the order of the file, with the digests
-    """
+    """Write the lines of a tracked file."""
     yield HEAD + "\n"
     for name, digest in rows.digest.items():
         yield f"# {name}: {digest}\n"
@@ -197,9 +184,6 @@ def recognises_tracked(file: InputFile) -> bool:
 
 def read_tracked(file: InputFile) -> TrackedRows:
     """Read a tracked file.
-
-    Args:
-        file: the file
 
     Raises:
         VopdError: where a column is missing, a status is not known, a row with a pixel has no
@@ -338,11 +322,6 @@ def _check_clicks(file: InputFile, rows: TrackedRows) -> None:
 
 def refuse_stale(file: InputFile, rows: TrackedRows, project: Project) -> list[str]:
     """Compare the digests of a tracked file with what its project names now.
-
-    Args:
-        file: the tracked file
-        rows: what is in it
-        project: the project
 
     Returns:
         Sentences on what has changed without harm to the picks.
