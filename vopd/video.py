@@ -191,7 +191,7 @@ def open_frames(names: Iterable[str]) -> VideoFrames:
     if folders:
         if len(paths) > 1:
             raise VopdError(f"{folders[0]}: a folder of images is given alone")
-        paths = sorted(one for one in folders[0].iterdir() if one.suffix.lower() in STILLS)
+        paths = stills_in(folders[0])
         if not paths:
             raise VopdError(f"{folders[0]}: no image is in it ({', '.join(STILLS)})")
     moving = [path for path in paths if path.suffix.lower() not in STILLS]
@@ -204,6 +204,13 @@ def open_frames(names: Iterable[str]) -> VideoFrames:
         still = next(path for path in paths if path not in moving)
         raise VopdError(f"{still}: images and a video are not given together")
     return _of_chapters(paths)
+
+
+def stills_in(folder: Path) -> list[Path]:
+    """List the images of a folder, in order of their names; none where it is none."""
+    if not folder.is_dir():
+        return []
+    return sorted(one for one in folder.iterdir() if one.suffix.lower() in STILLS)
 
 
 def _together(paths: list[Path]) -> str:

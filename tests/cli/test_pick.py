@@ -105,6 +105,23 @@ def test_the_folder_of_a_project_is_the_project(tmp_path: Path) -> None:
     assert [one["name"] for one in data()["frames"]] == ["one.png"]
 
 
+def test_a_new_project_of_images_is_picked_in() -> None:
+    """Its landmarks have the names that the project's columns give them; it predicts."""
+    Path("photographs").mkdir()
+    Image.new("L", (64, 48)).save(Path("photographs", "a.png"))
+    Path("lm.csv").write_text("mast,47,8,400\npond,47.001,8,400\n")
+    given = "--landmarks lm.csv --columns landmarks:landmark,lat_deg,lon_deg,h_m --height same "
+    given += "--position 46.999,8,450 --lens 60,60,31.5,23.5 --pixel-grid centre "
+    given += "--image-size 64,48 --sigma-landmarks .1 --sigma-position .1"
+    for way in ("--images photographs", "--set picks.video=../photographs --set picks.file=c.csv"):
+        assert vopd("new", "mine", *given.split(), *way.split()).status == 0
+        done = vopd("pick", "mine", "-o", "p.html")
+        assert done.status == 0, done.stderr
+        assert data()["sighted"] == ["mast", "pond"]
+        assert data()["landmarks"] == ["mast", "pond"]
+        Path("mine", "flight.toml").unlink()
+
+
 def test_images_of_a_folder() -> None:
     Path("photographs").mkdir()
     for name in ("b.png", "a.png"):

@@ -61,6 +61,10 @@ def ready(browser: Any, zoom: float = 1.0) -> Any:
     return browser
 
 
+def wait_for_picture(browser: Any) -> None:
+    WebDriverWait(browser, 20).until(lambda one: one.execute_script("return picture !== null"))
+
+
 def where(browser: Any) -> tuple[float, float, float]:
     """u and v of the cross, and the zoom."""
     words = browser.find_element(By.ID, "where").text.split()
@@ -184,11 +188,15 @@ def test_the_rotation_is_that_of_a_solve_with_the_position_fixed(
         for k, one in enumerate(seen)
         for m, name in enumerate(SIX[:5])
     ]
-    content = PageContent(SIX, clicks, [("4.png", "corner")], predicted=by)
+    places = [("3.png", "corner", "why", None), ("1.png", "corner", "why", (99.5, 44.0))]
+    content = PageContent(SIX, clicks, [("4.png", "corner")], predicted=by, places=places)
     load(browser, tmp_path, pick_page(frames, range(len(each)), content))
     browser.execute_script("localStorage.clear()")
     browser.refresh()
     ready(browser, 0.0)
+    assert browser.execute_script("return [frame, names[landmark]]") == [3, "corner"]
+    browser.execute_script("choose(0); select(0)")
+    wait_for_picture(browser)
     frame = np.repeat(np.arange(len(each)), 5)
     solved = solve_rotations(
         lens, len(each), frame, np.concatenate([one.pixel[:5] for one in seen]),
@@ -231,6 +239,11 @@ def test_the_rotation_is_that_of_a_solve_with_the_position_fixed(
     assert_close("click on a page", two, (u + 0.1, u - 0.1))
     assert "± .10 px" in browser.find_element(By.ID, "landmarks").text
     press(browser, Keys.PAGE_DOWN)
+    wait_for_picture(browser)
+    browser.execute_script(
+        "const kept = picks; picks = []; seen = null; aim(); picks = kept; show()"
+    )
+    assert_close("click on a page", where(browser)[:2], (99.5, 44.0))
     press(browser, "h", "n")
     assert browser.execute_script("return names[landmark]") == "mast"
     saved = browser.execute_script("return document.getElementById('csv').value")

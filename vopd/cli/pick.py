@@ -87,7 +87,7 @@ def command(
     from vopd.flight.formats.landmarks import LANDMARK_FORMATS
     from vopd.flight.formats.picks import CLICKS, HIDDEN, read_clicks, read_hidden
     from vopd.report.pick import PageContent, Predicted, pick_page
-    from vopd.video import STILLS, open_frames, spread
+    from vopd.video import open_frames, spread, stills_in
 
     check_page_name(output)
     refuse_to_overwrite((*frames, *filter(None, (landmarks, clicks, cards))), output)
@@ -95,12 +95,12 @@ def command(
     if (cards is None) != (dpi is None):
         raise click.UsageError("--cards and --dpi go together: the scan's pixels an inch of film.")
     own = Path(frames[0], "flight.toml")
-    if own.is_file() and not any(one.suffix.lower() in STILLS for one in own.parent.iterdir()):
+    if own.is_file() and not stills_in(own.parent):
         frames = (str(own), *frames[1:])
     if frames[0].endswith(".toml"):
         if cards is not None:
             raise click.UsageError("--cards: a film has no project; name its scans.")
-        project, frames, landmarks = _of_project(frames, landmarks)
+        project, frames = _of_project(frames)
         opened = _picks_of(project) if clicks is None else opened
     content = PageContent(
         clicks=opened.clicks, hidden=opened.hidden, head=CLICKS, hidden_head=HIDDEN,
@@ -109,6 +109,9 @@ def command(
     if landmarks is not None:
         names = read_by_content(LANDMARK_FORMATS, open_input(landmarks, Path())).name
         content = content._replace(landmarks=names)
+    elif project is not None:
+        rows = project.read("landmarks", project.open("landmarks"), LANDMARK_FORMATS)
+        content = content._replace(landmarks=rows.name)
     if clicks is not None:
         file = open_input(clicks, Path())
         content = content._replace(clicks=read_clicks(file), hidden=read_hidden(file))
@@ -159,10 +162,8 @@ def command(
     ctx.exit(0)
 
 
-def _of_project(
-    sources: tuple[str, ...], landmarks: str | None
-) -> tuple[Project, tuple[str, ...], str]:
-    """Find a project, its video, and its landmarks if no others are given."""
+def _of_project(sources: tuple[str, ...]) -> tuple[Project, tuple[str, ...]]:
+    """Find a project and its video."""
     from vopd.flight.project import read_project
 
     if len(sources) > 1:
@@ -171,8 +172,7 @@ def _of_project(
     section = project.section("picks")
     if not section.has("video"):
         raise section.error("video", "is missing: the name of the video that is picked in")
-    own = landmarks or str(project.folder / project.section("landmarks").text("file"))
-    return project, tuple(str(project.folder / name) for name in section.files("video")), own
+    return project, tuple(str(project.folder / name) for name in section.files("video"))
 
 
 class ProjectPicks(NamedTuple):

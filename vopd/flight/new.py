@@ -42,7 +42,7 @@ from vopd.flight.project import (
     toml_text,
 )
 from vopd.inputs import is_number
-from vopd.video import open_frames
+from vopd.video import open_frames, stills_in
 
 R = TypeVar("R")
 
@@ -605,7 +605,15 @@ def look_at_files(
         look_at_video(new, values, folder, video, named)
         new.needed.pop(("camera", "image_size_px"), None)
     by_number = True
-    if "picks" in named or not video:
+    if "picks" not in named and images is not None and stills_in(Path(images)):
+        by_number = False
+        values["picks", "video"] = _named(images, folder)
+        values["picks", "file"] = toml_text(CLICKS)
+        new.then = "pick {} -o pick.html"
+        new.said.append(
+            f"no picks yet: click landmarks with vopd pick, and save {CLICKS} in {folder}"
+        )
+    elif "picks" in named or not video:
         by_number = look_at_picks(new, values, folder, named.get("picks"))
     look_at_landmarks(new, values, folder, named.get("landmarks"))
     if fixed:
@@ -676,7 +684,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
         text = re.sub(r"(?<![\w.])\.(?=\d)", "0.", text)
     if row.kind in ("text", "file") and key[1] == "height" and is_number(text):
         text = f"{{ undulation_m = {text} }}"
-    elif row.kind in ("text", "file") or text == EXACT:
+    elif row.kind in ("text", "file", "files") or text == EXACT:
         text = text if table else toml_text(text.strip("\"'"))
     elif row.kind in ("numbers", "sigma") and "," in text and not table:
         text = f"[{text}]"
@@ -691,6 +699,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     section = Section(option, key[0], {key[1]: value})
     readers: dict[str, Callable[[str], object]] = {
         "texts": section.texts,
+        "files": section.files,
         "number": section.number,
         "numbers": section.numbers,
         "sigma": section.sigma,

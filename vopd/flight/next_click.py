@@ -153,6 +153,7 @@ class NextPlace(NamedTuple):
     frame: str  # its number, or its image
     landmark: str  # empty for any two of them
     text: str
+    pixel: tuple[float, float] | None = None  # near which the landmark is
 
 
 def next_places(joint: JointSolution, count: int = 3) -> list[NextPlace]:
@@ -179,7 +180,7 @@ def next_places(joint: JointSolution, count: int = 3) -> list[NextPlace]:
             f"typical frame falls from {one.before_deg:.3g} to {one.after_deg:.3g} degree"
         )
         own = flight.image_name[one.frame] if flight.image_name else str(flight.frame[one.frame])
-        found.append(NextPlace(own, name, text))
+        found.append(NextPlace(own, name, text, (float(u), float(v))))
     return found
 
 

@@ -162,7 +162,9 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
         (picture,) = frames.pictures([number])
         return picture
     assert flight.folder is not None
-    found = image_file(flight.folder, name)
+    of_video = [one if one.is_dir() else one.parent for one in flight.video]
+    beside = (image_file(one, name) for one in (*of_video, flight.folder))
+    found = next(filter(None, beside), None)
     if found is None:
         raise VopdError(f"{name} is not in the project's folder; --images names its folder")
     (picture,) = open_frames([str(found)]).pictures([0])

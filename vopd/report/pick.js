@@ -292,13 +292,13 @@ function draw() {
   const unit = devicePixelRatio;
   pen.font = 12 * unit + "px system-ui, sans-serif";
   for (const [k, name] of names.entries()) {
-    const at = seen && seen.places.get(name), own = mean(frame, name), chosen = k === landmark;
+    const at = expected(name), own = mean(frame, name), chosen = k === landmark;
     if (!own && (!at || isHidden(frame, name))) continue;
-    const [x, y] = own ? on(own.u, own.v) : on(...at), doubted = own && seen && seen.count > 2 && seen.residuals.get(name) > DOUBTED * data.sigma;
+    const [x, y] = own ? on(own.u, own.v) : on(...at), off = own ? residual(name) : undefined, doubted = off > DOUBTED * data.sigma;
     const colour = chosen ? "#ff0" : doubted ? "#fa0" : own ? "#0ff" : "#fff";
     if (own) {
       for (const one of readings(frame, name)) mark(pen, ...on(one.u, one.v), 9 * unit, colour);
-      if (at && seen.count > 2) line(pen, [x, y], on(...at));
+      if (off !== undefined) line(pen, [x, y], on(...at));
     } else {
       pen.fillStyle = pen.strokeStyle = colour;
       pen.setLineDash([3 * unit, 3 * unit]);
@@ -307,11 +307,13 @@ function draw() {
       pen.stroke();
       pen.setLineDash([]);
     }
-    const text = own && seen && seen.count > 2 && at ? `${name}  ${px(seen.residuals.get(name))}` : own ? name : name + "?";
+    const text = off !== undefined ? `${name}  ${px(off)}` : own ? name : name + "?";
+    const right = x + 15 * unit + pen.measureText(text).width < canvas.width, beside = [x + (right ? 11 : -11) * unit, y - 6 * unit];
+    pen.textAlign = right ? "left" : "right";
     pen.lineWidth = 3 * unit;
     pen.strokeStyle = "#000a";
-    pen.strokeText(text, x + 11 * unit, y - 6 * unit);
-    pen.fillText(text, x + 11 * unit, y - 6 * unit);
+    pen.strokeText(text, ...beside);
+    pen.fillText(text, ...beside);
   }
   mark(pen, ...on(...cross), Math.max(canvas.width, canvas.height), "#fff8");
   const glass = loupe.getContext("2d"), size = loupe.width, times = LOUPE * unit;
@@ -341,10 +343,12 @@ function line(pen, from, to) {
   pen.stroke();
 }
 
+const residual = name => seen && seen.count > 2 ? seen.residuals.get(name) : undefined;
+
 function status(name) {  // what is known of a landmark in this frame, in words and signs
   const own = mean(frame, name), at = seen && seen.places.get(name);
   if (!own) return isHidden(frame, name) ? "hidden" : !seen || !data.sighted.includes(name) ? "" : !at ? "not in view" : inside(at) ? "?" : "outside";
-  const off = seen && seen.count > 2 ? seen.residuals.get(name) : undefined;
+  const off = residual(name);
   return [data.deck ? own.n + " of 3" : "●".repeat(Math.min(own.n, 3)) + (own.n > 3 ? own.n : ""), own.n > 1 ? "± " + px(own.spread) : "",
     off === undefined ? "" : (off > DOUBTED * data.sigma ? "! " : "") + px(off)].filter(Boolean).join(" ");
 }
@@ -387,9 +391,14 @@ function select(next) {
 }
 
 function aim() {  // the cross at the landmark's pick, or where it is predicted
-  const name = names[landmark], own = readings(frame, name).at(-1), at = seen && seen.places.get(name);
+  const name = names[landmark], own = readings(frame, name).at(-1), at = expected(name);
   if (own) cross = [own.u, own.v];
   else if (at && inside(at)) cross = at;
+}
+
+function expected(name) {  // where a landmark should be: by the frame's picks, or as the solve of all frames has it
+  const place = data.places.find(one => same(one, frame, name));
+  return seen && seen.places.get(name) || place && place.near;
 }
 
 const inside = ([u, v]) => u > -.5 && v > -.5 && u < data.frames[frame].width - .5 && v < data.frames[frame].height - .5;

@@ -46,7 +46,8 @@ class PageContent(NamedTuple):
     hidden_head: str = "# hidden: "  # the beginning of its lines of hidden landmarks
     predicted: Predicted | None = None
     unpredicted: str = ""  # why nothing is predicted
-    places: Sequence[tuple[str, str, str]] = ()  # where to click next: frame, landmark, and why
+    places: Sequence[tuple[str, str, str, tuple[float, float] | None]] = ()
+    # where to click next: frame, landmark, why, and near which pixel
     deck: Mapping[str, object] | None = None  # the cards around the readings of a film
     film_number: Sequence[int] = ()  # of each frame, on those cards
 
@@ -123,8 +124,8 @@ def pick_page(
             "leftOut": "" if by is None else by.left_out,
             "unpredicted": content.unpredicted,
             "places": [
-                {"frame": here[frame], "landmark": name, "text": text}
-                for frame, name, text in content.places
+                {"frame": here[frame], "landmark": name, "text": text, "near": near}
+                for frame, name, text, near in content.places
                 if frame in here
             ],
             "deck": content.deck,
