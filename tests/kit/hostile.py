@@ -106,6 +106,22 @@ def cut_ephemeris(path: Path) -> None:
         path.write_bytes(file.read(whole.stat().st_size // 10))
 
 
+def ephemeris_of_no_summary(path: Path) -> None:
+    """The same, whose summaries have -1 numbers: jplephem never comes to their end."""
+    cut_ephemeris(path)
+    content = path.read_bytes()
+    path.write_bytes(content[:8] + b"\xff" * 8 + content[16:])
+
+
+def damaged_matlab(path: Path) -> None:
+    """Caltech's calibration with one wrong byte, which ends the process of scipy's reader."""
+    from scipy.io import savemat
+
+    savemat(path, {"fc": [9.0, 9.0], "cc": [9.0, 5.0], "kc": [0.0] * 5, "nx": 19, "ny": 10})
+    content = path.read_bytes()
+    path.write_bytes(content[:177] + b"\1" + content[178:])
+
+
 def pixels(width: int, height: int) -> Callable[[Path], None]:
     """An image whose header says a size."""
 
@@ -205,6 +221,7 @@ TABLE = (
     Hostile("cvat pixel of 1e308", other("picks", "p.xml", CVAT.format("0").replace("1,2",
             "1e308,2"))),
     Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe}),
+    Hostile("matlab damaged", lens("mat", "") | {"lens.mat": damaged_matlab}),
     # picks
     Hostile("cvat 30 digits", other("picks", "p.xml", CVAT.format("9" * 30))),
     Hostile("cvat separator", other("picks", "p.xml", CVAT.format("1_0"))),
@@ -280,6 +297,8 @@ TABLE = (
     Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'},
             ("stars solve s.json --focal 76",)),
     Hostile("ephemeris cut short", {"s.csv": NAMED, "e.bsp": cut_ephemeris},
+            (f"{SKY} --ephemeris e.bsp",)),
+    Hostile("ephemeris of no summary", {"s.csv": NAMED, "e.bsp": ephemeris_of_no_summary},
             (f"{SKY} --ephemeris e.bsp",)),
     Hostile("ephemeris pipe", {"s.csv": NAMED, "e.bsp": pipe},
             (f"{SKY} --ephemeris e.bsp",)),

@@ -327,6 +327,7 @@ def test_an_ephemeris_that_cannot_be_opened(
     def opened(path: str) -> Any:
         raise error
 
+    monkeypatch.chdir(places._packaged_ephemeris().parent)
     monkeypatch.setattr(jpllib, "SpiceKernel", opened)
     with refused(InputError), _ephemeris("de421.bsp"):
         pass
@@ -346,6 +347,7 @@ def test_an_ephemeris_that_lacks_something(
 ) -> None:
     """It is closed in any case."""
     kernel, given = Kernel(), list[str]()
+    monkeypatch.chdir(places._packaged_ephemeris().parent)
     monkeypatch.setattr(jpllib, "SpiceKernel", lambda path: given.append(path) or kernel)
     if error is None:
         with _ephemeris("de421.bsp") as planets:

@@ -127,6 +127,10 @@ class InputFile:
                         raise self.error("not a text file: it has null characters")
                     yield chunk + text.readline(LONGEST_LINE)
         except UnicodeDecodeError as error:
+            if kind := kind_by_first_bytes(self._first_bytes):
+                what = "; unpack it, and name the file in it" if "archive" in kind else ""
+                what = ": save it as UTF-8" if kind.endswith("text") else what
+                raise self.error(f"is {kind}, which is not read{what}") from error
             at = _first_wrong_byte(self.path, error)
             raise VopdError(f"{self.name}: not a text file in UTF-8, at byte {at}") from error
 
@@ -136,18 +140,17 @@ class InputFile:
         Raises:
             VopdError: where it cannot be read
         """
-        from scipy.io import loadmat
-        from scipy.io.matlab import MatReadError
+        from vopd.flight.formats.matlab import read_variables
 
         if self.path.stat().st_size > MOST_SETTINGS:
             raise self.error(too_many_bytes(MOST_SETTINGS))
+        data = self.path.read_bytes()
+        if data[124:126] in (b"\0\2", b"\2\0"):
+            raise self.error("MATLAB's format 7.3 is not read: save it with -v7")
         try:
-            found = loadmat(self.path, simplify_cells=True, variable_names=names)
-        except NotImplementedError as error:
-            raise self.error("MATLAB's format 7.3 is not read: save it with -v7") from error
-        except (*UNEXPECTED, MatReadError, OSError, MemoryError, zlib.error) as error:
+            return read_variables(data, names)
+        except (*UNEXPECTED, zlib.error) as error:
             raise self.error("a file of MATLAB's that is damaged: save it again") from error
-        return {name: found[name] for name in names if name in found}
 
     def _open(self) -> TextIO:
         return self.path.open(encoding=ENCODING) if self.given is None else StringIO(self.given)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -267,6 +268,7 @@ def _ephemeris(file: str | None) -> Iterator[Any]:
     if kind := no_file(path):
         raise input_error(kind, str(path))
     try:
+        _check_summaries(path)
         planets = SpiceKernel(str(path))
     except OSError as error:
         text = f"cannot be read: {error.strerror or error}"
@@ -286,6 +288,35 @@ def _ephemeris(file: str | None) -> Iterator[Any]:
         raise input_error("its end is missing, or damaged", str(path)) from None
     finally:
         planets.close()
+
+
+def _check_summaries(path: Path) -> None:
+    """Check the records that say what an ephemeris has: jplephem follows a circle of them for ever.
+
+    Args:
+        path: a file as NAIF's "DAF Required Reading" describes it
+
+    Raises:
+        ValueError, struct.error, OverflowError: if it is none
+    """
+    with path.open("rb") as file:
+        head = file.read(DAF_RECORD)
+        order = ">" if head[88:96] == b"BIG-IEEE" else "<"
+        (following,) = struct.unpack(f"{order}i", head[76:80])
+        left = path.stat().st_size // DAF_RECORD
+        if struct.unpack(f"{order}ii", head[8:16]) != SPK_SUMMARY:
+            raise ValueError("no SPK")
+        while following:
+            left -= 1
+            file.seek((following - 1) * DAF_RECORD)
+            following, _, count = map(int, struct.unpack(f"{order}ddd", file.read(24)))
+            if left < 0 or not 0 <= count <= MOST_SUMMARIES:
+                raise ValueError("records that follow each other in a circle, or are damaged")
+
+
+DAF_RECORD = 1024  # bytes
+SPK_SUMMARY = 2, 6  # its doubles and its whole numbers
+MOST_SUMMARIES = 25  # in a record
 
 
 def _packaged_ephemeris() -> Path:

@@ -568,6 +568,8 @@ def read_matlab_lens(file: InputFile, question: LensQuestion) -> LensRead:
         said, shift, corner = "Caltech's calibration", 0.0, "(0, 0)"
         width, height = float(found["nx"]), float(found["ny"])
         focal, centre, kc = (np.asarray(found[one], float).ravel() for one in ("fc", "cc", "kc"))
+        if (len(focal), len(centre), len(kc)) != (2, 2, 5):
+            raise file.error("fc and cc have 2 numbers and kc has 5")
         k1, k2, p1, p2, k3 = kc.tolist()
         skew = float(found.get("alpha_c", 0.0)) * float(focal[0])
     else:
