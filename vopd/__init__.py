@@ -15,6 +15,11 @@ Example::
 frames of a 1974 card deck, all its jobs at once. `read_deck` reads the jobs to look at
 them or change them before. `listing_text` gives the pages that program VOPD (NASA
 TM X-3050) printed. Nothing is imported before it is used.
+
+These names are public, and stay; the modules are listed in the documentation. Functions: `adjust`,
+`listing_text`, `read_deck`, `run`, `solve_flight`, `write_deck`. Results: `Adjustment`,
+`FlightResult`, `Results`, `Run`. Input: `Deck`, `Job`, `Sigmas`. Messages: `Finding`, `VopdError`,
+`InputError`, `DeckError`.
 """
 
 from __future__ import annotations

@@ -288,6 +288,17 @@ def test_other_names_of_columns(header: str) -> None:
     assert (",".join(found.names), found.read_as) == RENAMED[header]
 
 
+@pytest.mark.parametrize(
+    ("cell", "name"), [("5:12:3.4", "ra_hours"), ("05 12 3", "ra_hours"), ("78.1", "ra_deg"),
+                       ("5h12m3s", "ra_deg")],
+)  # fmt: skip
+def test_a_right_ascension_of_no_unit(cell: str, name: str) -> None:
+    """Catalogues write hours, minutes and seconds; `h` says so itself."""
+    header = ("ra", "dec", "x_px", "y_px")
+    found = read_columns(header, images_only=False, first=[cell, "1", "2", "3"])
+    assert found.names[0] == name
+
+
 REFUSED = (
     "y_mm,x_mm,u,y_mm,v,w,x_mm",
     "y_px,u,v,w",

@@ -320,6 +320,25 @@ def heading(frames: ShownFrames) -> str:
     return told
 
 
+DOWN_DEG = -60.0
+LOOKS_DOWN = (
+    '; the camera looks down, and these are its own angles: [vehicle] mount = "down" gives those '
+    "of the vehicle that carries it"
+)
+
+
+def looks_down(frames: ShownFrames) -> bool:
+    """Test whether the camera of a project looks down, and counts as the vehicle itself."""
+    if frames.head[0].about.words.source != "project":
+        return False
+    camera, vehicle = (
+        np.concatenate([getattr(part.estimate, name)[part.has_attitude] for part in frames.head])
+        for name in ("camera_deg", "vehicle_deg")
+    )
+    same = (np.abs(_in_half_circle(camera - vehicle)) <= SAME_DEG).all()
+    return bool(len(camera) and same and np.median(camera[:, 1]) < DOWN_DEG)
+
+
 LABELS = ("how sure", "not in it", "doubtful", "next")
 INDENT = " " * (max(map(len, LABELS)) + 2)
 
@@ -359,7 +378,7 @@ def text(
             [sure_text(frames)],
             [left_text(frames) or "nothing that can be stated"],
             doubts or ["no frame has a flag"],
-            [steps["next"] + f"; {steps['table']}" * (more <= 0)],
+            [steps["next"] + f"; {steps['table']}" * (more <= 0) + LOOKS_DOWN * looks_down(frames)],
         )
         lines.append("")
         for label, said in zip(LABELS, paragraphs, strict=True):

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,9 @@ SYNONYMS = {
     "y_px": ("y", "ycentroid"),
 }
 """Other names of columns that may stand where no column says otherwise; it is said which do."""
+
+SEXAGESIMAL = re.compile(r"\s*\d+(:|\s+)\d")
+"""A right ascension as catalogues write it, 5:12:3 or 5 12 3, which is hours."""
 
 WORDS = ("name", "image", "utc")
 """Columns of text: the star's name, the photograph that it is in, and its date."""
@@ -103,8 +107,15 @@ class StarColumns:
         return f"x_{self.unit}", f"y_{self.unit}"
 
 
-def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
+def read_columns(
+    names: tuple[str, ...], *, images_only: bool, first: Sequence[str] = ()
+) -> StarColumns:
     """Find out what a header's columns are.
+
+    Args:
+        names: in lower case
+        images_only: whether only the images are wanted
+        first: the cells of the first star: sexagesimal ones of a column `ra` are hours
 
     Raises:
         ColumnError: a column stands twice or is missing, or two are of different kinds.
@@ -112,12 +123,12 @@ def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     twice = sorted({name for name in names if name and names.count(name) > 1})
     if twice:
         raise ColumnError(f"the header names a column twice: {', '.join(twice)}")
-    own, names = names, _renamed(names)
+    own, names = names, _renamed(names, first)
     changed = [k for k, name in enumerate(own) if name != names[k]]
     read_as = f"{', '.join(own[k] for k in changed)} read as {', '.join(names[k] for k in changed)}"
     if "x" in own and "x" not in names:
         read_as += "; if they are mm, name them x_mm, y_mm"
-    if "ra" in own and "ra" not in names:
+    if "ra" in own and "ra" not in names and "ra_hours" not in names:
         read_as += "; if ra is hours, name it ra_hours"
     given = [unit for unit in UNITS if f"x_{unit}" in names or f"y_{unit}" in names]
     if len(given) > 1:
@@ -138,7 +149,7 @@ def read_columns(names: tuple[str, ...], *, images_only: bool) -> StarColumns:
     return StarColumns(names, unit, kind, sigmas, ignored, read_as if changed else "")
 
 
-def _renamed(names: tuple[str, ...]) -> tuple[str, ...]:
+def _renamed(names: tuple[str, ...], first: Sequence[str]) -> tuple[str, ...]:
     """Call the columns of a header by the names of this module.
 
     `x` and `y` are pixels unless a column in mm or a `z` stands beside them; `ra` and `dec` are
@@ -156,6 +167,8 @@ def _renamed(names: tuple[str, ...]) -> tuple[str, ...]:
         taken = name in names or (name.startswith("ra_") and {"ra_deg", "ra_hours"} & {*names})
         if fits and len(there) == 1 and not taken:
             here[there[0]] = name
+    if here.get("ra") and any(map(SEXAGESIMAL.match, first[names.index("ra") :][:1])):
+        here["ra"] = "ra_hours"
     return tuple(here.get(name, name) for name in names)
 
 
@@ -394,7 +407,8 @@ def read_star_csv(
         raise input_error("the file has no header: x_mm,y_mm,ra_deg,dec_deg", source)
     names = tuple(name.strip().lower() for name in cells)
     try:
-        columns = read_columns(names, images_only=images_only)
+        first = next(rows, None)
+        columns = read_columns(names, images_only=images_only, first=first[1] if first else ())
     except ColumnError as error:
         raise input_error(f"line {header}: {error}", source) from None
     names = columns.names
@@ -402,7 +416,7 @@ def read_star_csv(
         report(Finding(f"line {header}: {columns.read_as}", source=source, severity="warning"))
     several = "image" in names and not images_only
     groups: dict[str, list[Star]] = {}
-    for number, cells in rows:
+    for number, cells in chain([first] if first else [], rows):
         if len(cells) != len(names):
             given, named = count_text(len(cells), "value"), count_text(len(names), "column")
             text = f"{given}, where the header names {named}"

@@ -163,10 +163,11 @@ def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
         for unit in units
     ]
     wide = max(map(len, labels))
+    pointed = all(photograph.epoch for photograph, _ in rows)  # alpha, delta, swing stand above
     margin = max(wide, len("image")) + 1 if wide else 0
     angles: list[_Column] = [
         (name.replace("_", " "), [one.angles_deg[k] for one in solved], ".7f", 12)
-        for k, name in enumerate(ANGLE_NAMES)
+        for k, name in enumerate(ANGLE_NAMES if not wide or not pointed else ANGLE_NAMES[:3])
     ]
     columns: list[_Column] = [
         *angles,
@@ -183,9 +184,10 @@ def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
         head = f"{one.method}, stars {_stars(one.stars)}"
         return "\n".join([head, *aligned(cells, {0})]) + f"{moved}\n"
     head = f"{'image' if wide else '':<{margin}}"
-    lines = [f"{head}{'method':<17} {'stars':<9}" + "".join(f" {t:>{w}}" for t, _, _, w in shown)]
+    by = max(len(one.method) for one in solved) if wide else 17
+    lines = [f"{head}{'method':<{by}} {'stars':<9}" + "".join(f" {t:>{w}}" for t, _, _, w in shown)]
     for k, one in enumerate(solved):
-        line = f"{labels[k]:<{margin}}{one.method:<17} {_stars(one.stars):<9}"
+        line = f"{labels[k]:<{margin}}{one.method:<{by}} {_stars(one.stars):<9}"
         for _, values, form, width in shown:
             value = values[k]
             line += f" {'' if value is None else format(value, form):>{width}}"
