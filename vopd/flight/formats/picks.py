@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from array import array
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -22,6 +23,7 @@ from vopd.flight.files import (
     csv_blocks,
     frames_of_column,
     has_columns,
+    header_names,
     open_input,
     read_by_content,
     read_csv,
@@ -37,7 +39,7 @@ from vopd.flight.formats.landmarks import (
     recognises_markers,
 )
 from vopd.flight.formats.lens import GRID_TO_CENTRE
-from vopd.inputs import parse_json, parse_xml, plain_number, whole_number
+from vopd.inputs import is_number, parse_json, parse_xml, plain_number, whole_number
 
 if TYPE_CHECKING:
     from vopd.flight.formats.tracked import TrackedRows
@@ -133,9 +135,21 @@ CLICKS = "# pixels: u right, v down, (0, 0) the centre of the first pixel"
 """The first line of a CSV of picks that says how they are counted."""
 
 
+PIX4D_COLUMNS = ["image", "landmark", "u_px", "v_px"]
+PIX4D_IMAGE = re.compile(r"\.(jpe?g|png|tiff?)$", re.IGNORECASE)
+
+
+def is_pix4d(file: InputFile) -> bool:
+    """Tell whether the first line is a mark of Pix4D, which writes no header: image, name, u, v."""
+    cells = header_names(file)
+    if file.columns is not None or len(cells) != len(PIX4D_COLUMNS):
+        return False
+    return bool(PIX4D_IMAGE.search(cells[0])) and is_number(cells[2]) and is_number(cells[3])
+
+
 def recognises_csv_picks(file: InputFile) -> bool:
     """Tell whether the header names a landmark and pixels, or is near to that."""
-    return has_columns(file, COLUMNS, ("landmark",), ("u_px",), ("v_px",))
+    return is_pix4d(file) or has_columns(file, COLUMNS, ("landmark",), ("u_px",), ("v_px",))
 
 
 def read_csv_picks(file: InputFile) -> PickRows:
@@ -144,6 +158,9 @@ def read_csv_picks(file: InputFile) -> PickRows:
 
     One that `vopd pick` saved says itself how pixels are counted.
     """
+    if is_pix4d(file):
+        found = read_csv_picks(replace(file, columns=PIX4D_COLUMNS))
+        return replace(found, said="Pix4D's marks")
     frame, pixel, sigma = array("q"), array("d"), array("d")
     landmark, image = Names(), Names()
     named = False
