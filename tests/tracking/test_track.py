@@ -263,6 +263,28 @@ def test_a_click_on_another_point(flight: Path) -> None:
     assert_approved("".join(line + "\n" for line in done.stderr.splitlines() if "warning" in line))
 
 
+def test_exchanged_clicks_and_an_edited_file(flight: Path) -> None:
+    """L1 and L2 of frame 10 are named as exchanged; one edited row does not pass in silence."""
+    true = truth()
+    marks = [m for m in ("L1", "L2", "L4", "L5") if all((k, m) in true for k in (0, 10, 20))]
+    names = {(10, "L1"): "L2", (10, "L2"): "L1"}
+    clicks(*((k, names.get((k, m), m), *true[k, m]) for k in (0, 10, 20) for m in marks))
+    done = vopd("track", "flight.toml")
+    assert done.status == 3
+    told = [line for line in done.stderr.splitlines() if "warning" in line]
+    said = vopd("attitude", "flight.toml", "-o", "a.csv").stderr.splitlines()
+    told += [line for line in said if "exchanged" in line]
+    clicks(*((k, m, *true[k, m]) for k in (0, 20) for m in marks))
+    done = vopd("track", "flight.toml", "--every", "20")
+    assert done.status == 3
+    told += [line for line in done.stderr.splitlines() if "warning" in line]
+    assert vopd("track", "flight.toml").status == 0
+    change("tracked.csv", ",tracked\n5,", ",occluded\n5,")
+    said = vopd("attitude", "flight.toml", "-o", "a.csv").stderr.splitlines()
+    told += [line for line in said if "edited" in line]
+    assert_approved("".join(f"{line}\n" for line in told))
+
+
 def test_terrains(flight: Path) -> None:
     """Of this place, with a mast, with a hole, in feet, of another place, without one, broken."""
     import rasterio

@@ -12,19 +12,23 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtrc
 
-from vopd.arrays import Array, Bools, Floats
+from vopd.arrays import Array, Bools, Floats, Ints
 from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.clicks import ClickEquations
 from vopd.flight.equations import Model
 from vopd.flight.errors import priors_of
+from vopd.flight.exchanged import exchanged_places
 from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.joint import JointSolution, solve_jointly
+from vopd.flight.misfit import REJECTED, significant_errors
 
 TOLD = 0.1  # of a click's variance that the others must say: with less it is not tested
 MOST_WRONG = 0.5  # of the clicks
 MOST_TRIED = 5  # clicks that seem wrong and are not, one after the other
 MOST_NAMED = 3
+EXCHANGED = 6.0  # standard deviations of a click from where the other landmark is computed
+SEVERAL = 3  # clicks that seem wrong: fewer are no error of the lens
 
 
 class FlightOfClicks(NamedTuple):
@@ -57,14 +61,17 @@ def _without(flight: Flight) -> FlightOfClicks:
     assert every is not None
     tells: dict[int, str] = {}
     joint = solve_jointly(flight, priors_of(flight))
+    if _is_of_all(joint):
+        return FlightOfClicks(flight, [])
     seems = np.zeros(len(every.frame), bool)  # wrong, and is not
     while seems.sum() < MOST_TRIED and len(tells) < MOST_WRONG * len(every.frame):
-        chance = _chances(joint)
-        limit = SIGNIFICANCE / max(np.isfinite(chance).sum(), 1)
-        chance[seems] = np.nan
+        squares = _squares(joint)
+        limit = SIGNIFICANCE / max(np.isfinite(squares).sum(), 1)
+        squares[seems] = np.nan
+        chance = chdtrc(2.0, squares)
         if not (chance < limit).any():
             break
-        worst, clicks = int(np.nanargmin(chance)), flight.picks.clicks
+        worst, clicks = int(np.nanargmax(squares)), flight.picks.clicks
         assert clicks is not None
         less = without_readings(flight, clicks.click == worst)
         again = solve_jointly(less, priors_of(less))
@@ -87,8 +94,56 @@ def _without(flight: Flight) -> FlightOfClicks:
         flight, more = _without_contrary(flight, joint)
     wrong = [click for click in tells if not stays[click]]
     flight = _with_wrong(flight, read, wrong)
-    texts = [text for click, text in tells.items() if not stays[click]] + more
+    swapped = _exchanged_texts(joint, read, wrong)
+    texts = [text for click, text in tells.items() if not stays[click] and click not in swapped]
+    texts += [*dict.fromkeys(swapped.values()), *more]
     return FlightOfClicks(flight, [Finding(one, read.source, severity="warning") for one in texts])
+
+
+def _is_of_all(joint: JointSolution) -> bool:
+    """Tell whether one error of lens, clock or positions explains what several clicks are off.
+
+    It is then named by the tests of the flight, and no click is wrong.
+    """
+    chance = chdtrc(2.0, _squares(joint))
+    tested = int(np.isfinite(chance).sum())
+    if (chance < SIGNIFICANCE / max(tested, 1)).sum() < SEVERAL:
+        return False
+    found = significant_errors(joint, True)
+    return bool(found) and found[0].error.landmark < 0 and found[0].rest < REJECTED**2
+
+
+def _exchanged_texts(joint: JointSolution, read: Flight, wrong: list[int]) -> dict[int, str]:
+    """Say which of the clicks that are left out are exchanged.
+
+    Args:
+        joint: solved without them
+        read: the flight with them
+        wrong: their indices
+    """
+    rows, clicks = _own_rows(read, wrong), read.picks.clicks
+    assert clicks is not None
+    own, pick = clicks.click[rows], clicks.pick[rows]
+    seen, expected = read.picks.pixel[pick] + clicks.off_px[rows], _images_px(joint, read)[pick]
+    limit_px = EXCHANGED * clicks.sigma_px[own]
+    found: dict[int, str] = {}
+    for i, j in exchanged_places(clicks.frame[own], seen, expected, limit_px):
+        a, b = (read.landmarks.name[clicks.landmark[own[k]]] for k in (i, j))
+        text = (
+            f"{frame_label(read, int(clicks.frame[own[i]]))}: the clicks of {a} and {b} are "
+            "exchanged: each lies where the other is computed; they and the places that are "
+            "tracked from them are not used: exchange their names, and run vopd track again"
+        )
+        found |= {int(own[i]): text, int(own[j]): text}
+    return found
+
+
+def _own_rows(read: Flight, wrong: list[int]) -> Ints:
+    """List the readings that are clicks themselves, of some clicks."""
+    clicks = read.picks.clicks
+    assert clicks is not None
+    of_frame = read.picks.frame[clicks.pick] == clicks.frame[clicks.click]
+    return np.flatnonzero(np.isin(clicks.click, wrong) & of_frame)
 
 
 def _with_wrong(flight: Flight, read: Flight, wrong: list[int]) -> Flight:
@@ -101,15 +156,15 @@ def _with_wrong(flight: Flight, read: Flight, wrong: list[int]) -> Flight:
     """
     every, left = read.picks.clicks, flight.picks.clicks
     assert every is not None and left is not None
-    own = np.isin(every.click, wrong) & (read.picks.frame[every.pick] == every.frame[every.click])
+    own = _own_rows(read, wrong)
     pixel = read.picks.pixel[every.pick[own]] + every.off_px[own]
     at = np.stack([every.frame, every.landmark], axis=1)[every.click[own]]
     known = np.concatenate([at, pixel], axis=1)
     return replace(flight, picks=replace(flight.picks, clicks=replace(left, wrong=known)))
 
 
-def _chances(joint: JointSolution) -> Floats:
-    """Test the errors that the solve finds of clicks: their chances, (C,); NaN: it says little.
+def _squares(joint: JointSolution) -> Floats:
+    """Weigh the errors that the solve finds of clicks, chi-square of two, (C,); NaN: says little.
 
     Of the prior P and what is left M the error has the covariance P - M.
     """
@@ -124,7 +179,7 @@ def _chances(joint: JointSolution) -> Floats:
     told[~tested] = np.eye(2)
     squares = np.einsum("qi,qi->q", error, np.linalg.solve(told, error[..., None])[..., 0])
     out = np.full(len(joint.state.click_px), np.nan)
-    out[model.clicked] = np.where(tested, chdtrc(2.0, squares), np.nan)
+    out[model.clicked] = np.where(tested, squares, np.nan)
     return out
 
 

@@ -92,6 +92,26 @@ def exchanges(estimates: FlightEstimates, frames: Bools, out: Bools) -> Exchange
     return _exchanges(wide, place_m, frames, out, off_px, others)
 
 
+def exchanged_places(
+    frame: Ints, seen: Floats, expected: Floats, limit_px: Floats
+) -> list[tuple[int, int]]:
+    """Find pairs of picks of one frame of which each lies where the other should be.
+
+    Args:
+        frame: of each pick that is not where it should be, (n,)
+        seen: where it is, (n, 2)
+        expected: where it should be, (n, 2)
+        limit_px: how near it must be to the other's place, (n,)
+    """
+    found: list[tuple[int, int]] = []
+    for i, j in combinations(range(len(frame)), 2):
+        apart = np.hypot(*(seen[[i, j]] - expected[[j, i]]).T)
+        used = {k for pair in found for k in pair}
+        if frame[i] == frame[j] and (apart < limit_px[[i, j]]).all() and not {i, j} & used:
+            found.append((i, j))
+    return found
+
+
 class _Trial(NamedTuple):
     """A frame with labels that may be exchanged."""
 

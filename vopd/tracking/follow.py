@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.files import whole_file
 from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.adjusted import with_stated_offset
+from vopd.flight.exchanged import exchanged_places
 from vopd.flight.flight import CameraPath, Flight
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import (
@@ -290,6 +292,10 @@ def follow(
     scale, by = _scale(journal, clicks)
     if footage.scene.place_sigma_m is not None:
         scale, by = 1.0, False  # residuals are of the places, too
+    rows = sha256()
+    for text in islice(_lines(journal, footage, clicks, scale, digests), 3 + len(digests), None):
+        rows.update(text.encode())
+    digests["rows"] = rows.hexdigest()
     with whole_file(output) as file:
         for text in _lines(journal, footage, clicks, scale, digests):
             file.write(text.encode())
@@ -300,6 +306,16 @@ def follow(
             f"{', '.join(elsewhere)}: hidden, or not where the others have it, in more frames than "
             "found: do clicks, lens, track and video belong together? vopd check tells more"
         )
+        findings.append(Finding(message, project.name, severity="warning"))
+    beside = (
+        (block["status"] == FOUND) & ~np.isin(block["frame"], clicks.frame)
+        for block in _frames_whole(journal)
+    )
+    if not any(one.any() for one in beside):
+        less = f" (--every {options.every})" if options.every > 1 else ""
+        frames = count_text(int(wanted[: seen + 1].sum()), "frame")
+        message = "nothing was followed: outside the clicked frames no landmark is found, in "
+        message += f"{frames}{less}"
         findings.append(Finding(message, project.name, severity="warning"))
     if seen < last:
         message = (
@@ -495,7 +511,9 @@ def _summary(
         usual = float(np.median(np.maximum(scale * every, LEAST_MATCH_PX)))
         source = (
             "from the residuals" if by
-            else f"by the inverse Hessian times {SIGMA_FACTOR:g}: residuals do not tell it"
+            else f"{SIGMA_FACTOR:g} times the inverse Hessian's; its residuals are "
+            + ("those of the positions, too" if footage.scene.place_sigma_m is not None
+               else "too few to estimate it")
         )  # fmt: skip
         lines.append(f"sigma of a match: {usual:.3f} px, {source}")
     for one in run.beginnings[1:]:
@@ -535,8 +553,13 @@ def _stretches(frames: Ints, footage: Footage) -> list[tuple[int, int]]:
 def _findings(
     journal: Journal, footage: Footage, run: Tracker, clicks: ClickedPixels
 ) -> list[Finding]:
-    """Name clicks that are far from where the other clicks of their landmark have it."""
-    off: dict[int, list[tuple[int, float, bool]]] = {}
+    """Name clicks that are far from where the other clicks of their landmark have it.
+
+    Of clicks that contradict each other the one that contradicts the most is named, then those
+    that are left. Two of one frame that lie where the other should be are exchanged.
+    """
+    against: dict[int, dict[int, float]] = {}  # clicks that contradict, and by how many pixels
+    place: dict[int, Floats] = {}  # where such a click should be
     at = {(f, m): k for k, (f, m) in enumerate(zip(clicks.frame, clicks.landmark, strict=True))}
     for block in _frames_whole(journal):
         for one in block[block["status"] == FOUND]:
@@ -547,26 +570,46 @@ def _findings(
             away = float(np.hypot(*(clicks.pixel[own] - one["pixel"])))
             grown = np.linalg.norm(one["by_click"], 2)
             sigma = float(np.hypot(clicks.sigma_px[own], grown * clicks.sigma_px[other]))
-            far = away > max(FAR_CLICK * sigma, FAR_CLICK_PX)
-            off.setdefault(own, []).append((other, away, far))
+            if away > max(FAR_CLICK * sigma, FAR_CLICK_PX):
+                place[own] = one["pixel"]
+                for k, o in ((own, other), (other, own)):
+                    against.setdefault(k, {})[o] = max(away, against.get(k, {}).get(o, 0.0))
     name, number = footage.flight.landmarks.name, footage.number
-    found = []
-    odd = {k for k, others in off.items() if np.mean([far for _, _, far in others]) > 0.5}
-    # of two clicks that contradict each other the one that contradicts more is named
-    for k in sorted(odd):
-        against = [o for o, _, far in off[k] if far]
-        worse = [o for o in against if o in odd and _share(off, o) > _share(off, k)]
-        if len(worse) == len(against):
-            continue
-        away = max(a for _, a, far in off[k] if far)
-        frames = ", ".join(str(number[clicks.frame[o]]) for o in sorted(against)[:SHOWN])
-        message = (
-            f"frame {number[clicks.frame[k]]}: {name[clicks.landmark[k]]} is clicked {away:.0f} px "
-            f"from where the clicks of frame {frames} have it: is it another point?"
-        )
+    found: list[Finding] = []
+
+    def tell(message: str, of: list[int]) -> None:
         found.append(Finding(message, footage.project.name, severity="warning"))
+        for k in of:
+            for o in against.pop(k):
+                against.get(o, {}).pop(k, None)
+
+    odd = np.array(sorted(place), int)
+    crossed = exchanged_places(
+        clicks.frame[odd], clicks.pixel[odd], np.array([place[k] for k in odd]),
+        np.maximum(FAR_CLICK * clicks.sigma_px[odd], FAR_CLICK_PX),
+    )  # fmt: skip
+    for one, other in sorted(
+        odd[crossed].tolist() if crossed else [],
+        key=lambda pair: -sum(len(against[k]) for k in pair),
+    ):
+        if not (against.get(one) and against.get(other)):
+            continue
+        tell(
+            f"frame {number[clicks.frame[one]]}: the clicks of {name[clicks.landmark[one]]} and "
+            f"{name[clicks.landmark[other]]} are exchanged: each lies where the other should be; "
+            f"exchange their names in {footage.project.section('picks').text('file')}",
+            [one, other],
+        )
+    while any(against.values()):
+        k = min(against, key=lambda k: (-len(against[k]), k))
+        alike = [k, *(o for o in against[k] if len(against[k]) == len(against[o]) == 1)]
+        told = [(k, sorted(against[k]), max(against[k].values())) for k in alike]
+        for k, others, away in told:
+            frames = ", ".join(str(number[clicks.frame[o]]) for o in others[:SHOWN])
+            tell(
+                f"frame {number[clicks.frame[k]]}: {name[clicks.landmark[k]]} is clicked "
+                f"{away:.0f} px from where the clicks of frame {frames} have it: is it another "
+                "point?",
+                [k],
+            )
     return found
-
-
-def _share(off: dict[int, list[tuple[int, float, bool]]], click: int) -> float:
-    return float(np.mean([far for _, _, far in off[click]]))

@@ -62,7 +62,7 @@ class TrackedRows:
     by_click: Floats  # shift here per shift of the click, (R, 2, 2)
     correlation: Floats  # of the patch with the image, (R,); NaN where there is none
     status: Ints  # index of `STATUSES`, (R,)
-    # of the files that were tracked: `clicks`, `video`, `project`
+    # of the files that were tracked, `clicks`, `video`, `project`, and of its `rows`
     digest: Mapping[str, str] = field(default_factory=dict)
     # as read: numbers of frames in which fewer than two landmarks are found
     lost: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -137,6 +137,21 @@ def _of_project(project: Project) -> str:
                 if project.names_file(name, key):
                     value = _of_files([project.folder / value])
                 digest.update(json.dumps([name, key, value], default=str).encode())
+    return digest.hexdigest()
+
+
+def digest_of_rows(path: Path) -> str:
+    """Digest the rows of a tracked file, whatever ends its lines.
+
+    Args:
+        path: of the file
+    """
+    digest, is_row = sha256(), False
+    with path.open("rb") as file:
+        for line in file:
+            if is_row:
+                digest.update(line.rstrip(b"\r\n") + b"\n")
+            is_row = is_row or line.startswith(b"frame,")
     return digest.hexdigest()
 
 
@@ -294,7 +309,7 @@ def _digests(file: InputFile) -> dict[str, str]:
     for line in file.head.splitlines():
         if not line.startswith("#"):
             break
-        match = re.fullmatch(r"# (clicks|video|project): ([0-9a-f]{64})", line.strip())
+        match = re.fullmatch(r"# (clicks|video|project|rows): ([0-9a-f]{64})", line.strip())
         if match:
             found[match[1]] = match[2]
     return found
@@ -337,9 +352,15 @@ def refuse_stale(file: InputFile, rows: TrackedRows, project: Project) -> list[s
                 "tracked", f"{file.name} was made of {key} = {shown(section.values[key])} as it "
                 f"was before: {AGAIN}"
             )  # fmt: skip
+    told = []
+    if "rows" in rows.digest and rows.digest["rows"] != digest_of_rows(file.path):
+        told.append(
+            f"{file.name}: edited since vopd track wrote it: what is said of clicks may come from "
+            f"that; {AGAIN}"
+        )
     if rows.digest.get("project") != now["project"]:
-        return [
+        told.append(
             f"{file.name}: lens, landmarks or positions have changed since: the picks serve, and "
             f"their patches were predicted by others; {AGAIN}"
-        ]
-    return []
+        )
+    return told
