@@ -20,6 +20,7 @@ TOLERANCES = {
     "angle wrapped 22 times": Tolerance(
         "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
     ),
+    "mark on a page": Tolerance("px", 0.35, "a tenth of a screen's pixel, 3.3 of the image"),
     "click on a page": Tolerance("px", 0.05, "what the page promises; two decimals are .005"),
     "rotation on a page": Tolerance("deg", 1e-6, "what the page promises"),
     "direction on a page": Tolerance("1", 1e-7, "a track of a second, linear: 10 um of 300 m"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,6 +24,21 @@ class ImageScene:
 
 
 @dataclass(frozen=True, eq=False)
+class Views:
+    """The images of n frames at once, with their P picks."""
+
+    size_px: Ints  # (n, 2) width, height
+    frame: Ints  # (P,) index of each pick's frame in these
+    landmark: Ints  # (P,) index of each pick's landmark in the scene
+    pixel: Floats  # (P, 2) as picked
+    fitted: Floats  # (P, 2) computed for that pick; NaN: it has no image
+    used: Bools  # (P,) which take part
+    ray: Floats  # (P, 3) Earth-centred unit vectors along which they were picked
+    computed: Floats  # (n, N, 2) of every landmark; NaN: it has no image
+    border: Floats  # (n, B, 3) directions east, north, up, around the image
+
+
+@dataclass(frozen=True, eq=False)
 class JobScene:
     """Where the landmarks and the camera of a job are, N landmarks and F frames.
 
@@ -39,7 +54,10 @@ class JobScene:
     sight: Callable[[int, str], tuple[Ints, Floats]]
     """Measured lines of sight of a frame: landmarks (n,), Earth-centred unit vectors (n, 3)."""
     image: Callable[[int, str], ImageScene] | None = None  # None: a film, which has no pixels
+    views: Callable[[Ints], Views] | None = None  # of frames by their indices in these, in order
     photograph: Callable[[int, str], Any] | None = None  # a PIL image; None: none is named
+    photographs: Callable[[list[tuple[int, str]]], Iterator[tuple[int, Any]]] | None = None
+    """Of many frames: the place of each in the list, and its image or the error that it has."""
     crs: str = ""  # of the landmarks, if it is projected
     clicks: Callable[[], tuple[Ints, Ints, Floats, Bools]] | None = None
     """Clicks that were followed through a video: frames, landmarks, pixels (C, 2), and which of

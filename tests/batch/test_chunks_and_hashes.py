@@ -57,7 +57,7 @@ CHANGED: dict[str, tuple[dict[str, Any], Any]] = {
     "max_rate_deg_s": ({"history": HistoryOptions(max_rate_deg_s=40.0)}, 40.0),
     "vertical": ({"history": HistoryOptions(vertical="geocentric")}, "geocentric"),
     "formats": ({"formats": ("csv", "npz")}, ["csv", "npz"]),
-    "report": ({"report": True}, True),
+    "report": ({"report": "all"}, "all"),
 }
 
 
@@ -95,7 +95,7 @@ def test_suffixes_of_tables() -> None:
         "colmap": ".images.txt", "opk": ".opk.csv",
     }  # fmt: skip
     assert {form: table_suffix(form) for form in FORMATS} == expected
-    page = replace(USUAL, formats=("npz", "odm"), report=True)
+    page = replace(USUAL, formats=("npz", "odm"), report="flagged")
     assert page.suffixes == (".lst", ".npz", ".geo.txt", ".html")
     assert USUAL.suffixes == (".lst", ".csv")
 

@@ -51,7 +51,7 @@ def write(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
 def test_all_outputs_of_a_deck(write: Any) -> None:
     found: Any = ["warning 1", "warning 2"]
     record, texts = write(
-        source(findings=found), report=True, history=HistoryOptions(max_rate_deg_s=40.0)
+        source(findings=found), report="all", history=HistoryOptions(max_rate_deg_s=40.0)
     )
     assert texts == {
         "deep/a.lst": b"pages", "deep/a.csv": b"table", "deep/a.npz": b"npz",
@@ -65,8 +65,17 @@ def test_all_outputs_of_a_deck(write: Any) -> None:
     assert (record.input_sha256, record.version) == ("digest", __version__)
 
 
+def test_only_what_is_doubtful_has_a_page_unless_all_are_asked_for(write: Any) -> None:
+    sound, flagged = source(), source(histories=[history(4, 3, jump=[1])])
+    for now, asked, pages in (
+        (sound, "", 0), (sound, "flagged", 0), (sound, "all", 1), (flagged, "flagged", 1),
+        (source(error=VopdError("broken")), "flagged", 1),
+    ):  # fmt: skip
+        assert sum(name.endswith(".html") for name in write(now, report=asked)[0].outputs) == pages
+
+
 def test_the_page_of_a_deck_that_broke_off_says_why(write: Any) -> None:
-    record, texts = write(source(error=VopdError("a.dat: breaks off")), report=True)
+    record, texts = write(source(error=VopdError("a.dat: breaks off")), report="all")
     assert texts["deep/a.html"] == b"(1, ['a.dat: breaks off'], None, True)"
     assert (record.status, record.error) == (FAILED, "a.dat: breaks off")
 
@@ -82,12 +91,12 @@ def test_a_table_that_cannot_be_made_fails_the_source_alone(write: Any) -> None:
 
 def test_a_source_without_any_attitude_has_a_listing_only(write: Any) -> None:
     now = source(histories=[history(3, 0)], tables={})
-    record, texts = write(now, report=True)
+    record, texts = write(now, report="all")
     assert [*texts] == ["deep/a.lst"]
     assert record.status == FAILED
     assert_approved(record.error)
     said = source(histories=[], jobs=[], tables={}, error=VopdError("broken"))
-    record, _ = write(said, report=True)
+    record, _ = write(said, report="all")
     assert (record.error, record.outputs) == ("broken", {})
     flight = source(jobs=[])
     assert sorted(write(flight)[0].outputs) == ["deep/a.csv", "deep/a.npz"]

@@ -57,7 +57,7 @@ COLUMNS = [
 ]
 
 
-def settings(folder: Path, report: bool = False) -> BatchSettings:
+def settings(folder: Path, report: str = "") -> BatchSettings:
     (folder / "w").mkdir(parents=True)
     given = SolveOptions(), HistoryOptions()
     return BatchSettings(str(folder), str(folder / "w"), *given, report=report)
@@ -152,7 +152,7 @@ def test_the_page_has_the_worst_first_and_links_to_pages_that_there_are(
         return b"<html>"
 
     monkeypatch.setattr("vopd.report.batch_page", page)
-    summary.write_summary(settings(tmp_path / "out", report=True), [GOOD, FULL, BROKEN])
+    summary.write_summary(settings(tmp_path / "out", report="all"), [GOOD, FULL, BROKEN])
     assert_approved(heads)
     assert (tmp_path / "out" / "index.html").read_bytes() == b"<html>"
 
@@ -165,7 +165,7 @@ def test_the_record_of_a_source_that_failed() -> None:
         input_sha256="digest", version=__version__, options='{"formats": ["csv"]}',
     )  # fmt: skip
     assert failed_record(source, given, "why").input_sha256 == ""
-    assert (given.history, given.report) == (HistoryOptions(), False)
+    assert (given.history, given.report) == (HistoryOptions(), "")
 
 
 # For people

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
 from html.parser import HTMLParser
+from typing import Any
 
 VOID = {"meta", "link", "img", "input", "br", "wbr"}
 
@@ -29,7 +32,7 @@ class Page(HTMLParser):
             self._open.append(tag)
         self.ids += [given["id"]] if "id" in given else []
         self.loads += [given[name] for name in ("src", "href", "data", "action") if name in given]
-        self.scripts += tag == "script"
+        self.scripts += tag == "script" and "type" not in given
         assert not [name for name in given if name.startswith("on")]
         if tag == "table":
             self._rows = self.tables[given["id"]] = []
@@ -47,3 +50,20 @@ class Page(HTMLParser):
     def handle_data(self, data: str) -> None:
         if self._cell:
             self._rows[-1][-1] += data
+
+
+def data_of(page: str) -> Any:
+    """The data of a report for its script; numbers as the texts that they are written with."""
+    (found,) = re.findall(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)
+    return json.loads(found, parse_float=str, parse_int=str)
+
+
+def frame_columns(page: str) -> dict[str, list[str]]:
+    """The table of frames of a report by columns, as texts."""
+    found: dict[str, list[str]] = {}
+    for one in data_of(page)["columns"]:
+        values = one.get("values") or found[one["same"]]
+        if "words" in one:
+            values = [one["words"][int(k)] for k in values]
+        found[one["name"]] = ["" if value is None else value for value in values]
+    return found

@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
+import base64
 import csv
 import io
 import json
+import re
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 from tests.kit.browser import forget, load, open_browser
-from tests.kit.histories import about, flight, histories
+from tests.kit.command import ROOT
+from tests.kit.histories import by_hand, flight, histories, with_estimate
+from tests.tolerances import assert_close
 from vopd.export import FORMATS, FileRequest
+from vopd.flight.result import solve_flight
 from vopd.report import report
 
+HILL = ROOT / "examples" / "hill" / "flight.toml"
 pytestmark = pytest.mark.usefixtures("not_laid_out")
 
 
@@ -43,17 +52,39 @@ def film(browser: Any, tmp_path: Path) -> Any:
 
 @pytest.fixture
 def long_film(browser: Any, tmp_path: Path) -> Any:
-    """The same with 450 frames."""
+    """The same with 250 frames."""
     return load(browser, tmp_path, page_of("long film"))
+
+
+@pytest.fixture
+def hill(browser: Any, tmp_path: Path) -> Any:
+    """Five frames of a flight, with photographs that are a grey ramp."""
+    return load(browser, tmp_path, page_of("hill"))
 
 
 @cache
 def page_of(name: str) -> bytes:
     if name == "case4":
         return report(histories("appendix_h/case4"))
-    with pytest.MonkeyPatch.context() as patch:  # figures take longer than all the rest
+    with pytest.MonkeyPatch.context() as patch:  # the figure takes longer than all the rest
         patch.setitem(sys.modules, "matplotlib.figure", None)
-        return report(flight(450 if name == "long film" else 30))
+        if name == "hill":
+            solved = solve_flight(HILL).history()
+            scene = solved.estimate.scene
+            assert scene is not None
+            grey = Image.linear_gradient("L")
+
+            def photographs(frames: list[tuple[int, str]]) -> Iterator[tuple[int, Any]]:
+                return ((k, grey.copy()) for k in range(len(frames)))
+
+            shown = replace(scene(), photographs=photographs)
+            return report([with_estimate(solved, scene=lambda: shown)], photographs=True)
+        if name == "9000":
+            (one,) = flight()
+            many = np.arange(9000)
+            long = with_estimate(one.take(many % 30), frame=many, time_s=many / 32.0, scene=None)
+            return report([long])
+        return report(flight(250 if name == "long film" else 30))
 
 
 def columns(browser: Any, table: str = "frames-table") -> dict[str, list[str]]:
@@ -100,7 +131,7 @@ def test_it_loads_without_a_word_and_asks_for_nothing(browser: Any, tmp_path: Pa
     asked = {one["request"]["url"] for one in sent}
     assert {url for url in asked if not url.startswith("data:")} == {case4.current_url}
     sizes = case4.execute_script("return [...document.images].map((image) => image.naturalWidth)")
-    assert len(sizes) == 5 and min(sizes) > 100
+    assert len(sizes) == 1 and sizes[0] > 100
 
 
 @pytest.mark.parametrize("made", ["case4", "film"])
@@ -132,18 +163,16 @@ def test_a_column_sorts_up_and_down(film: Any) -> None:
     assert th.get_attribute("aria-sort") is None
 
 
-def test_words_sort_as_words_and_what_is_no_number_stays_last(film: Any) -> None:
-    heading(film, "status").click()
-    assert column(film, "frame") == ["8", *(str(k) for k in range(1, 31) if k != 8)]
-    film.execute_script("""
-      const table = document.getElementById("frames-table");
-      table.tBodies[0].rows[3].querySelector("td:nth-last-child(2)").textContent = "inf";
-    """)
-    for _ in range(2):  # up, down
-        heading(film, "condition").click()
-        *numbers, last, later = column(film, "condition")
-        assert {last, later} == {"inf", ""} and len(set(map(float, numbers))) > 20
-        assert numbers == sorted(numbers, key=float, reverse=float(numbers[0]) > float(numbers[-1]))
+def test_words_sort_as_words_and_what_is_no_number_stays_last(browser: Any, tmp_path: Path) -> None:
+    half = np.tile(np.arange(1.0, 5.0)[:, None], (1, 9))
+    half[1, 3] = np.inf
+    names = ["b.jpg", "a.jpg", "10.jpg", "9.jpg"]
+    load(browser, tmp_path, report([by_hand(4, half_deg=half, frame_names=names)]))
+    heading(browser, "image").click()
+    assert column(browser, "image") == ["10.jpg", "9.jpg", "a.jpg", "b.jpg"]
+    for expected in (["1", "3", "4", "2"], ["4", "3", "1", "2"]):  # up, down
+        heading(browser, "half_width_95_vehicle_yaw_deg").click()
+        assert column(browser, "frame") == expected
 
 
 def test_by_keyboard_alone(film: Any) -> None:
@@ -164,10 +193,10 @@ def test_tab_reaches_every_control_in_order(case4: Any) -> None:
     """The controls are those that the page's markup has, by another way than their order."""
     controls = case4.execute_script("""
       return [...document.querySelectorAll("a[href], button, select, input, summary, [tabindex]")]
-        .filter((one) => one.checkVisibility());
+        .filter((one) => one.checkVisibility() && !one.disabled);
     """)
     tags = case4.execute_script("return arguments[0].map((one) => one.localName)", controls)
-    assert tags.count("select") == 1 and tags.count("button") > 24 and "summary" in tags
+    assert tags.count("select") == 3 and tags.count("button") > 24 and "summary" in tags
     reached = tabbed(case4, len(controls))
     for control, (one, outline) in zip(controls, reached, strict=True):
         assert one == control, control.get_attribute("outerHTML")[:80]
@@ -183,44 +212,37 @@ def shown(browser: Any) -> list[str]:
     return list(browser.execute_script(script))
 
 
-def test_a_long_table_comes_in_parts(long_film: Any) -> None:
-    numbers = [str(k) for k in range(1, 451)]
-    assert shown(long_film) == numbers[:200]
-    heading(long_film, "frame").click()
-    heading(long_film, "frame").click()
-    assert shown(long_film) == numbers[::-1][:200]  # the last of all, not of those shown
-    box = long_film.find_element(By.CSS_SELECTOR, "#frames .scroll")
-    long_film.execute_async_script(
-        "const [box, done] = arguments; box.addEventListener('scroll', () => setTimeout(done, 0));"
-        "box.scrollTop = box.scrollHeight;",
-        box,
+def test_a_long_table_comes_in_pages(long_film: Any) -> None:
+    numbers = [str(k) for k in range(1, 251)]
+    flag, after, more = (
+        long_film.find_element(By.ID, one) for one in ("flag", "rows-after", "more")
     )
-    assert shown(long_film) == numbers[::-1][:400]
-    more = long_film.find_element(By.ID, "more")
-    assert more.text == "Show all 450 rows"
+    assert shown(long_film) == numbers[:100]
+    heading(long_film, "frame").click()
+    heading(long_film, "frame").click()
+    assert shown(long_film) == numbers[::-1][:100]  # the last of all, not of those shown
+    for _ in range(2):
+        after.click()
+    assert shown(long_film) == numbers[::-1][200:] and not after.is_enabled()
+    assert long_film.switch_to.active_element.get_attribute("id") == "rows-before"
+    assert more.text == "Show all 250 rows"
     more.click()
     assert shown(long_film) == numbers[::-1] and not more.is_displayed()
-    Select(long_film.find_element(By.ID, "flag")).select_by_value("outlier")
+    Select(flag).select_by_value("outlier")
     assert "5" in shown(long_film) and not more.is_displayed()
 
 
-def test_paper_has_all_rows_of_a_long_table(long_film: Any) -> None:
-    long_film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+def test_without_scripting_the_rest_is_there_to_read(film: Any) -> None:
+    film.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
     try:
-        assert len(shown(long_film)) == 450
+        film.refresh()
+        (told,) = film.find_elements(By.TAG_NAME, "noscript")
+        assert "vopd attitude" in told.text
+        assert not film.find_element(By.ID, "work").is_displayed()
+        rows = film.find_elements(By.CSS_SELECTOR, "#angles-table tbody tr")
+        assert len(rows) == 9 and all(row.is_displayed() for row in rows)
     finally:
-        long_film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
-
-
-def test_without_scripting_all_is_there_to_read(long_film: Any) -> None:
-    long_film.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
-    try:
-        long_film.refresh()
-        rows = long_film.find_elements(By.CSS_SELECTOR, "#frames-table tbody tr")
-        assert len(rows) == 450 and rows[449].is_displayed()
-        assert not long_film.find_element(By.ID, "flag").is_displayed()
-    finally:
-        long_film.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
+        film.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
 
 
 def test_filters(film: Any) -> None:
@@ -234,32 +256,132 @@ def test_filters(film: Any) -> None:
     without = column(film, "frame")
     choice.select_by_value("*")
     assert column(film, "frame") == ["5"] and len(without) == 29 and "5" not in without
-    choice.select_by_value("")
-    film.find_element(By.ID, "number").send_keys("8")
-    assert column(film, "status") == ["ignored"]
-    film.find_element(By.ID, "number").send_keys("8")
-    assert column(film, "frame") == []
+    assert film.find_element(By.ID, "now").text.startswith("frame 5,")
+    film.find_element(By.CSS_SELECTOR, "#filters [type=reset]").click()
+    assert len(column(film, "frame")) == 30 and chosen(film) == "5"
+    film.find_element(By.CSS_SELECTOR, "#answer [data-flag=misfit]").click()
+    assert column(film, "frame") == ["5"]
 
 
-def test_a_phone_scrolls_in_one_direction_only(film: Any) -> None:
-    size = {"width": 360, "height": 740, "deviceScaleFactor": 1, "mobile": True}
-    film.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+def test_a_range_filters_and_a_pasted_number_may_have_blanks(film: Any) -> None:
+    Select(film.find_element(By.ID, "column")).select_by_visible_text("frame")
+    low, high = film.find_element(By.ID, "low"), film.find_element(By.ID, "high")
+    paste(film, low, " 11 ")
+    paste(film, high, "\u00a014\t")
+    assert column(film, "frame") == ["11", "12", "13", "14"] and chosen(film) == "11"
+    assert film.find_element(By.ID, "slider").get_attribute("max") == "3"
+    paste(film, low, "eleven")
+    assert low.get_attribute("aria-invalid") == "true" and len(column(film, "frame")) == 14
+    paste(film, film.find_element(By.ID, "number"), " 12\n")
+    assert chosen(film) == "12"
+    for typed, told in ((" 20 ", "left out by the filters"), ("99", "no frame 99")):
+        paste(film, film.find_element(By.ID, "number"), typed)
+        assert told in film.find_element(By.ID, "nowhere").text and chosen(film) == "12"
+
+
+# The frame that is chosen
+
+
+def chosen(browser: Any) -> str:
+    """The number of the chosen frame, on which all parts of the page agree."""
+    number, *others = browser.execute_script("""
+      const of = (id) => document.getElementById(id);
+      return [document.querySelector("#frames-table [aria-current] th").textContent,
+        of("now").textContent, of("slider").getAttribute("aria-valuetext"),
+        of("image-text").textContent,
+        ...[...document.querySelectorAll(".drawing svg")].map((one) => one.ariaLabel)];
+    """)
+    assert len(others) == 6
+    for text in others:
+        assert re.search(rf"\bframe {number}\b", text), text
+    return str(number)
+
+
+def paste(browser: Any, box: Any, text: str) -> None:
+    browser.execute_script(
+        "arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input'));",
+        box,
+        text,
+    )
+
+
+def test_the_slider_curves_keys_and_rows_choose_a_frame(film: Any) -> None:
+    assert chosen(film) == "5"  # the first that has a flag
+    slider = film.find_element(By.ID, "slider")
+    paste(film, slider, "11")
+    assert chosen(film) == "12"
+    slider.send_keys(Keys.ARROW_RIGHT, Keys.PAGE_UP, Keys.ARROW_LEFT)
+    assert chosen(film) == "22" and film.switch_to.active_element == slider
+    curve = film.find_element(By.ID, "curve-box")
+    curve.send_keys(Keys.HOME)
+    assert chosen(film) == "1"
+    film.find_element(By.ID, "after").click()
+    assert chosen(film) == "2"
+    wide = film.execute_script("return document.querySelector('#curve-box svg').clientWidth")
+    edge = int(wide / 2) - 15  # the last frame is 14 px from the right
+    ActionChains(film).move_to_element_with_offset(curve, edge, 0).click().perform()
+    assert chosen(film) == "30"
+    row = film.find_element(By.CSS_SELECTOR, "#frames-table tbody tr:nth-child(18) button")
+    row.send_keys(Keys.ENTER)
+    assert chosen(film) == "18"
+    film.switch_to.active_element.send_keys(Keys.ARROW_DOWN)
+    assert chosen(film) == "19"
+    assert film.switch_to.active_element.text == "19"  # the focus goes with it
+
+
+def test_image_map_and_residuals_are_those_of_the_frame(hill: Any) -> None:
+    """Against the picks of the project's file, and the track that goes east by 5 m a frame."""
+    picks = list(csv.DictReader((HILL.parent / "picks.csv").read_text().splitlines()))
+    hill.find_element(By.ID, "curve-box").send_keys(Keys.END)
+    assert chosen(hill) == "4"
+    own = {row["landmark"]: row for row in picks if row["frame"] == "4"}
+    rows = columns(hill, "picks-table")
+    assert set(rows["landmark"]) == set(own) and set(rows[""]) == {""}
+    lengths = [float(text) for text in rows["length, px"]]
+    assert lengths == sorted(lengths, reverse=True)
+    places = hill.execute_script("""
+      const box = document.querySelector("#image-box svg").viewBox.baseVal;
+      return [box.width, ...[...document.querySelectorAll("#image-box circle")].map(
+        (one) => [Number(one.getAttribute("cx")), Number(one.getAttribute("cy"))])];
+    """)
+    width, *marks = places
+    expected = [[float(row["u_px"]) + 0.5, float(row["v_px"]) + 0.5] for row in own.values()]
+    assert_close("mark on a page", np.array(marks) * (1920.0 / width), expected)
+    photograph = hill.find_element(By.CSS_SELECTOR, "#image-box image")
+    assert photograph.get_attribute("href").startswith("data:image/jpeg;base64,")
+    texts = [one.text for one in hill.find_elements(By.CSS_SELECTOR, "#map-box text.name")]
+    assert set(own) <= set(texts)
+
+
+@pytest.mark.parametrize("name", ["hill", "long film", "9000"])
+def test_widths_and_paper(name: str, browser: Any, tmp_path: Path) -> None:
+    """The page is never wider than the screen, on paper no table is, and the pages are few."""
+    load(forget(browser), tmp_path, page_of(name))
     try:
-        width = film.execute_script("return document.documentElement.scrollWidth")
+        for width in (360, 800, 1400):
+            size = {"width": width, "height": 740, "deviceScaleFactor": 1, "mobile": width < 800}
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+            script = """
+              const [done] = arguments;
+              const right = (one) => one.getBoundingClientRect().right;
+              requestAnimationFrame(() => setTimeout(() => done([
+                document.documentElement.scrollWidth,
+                ...[...document.querySelectorAll(".drawing svg")].map(right)]), 50));
+            """
+            assert max(browser.execute_async_script(script)) <= width, width
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        paper = {"width": 1047, "height": 718, "deviceScaleFactor": 1, "mobile": False}
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", paper)
+        wide = "return [...document.querySelectorAll('table')].map((one) => one.offsetWidth)"
+        assert max(browser.execute_script(wide)) <= 1047
+        assert not browser.find_element(By.ID, "flag").is_displayed()
+        assert not browser.find_element(By.ID, "more").is_displayed()
     finally:
-        film.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    assert width <= 360
-
-
-def test_print_shows_all_rows_and_no_controls(film: Any) -> None:
-    Select(film.find_element(By.ID, "flag")).select_by_value("outlier")
-    film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
-    try:
-        rows = film.find_elements(By.CSS_SELECTOR, "#frames-table tbody tr")
-        assert len(rows) == 30 and all(row.is_displayed() for row in rows)
-        assert not film.find_element(By.ID, "flag").is_displayed()
-    finally:
-        film.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    printed = browser.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"]
+    assert len(re.findall(rb"/Type /Page\b", base64.b64decode(printed))) <= 12
+    assert browser.get_log("browser") == []
 
 
 def test_text_is_readable_in_light_and_dark(film: Any) -> None:
@@ -270,7 +392,12 @@ def test_text_is_readable_in_light_and_dark(film: Any) -> None:
       return [[style("body").color, style("body").backgroundColor],
               [style(".flags span").color, style(".flags span").backgroundColor],
               [style("nav a").color, style("body").backgroundColor],
-              [style("th button").color, style("thead th").backgroundColor]].map(
+              [style("svg .title").fill, style("body").backgroundColor],
+              [style("svg .curve").stroke, style("body").backgroundColor],
+              [style("svg .culprit").stroke, style("body").backgroundColor],
+              [style("svg .residual").stroke, style("body").backgroundColor],
+              [style("[aria-current] td").color, style("[aria-current] td").backgroundColor],
+              [style("th button").color, style("#frames-table thead th").backgroundColor]].map(
                 ([one, other]) => [rgb(one), rgb(other)]);
     """
     for scheme in ("light", "dark"):
@@ -295,14 +422,37 @@ def contrast(one: list[int], other: list[int]) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
+def test_the_skip_link_is_seen_where_it_has_the_focus(film: Any) -> None:
+    skip = film.find_element(By.CLASS_NAME, "skip")
+    assert skip.rect["x"] < -500
+    ActionChains(film).send_keys(Keys.TAB).perform()
+    assert film.switch_to.active_element == skip and skip.rect["x"] >= 0
+
+
+def test_the_frame_s_number_stays_in_sight(film: Any) -> None:
+    script = """
+      document.getElementById("frames-table").parentNode.scrollLeft = 600;
+      const cell = document.querySelector("#frames-table tbody th");
+      return [cell, cell.closest(".scroll")].map((one) => one.getBoundingClientRect().left);
+    """
+    left, box = film.execute_script(script)
+    assert left - box < 3
+
+
 @pytest.mark.usefixtures("no_figures")
 def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
     bad = "</title></script><script>document.title='taken'</script><img src=x onerror=alert(2)>"
-    (one,) = histories("appendix_h/case4")
-    load(forget(browser), tmp_path, report([about(one, source=bad)], [bad]))
+    names = {k: f"{k}{bad}" for k in (7, 8, 9, 10)}
+    one = by_hand(
+        3, said={"source": bad, "title": bad}, landmark_names=names, frame_names=[bad] * 3
+    )
+    load(forget(browser), tmp_path, report([one], [bad]))
     assert browser.title.startswith("Attitude report: </title>")
     assert browser.get_log("browser") == []
     assert bad in browser.find_element(By.TAG_NAME, "header").text
+    assert bad in browser.find_element(By.ID, "now").text
+    assert names[7] in columns(browser, "picks-table")["landmark"]
+    assert browser.find_elements(By.CSS_SELECTOR, "#frames img, svg script") == []
 
 
 def test_the_page_of_a_batch(browser: Any, tmp_path: Path) -> None:

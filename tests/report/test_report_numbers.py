@@ -21,18 +21,20 @@ from tests.kit.histories import (
     with_estimate,
     with_sigmas,
 )
+from tests.kit.html_page import data_of, frame_columns
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
 from vopd.report import (
     Table,
     flag_rows,
-    frame_table,
     job_table,
     landmark_table,
     other_sigmas_text,
     summary,
     uncertainty_sentences,
 )
+from vopd.report.answer import angle_table, doubts, not_included
+from vopd.report.frames import frames_json
 
 
 def names(table: Table, words: bool = False) -> list[str]:
@@ -91,15 +93,19 @@ OF_A_FILM = [
 ]
 
 
+def columns(*made: History) -> dict[str, list[str]]:
+    """The table of frames, without the columns for curves alone."""
+    text = f'<script type="application/json" id="data">{frames_json(made)}</script>'
+    hidden = {one["name"] for one in data_of(text)["columns"] if "hidden" in one}
+    return {name: one for name, one in frame_columns(text).items() if name not in hidden}
+
+
 def test_the_table_of_frames() -> None:
     """With names, an image's after its number, which stands for the frame."""
-    table = frame_table([by_hand(3, flags={"misfit": [1], "jump": [1]}, misfit=["", "a b", ""])])
-    assert names(table) == COLUMNS
-    assert names(table, words=True) == ["image", "status", "flags"]
-    columns, rows = table
-    assert all(meaning for _, meaning, _ in columns)
-    assert [row[COLUMNS.index("image")] for row in rows] == [f"DJI_000{k}.JPG" for k in range(3)]
-    cells = dict(zip(COLUMNS, rows[1], strict=True))
+    table = columns(by_hand(3, flags={"misfit": [1], "jump": [1]}, misfit=["", "a b", ""]))
+    assert list(table) == COLUMNS
+    assert table["image"] == [f"DJI_000{k}.JPG" for k in range(3)]
+    cells = {name: values[1] for name, values in table.items()}
     assert (cells["job"], cells["frame"], cells["image"]) == ("1", "2", "DJI_0001.JPG")
     assert (cells["status"], cells["flags"]) == ("solved", "misfit:a b;jump")
     assert (cells["landmarks"], float(cells["beta_deg"])) == ("4", 2.0)
@@ -108,12 +114,11 @@ def test_the_table_of_frames() -> None:
 def test_the_table_of_frames_of_several_decks() -> None:
     """The deck stands first, which several jobs of one deck do not need."""
     one = flagged_film(frame_names=())
-    table = frame_table([one, in_source("b.dat", frame_names=())])
-    assert names(table) == ["deck", *OF_A_FILM]
-    assert names(table, words=True) == ["deck", "status", "flags"]
-    assert [row[0] for row in table[1]] == ["a.dat"] * 3 + ["b.dat"] * 3
-    assert [row[2] for row in table[1]] == ["1", "2", "3"] * 2
-    assert names(frame_table([one, one])) == OF_A_FILM
+    table = columns(one, in_source("b.dat", frame_names=()))
+    assert list(table) == ["deck", *OF_A_FILM]
+    assert table["deck"] == ["a.dat"] * 3 + ["b.dat"] * 3
+    assert table["frame"] == ["1", "2", "3"] * 2
+    assert list(columns(one, one)) == OF_A_FILM
 
 
 # Flags
@@ -245,14 +250,46 @@ def test_the_span_of_time_is_that_of_frames_with_an_attitude() -> None:
     assert summary([made()])["Time"] == "3.250 to 12.500 s"
 
 
-def test_medians_of_frames_with_an_attitude() -> None:
-    """4.5 um of residual; half-widths of 4.5 times 1 to 8 degrees; eta's is half of 3 times 4.5."""
-    rows = summary([made()])
-    assert rows["Median residual (root mean square)"] == "4.5 µm on the film"
-    half = "Median half-width of 95 %, "
-    assert rows[f"{half}camera yaw, pitch, roll"] == "4.5, 9, 13.5 degree"
-    assert rows[f"{half}vehicle yaw, pitch, roll"] == "18, 22.5, 27 degree"
-    assert rows[f"{half}alpha, beta, eta"] == "31.5, 36, 6.75 degree"
+def test_the_median_residual_of_frames_with_an_attitude() -> None:
+    assert summary([made()])["Median residual (root mean square)"] == "4.5 µm on the film"
+
+
+def test_the_angles_of_frames_with_an_attitude() -> None:
+    """Half-widths of 1 to 8 times the values: median 4.5, largest 800; eta's is half of 3 times."""
+    head, rows = angle_table([made()])
+    assert head[0] == "angle" and head[3:] == ["± (95 %), median", "± (95 %), largest"]
+    widths = {row[0]: row[3:] for row in rows}
+    assert widths["camera yaw"] == ["4.5", "800"] and widths["camera pitch"] == ["9", "1600"]
+    assert widths["vehicle yaw"] == ["18", "3200"] and widths["vehicle roll"] == ["27", "4800"]
+    assert widths["alpha"] == ["32", "5600"] and widths["eta"] == ["6.8", "1200"]
+
+
+def test_angles_of_one_frame_and_about_north() -> None:
+    """Yaw from 350 to 10 is not 10 to 350; one frame has its angles with their half-widths."""
+    angles = np.tile([10.0, -60.0, 20.0], (3, 3))
+    angles[:, 3] = [355.0, 350.0, 10.0]
+    half = np.full((3, 9), 0.05)
+    half[2, 3] = np.inf
+    rows = angle_table([by_hand(3, angles_deg=angles, half_deg=half)])[1]
+    assert rows[0] == ["vehicle yaw", "350.000", "10.000", "0.05", "0.05; unknown in 1 frame"]
+    head, rows = angle_table([by_hand(1, angles_deg=angles[:1], half_deg=half[:1])])
+    assert head == ["angle", "degrees", "± (95 %)"] and rows[0] == [
+        "vehicle yaw",
+        "355.000",
+        "0.05",
+    ]
+
+
+def test_what_is_doubtful_and_what_no_sigma_includes() -> None:
+    """A fact is told once: a second solution that two landmarks bring is no doubt of its own."""
+    flags = {"jump": [0], "two_landmarks": [0, 1], "second_solution": [0, 1]}
+    found = doubts([flagged_film(flags=flags)])
+    assert [(one.flag, one.text.split(":")[0]) for one in found] == [
+        ("", "1 of 3 frames"), ("two_landmarks", "2 of 3 frames"), ("jump", "1 of 3 frames")
+    ]  # fmt: skip
+    assert doubts([by_hand(3)]) == []
+    assert_approved(not_included([flagged_film()]), parts=[])
+    assert_approved(not_included([with_effect(2.0)] * 6))
 
 
 def misfits(*told: str) -> History:
@@ -337,9 +374,6 @@ def test_the_rows_of_the_summary() -> None:
         "Frames that misfit": "1; a.dat, job 2, frame DJI_0002.JPG: not searched",
         "Time": "3.000 to 9.000 s",
         "Median residual (root mean square)": "1.235 µm in the image",
-        "Median half-width of 95 %, camera yaw, pitch, roll": "1, 2, 3 degree",
-        "Median half-width of 95 %, vehicle yaw, pitch, roll": "4, 5, 6 degree",
-        "Median half-width of 95 %, alpha, beta, eta": "7, 8, 1.5 degree",
     }
     assert list(summary([one, other]).items()) == list(expected.items())
     assert one.uncertainty.half_width_95[0, 8] == 9.0  # which is left as it is
@@ -357,10 +391,8 @@ def test_what_is_unknown() -> None:
     half[:, 1] = 2.0
     one = flagged_film(half_deg=half, eta_deg=eta, time_s=np.full(3, np.nan))
     rows = summary([replace(one, residual_rms=np.full(3, np.nan))])
-    begin = "Median half-width of 95 %, "
-    assert rows[f"{begin}camera yaw, pitch, roll"] == "unknown, 2, unknown degree"
-    assert rows[f"{begin}vehicle yaw, pitch, roll"] == "unknown"
-    assert rows[f"{begin}alpha, beta, eta"] == "unknown"
+    widths = {row[0]: row[3] for row in angle_table([one])[1]}
+    assert widths["camera yaw"] == widths["eta"] == "unknown" and widths["camera pitch"] == "2"
     assert (rows["Time"], rows["Median residual (root mean square)"]) == ("unknown", "unknown")
 
 

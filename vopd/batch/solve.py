@@ -166,7 +166,13 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
             errors.append(f"{now.source.path}: {form}: {table}")
         else:
             contents[name + table_suffix(form)] = table
-    if now.has_attitude and settings.report:
+    raised: Counter[str] = Counter()
+    for h in histories:
+        raised.update({flag: int(np.sum(frames)) for flag, frames in h.flags.raised.items()})
+    misfits = now.flight is not None and now.flight.misfits
+    mistaken = now.flight is not None and now.flight.mistaken
+    doubtful = bool(errors or misfits or mistaken or +raised)
+    if now.has_attitude and (settings.report == "all" or (settings.report and doubtful)):
         from vopd.report import report
 
         messages = [*map(str, now.findings), *errors]
@@ -176,11 +182,7 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
         errors.append(f"{now.source.path}: no frame has an attitude")
     for file, content in contents.items():
         write_output(settings, file, content)
-    raised: Counter[str] = Counter()
-    for h in histories:
-        raised.update({flag: int(np.sum(frames)) for flag, frames in h.flags.raised.items()})
     lost = raised["not_converged"]
-    misfits = now.flight is not None and now.flight.misfits
     return SourceRecord(
         source=name,
         path=now.source.path,
@@ -195,7 +197,7 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
         not_converged=lost,
         flagged=sum(int(h.flags.any().sum()) for h in histories),
         warnings=len(now.findings),
-        mistaken=int(now.flight is not None and now.flight.mistaken),
+        mistaken=int(mistaken),
         errata=now.errata,
         flags={flag: count for flag, count in raised.items() if count},
         outputs={file: hashlib.sha256(one).hexdigest() for file, one in contents.items()},

@@ -311,7 +311,7 @@ class BatchSettings:
         solve: how to solve decks
         history: options of the attitude histories
         formats: of the attitude tables, names of `vopd.export.FORMATS`
-        report: whether each source has a page
+        report: which sources have a page: "" none, "flagged" those with a flag or a failure, "all"
     """
 
     folder: str
@@ -319,7 +319,7 @@ class BatchSettings:
     solve: SolveOptions
     history: HistoryOptions
     formats: tuple[str, ...] = ("csv",)
-    report: bool = False
+    report: str = ""
 
     @cached_property
     def options(self) -> str:

@@ -65,7 +65,12 @@ def _jobs(ctx: click.Context, option: click.Parameter, jobs: int) -> int:
     multiple=True,
     help="Format of the attitude tables; repeatable.  [default: csv]",
 )
-@click.option("--report", is_flag=True, help="Also write a page for each source, and index.html.")
+@click.option(
+    "--report",
+    is_flag=True,
+    help="Also write index.html, and a page for each source with a flag, a misfit or a failure.",
+)
+@click.option("--report-all", is_flag=True, help="The same, with a page for every source.")
 @click.option(
     "--jobs",
     type=click.IntRange(1, 1024),
@@ -103,6 +108,7 @@ def command(
     manifest: str | None,
     formats: tuple[str, ...],
     report: bool,
+    report_all: bool,
     jobs: int,
     shard: tuple[int, int],
     dask: str | None,
@@ -141,7 +147,7 @@ def command(
         raise click.UsageError("--shared-filesystem is for --dask.")
     for form in chosen:
         FORMATS[form].ready()
-    if report:
+    if report or report_all:
         from vopd.report import check_ready
 
         check_ready()
@@ -157,7 +163,7 @@ def command(
         solve=options.solve,
         history=options.history,
         formats=chosen,
-        report=report,
+        report="all" if report_all else "flagged" if report else "",
     )
     plan = find_sources(sources, manifest, folder, settings.suffixes)
     mine = plan[number - 1 :: count]

@@ -19,25 +19,39 @@ SUFFIXES = (".html", ".htm")
 @click.command("report")
 @sources_argument
 @output_option("The page: .html; - is standard output.", required=True)
+@click.option(
+    "--photographs",
+    is_flag=True,
+    help="Put the frames' photographs into the page, reduced to 1024 pixels, some .1 MB each.",
+)
 @history_options
 @click.pass_context
 def command(
-    ctx: click.Context, /, sources: tuple[str, ...], output: str, options: SharedOptions
+    ctx: click.Context,
+    /,
+    sources: tuple[str, ...],
+    output: str,
+    photographs: bool,
+    options: SharedOptions,
 ) -> None:
     """Write a report: one HTML page that needs no other file.
 
     SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
-    cards; - is a deck on standard input. The page has a summary, the warnings,
-    figures, a table of frames to sort and to filter by flag, statistics of every
-    landmark, the conventions and the fixes in force. It opens from disk, loads
-    nothing from a network, and can be printed. Its numbers are those of vopd
-    attitude. It needs jinja2, and for its figures matplotlib.
+    cards; - is a deck on standard input. The page begins with the answer: the
+    angles, how sure they are, what is doubtful. A slider, the curves or the arrow
+    keys choose a frame; its image with the residuals, a map and its row of the
+    table follow. Frames can be filtered by flag and by range. Statistics of every
+    landmark, the warnings, the conventions and the fixes in force come below. It
+    opens from disk, loads nothing from a network, and can be printed. Its numbers
+    are those of vopd attitude. It needs jinja2, and for the figure of all residuals
+    matplotlib.
 
     \b
     Examples:
         vopd report examples/hill/flight.toml -o hill.html
         vopd report decks/appendix_h/case4.dat -o case4.html
         vopd report flight.dat -o flight.html --position-sigma 100 --max-rate 40
+        vopd report survey/flight.toml -o survey.html --photographs
 
     Exit status: 0 the page is written; 1 a source could not be read or solved
     (the page says so), or no frame has an attitude; 2 wrong usage; 3 the page is
@@ -49,7 +63,8 @@ def command(
     check_ready()
     messages: list[str] = []
     histories, status = collect_histories(sources, options, messages.append)
-    page = report(histories, messages, options.history.max_rate_deg_s, failed=status == 1)
+    rate = options.history.max_rate_deg_s
+    page = report(histories, messages, rate, failed=status == 1, photographs=photographs)
     with whole_file(output) as file:
         file.write(page)
     ctx.exit(status)

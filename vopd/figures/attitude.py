@@ -151,7 +151,7 @@ def draw_attitude(
         figure: to draw in
         histories: the jobs
     """
-    bodies = ["camera", "vehicle"] if any(map(_is_turned, histories)) else ["vehicle"]
+    bodies = ["camera", "vehicle"] if any(map(is_turned, histories)) else ["vehicle"]
     why = "" if has_attack(histories) else f"\n{NO_ATTACK}"
     names = [[f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")] for body in bodies]
     if single_frames(histories):
@@ -169,8 +169,12 @@ def draw_attitude(
     return caption(histories) + one + why
 
 
-def _is_turned(history: History) -> bool:
-    """Tell whether the camera's angles are others than the vehicle's."""
+def is_turned(history: History) -> bool:
+    """Tell whether the camera's angles are others than the vehicle's.
+
+    Args:
+        history: of a job
+    """
     e = history.estimate
     apart = np.abs((e.camera_deg - e.vehicle_deg + 180.0) % 360.0 - 180.0)
     return bool((np.nan_to_num(apart) > SAME_DEG).any())

@@ -220,8 +220,28 @@ def _footprint(
     ]
     share = np.hstack([np.stack(one) for one in around]).T
     direction = view.direction_of(share * [width - 1.0, height - 1.0])
+    return ground(direction, scene.landmark_m, camera_m, axes, away_m)
+
+
+def ground(
+    direction: Floats, landmark_m: Floats, camera_m: Floats, axes: Floats, away_m: float
+) -> tuple[Floats | None, bool]:
+    """Find where lines of sight meet the mean height of the landmarks, Earth-centred (n, 3).
+
+    Those that do not, or too far away, end somewhat beyond the farthest landmark.
+
+    Args:
+        direction: unit vectors east, north, up, (n, 3); NaN ones are left out
+        landmark_m: Earth-centred, (N, 3)
+        camera_m: Earth-centred, (3,)
+        axes: east, north, up at the camera as rows, (3, 3)
+        away_m: how far the farthest landmark is
+
+    Returns:
+        The places, None if no line meets the ground; and whether some line does not.
+    """
     direction = direction[np.isfinite(direction).all(axis=1)]
-    below_m = float(((scene.landmark_m - camera_m) @ axes[2]).mean())
+    below_m = float(((landmark_m - camera_m) @ axes[2]).mean())
     with np.errstate(divide="ignore", invalid="ignore"):
         far = below_m / direction[:, 2]
     level = np.hypot(direction[:, 0], direction[:, 1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,14 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.files import optional_package
 from vopd.findings import VopdError
 from vopd.flight.flight import Flight
 from vopd.flight.lines_of_sight import sight_lines
 from vopd.flight.readout import row_shifts_px
 from vopd.flight.solve import SolvedFlight
-from vopd.geometry.earth import local_axes
-from vopd.geometry.lenses import project, ray_of_pixel
-from vopd.scene import ImageScene, JobScene
+from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
+from vopd.scene import ImageScene, JobScene, Views
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -45,7 +46,9 @@ class FlightScene:
             self.index,
             self.sight,
             self.image,
+            self.views,
             self.photograph if named else None,
+            self.photographs if named else None,
             grid.crs if grid else "",
             self.clicks if flight.picks.clicks is not None else None,
             self._on_grid if grid else None,
@@ -63,9 +66,6 @@ class FlightScene:
             return flight.image_name.index(name)
         return int(np.flatnonzero(flight.frame == number)[0])
 
-    def _picks(self, k: int) -> Ints:
-        return np.flatnonzero(self._flight.picks.frame == k)
-
     def clicks(self) -> tuple[Ints, Ints, Floats, Bools]:
         """List a person's clicks: frames, landmarks, pixels, and which are not used."""
         picks, clicks = self._flight.picks, self._flight.picks.clicks
@@ -81,40 +81,63 @@ class FlightScene:
 
     def sight(self, number: int, name: str) -> tuple[Ints, Floats]:
         """Trace the picks of a frame: landmarks, and Earth-centred unit vectors."""
-        k = self.index(number, name)
-        picks = self._picks(k)
-        ray = ray_of_pixel(self._flight.lens, self._flight.picks.pixel[picks])
-        to_earth = self._solved.attitudes.rotation[k] @ self._axes(k)
-        return self._flight.picks.landmark[picks], np.asarray(ray @ to_earth)
-
-    def _axes(self, k: int) -> Floats:
-        return np.asarray(local_axes(self._solved.camera_m[k][None])[0])
+        views = self.views(np.array([self.index(number, name)]))
+        return views.landmark, views.ray
 
     def image(self, number: int, name: str) -> ImageScene:
         """Project the landmarks on the image of a frame."""
-        flight, k = self._flight, self.index(number, name)
-        lens, picks, rotation = flight.lens, self._picks(k), self._solved.attitudes.rotation[k]
-        every = np.arange(len(flight.landmarks.name))
-        lines = sight_lines(
-            self._solved.camera_m[[k]],
-            self._landmark_m,
-            np.zeros_like(every),
-            every,
-            flight.refraction,
-        )
-        computed = project(lens, lines.direction @ rotation.T).pixel
-        own = flight.picks.landmark[picks]
-        shift = self._row_shift_px[picks] if flight.shutter is not None else 0.0
+        k = self.index(number, name)
+        lens, rotation = self._lens(k), self._solved.attitudes.rotation[k]
+        views = self.views(np.array([k]))
         return ImageScene(
             lens.size_px,
-            own,
-            flight.picks.pixel[picks] + shift,
-            computed[own] + shift,
-            self._solved.used[picks] & (self._solved.attitudes.weight[picks] > 0.0),
-            computed,
+            views.landmark,
+            views.pixel,
+            views.fitted,
+            views.used,
+            views.computed[0],
             lambda direction: project(lens, direction @ rotation.T).pixel,
             lambda pixel: ray_of_pixel(lens, pixel) @ rotation,
         )
+
+    def views(self, frames: Ints) -> Views:
+        """Project the landmarks on the images of some frames, at once.
+
+        Args:
+            frames: their indices, in order
+        """
+        flight, solved = self._flight, self._solved
+        rotation, camera_m = solved.attitudes.rotation[frames], solved.camera_m[frames]
+        picks = np.flatnonzero(np.isin(flight.picks.frame, frames))
+        at, own = np.searchsorted(frames, flight.picks.frame[picks]), flight.picks.landmark[picks]
+        frame, mark = np.divmod(
+            np.arange(len(frames) * len(self._landmark_m)), len(self._landmark_m)
+        )
+        lines = sight_lines(camera_m, self._landmark_m, frame, mark, flight.refraction)
+        ray = np.einsum("pij,pj->pi", rotation[frame], lines.direction)
+        computed = project(flight.lens.of(frames[frame]), ray).pixel.reshape(len(frames), -1, 2)
+        shift = self._row_shift_px[picks] if flight.shutter is not None else 0.0
+        pixel = flight.picks.pixel[picks]
+        seen = ray_of_pixel(flight.lens.of(frames[at]), pixel)
+        lenses = [self._lens(k) for k in frames.tolist()]
+        border = {id(one): _border(one) for one in {id(one): one for one in lenses}.values()}
+        around = np.array([border[id(one)] for one in lenses])
+        return Views(
+            np.array([one.size_px for one in lenses]),
+            at,
+            own,
+            pixel + shift,
+            computed[at, own] + shift,
+            solved.used[picks] & (solved.attitudes.weight[picks] > 0.0),
+            np.einsum("pj,pji,pik->pk", seen, rotation[at], lines.axes[at], optimize=True),
+            computed,
+            np.einsum("nbj,nji->nbi", around, rotation),
+        )
+
+    def _lens(self, k: int) -> Lens:
+        """Look up the lens of a frame."""
+        lens = self._flight.lens
+        return lens.each[lens.which[k]] if isinstance(lens, Lenses) else lens
 
     @cached_property
     def _row_shift_px(self) -> Floats:
@@ -140,6 +163,48 @@ class FlightScene:
             VopdError: if there is none, or it cannot be read
         """
         return photograph(self._flight, number, name)
+
+    def photographs(self, frames: list[tuple[int, str]]) -> Iterator[tuple[int, Image | VopdError]]:
+        """Read the photographs of many frames; those of a video in one pass through it.
+
+        Args:
+            frames: number and name of the image of each
+
+        Yields:
+            The place of a frame in the list, and its photograph, or the error that it has.
+        """
+        from vopd.video import open_frames
+
+        place = {number: k for k, (number, name) in enumerate(frames) if not name}
+        if place:
+            try:
+                video = open_frames([str(one) for one in self._flight.video])
+                pillow = optional_package("PIL.Image", "images", "showing frames")
+                for number, picture in video.decoded(min(place), max(place)):
+                    if number in place:
+                        yield place.pop(number), pillow.fromarray(picture)
+            except VopdError as error:
+                yield from ((k, error) for k in place.values())
+                place = {}
+            for number, k in place.items():
+                yield k, VopdError(f"{video.source}: has no frame {number}")
+        for k, (number, name) in enumerate(frames):
+            if name:
+                try:
+                    yield k, self.photograph(number, name)
+                except VopdError as error:
+                    yield k, error
+
+
+BORDER = 4  # points along each side of an image, from corner to corner
+
+
+def _border(lens: Lens) -> Floats:
+    """Trace points around the image, from its upper left corner to the right, in camera axes."""
+    share = np.arange(BORDER) / BORDER
+    side = np.stack([share, np.zeros(BORDER)], axis=1)
+    sides = [side, [1.0, 0.0] + side[:, ::-1], 1.0 - side, [0.0, 1.0] - side[:, ::-1]]
+    return ray_of_pixel(lens, np.concatenate(sides) * (np.array(lens.size_px) - 1.0))
 
 
 def photograph(flight: Flight, number: int, name: str) -> Image:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import io
 from collections.abc import Sequence
 from importlib.resources import files
 from typing import TYPE_CHECKING
@@ -17,13 +18,12 @@ from vopd.attitude.findings import errata_text, misfits, summary_of
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
-from vopd.attitude.table import column_name, columns_of
-from vopd.attitude.uncertainty import ANGLES
-from vopd.export.tables import table_text
 from vopd.figures import FIGURES, draw, figure_names, left_out_text
 from vopd.figures.style import ready, svg
 from vopd.files import optional_package
 from vopd.findings import VopdError, count_text
+from vopd.report.answer import Sigma, angle_table, doubts, not_included, sigmas_in_force
+from vopd.report.frames import WORDS, frames_json, residual_names, shown_columns, undrawn
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -34,22 +34,22 @@ Column = tuple[str, str, bool]
 Table = tuple[list[Column], list[list[str]]]
 """The columns of a table, and its rows of cells."""
 
-ROWS_AT_ONCE = 200  # rows of frames that a screen shows at first: 9000 take it five seconds
-
 
 def report(
     histories: Sequence[History],
     messages: Sequence[str] = (),
     max_rate_deg_s: float | None = None,
     failed: bool = False,
+    photographs: bool = False,
 ) -> bytes:
-    """Make the page about all jobs, in UTF-8; without matplotlib it has no figures and says so.
+    """Make the page about all jobs, in UTF-8; without matplotlib it has no figure and says so.
 
     Args:
         histories: one or more jobs, of one kind of source
         messages: warnings and errors, shown as they are
         max_rate_deg_s: the limit of the flag `jump` that they were made with
         failed: whether a source failed, which the page says at its head
+        photographs: whether the page has the photographs of its frames, reduced
 
     Raises:
         VopdError: where jinja2 is not installed, or no frame has an attitude
@@ -62,8 +62,11 @@ def report(
         no_figures = ""
     except VopdError as error:
         no_figures = str(error)
+    pictures, no_photographs = embedded_photographs(histories) if photographs else ([], "")
     page = template.render(
         about=histories[0].about,
+        photographs=pictures,
+        no_photographs=no_photographs,
         sources=", ".join(dict.fromkeys(h.about.source for h in histories)),
         failed=failed,
         summary=summary(histories),
@@ -72,9 +75,15 @@ def report(
         no_figures=no_figures,
         left_out="" if no_figures else left_out_text(histories),
         jobs=job_table(histories),
-        frames=frame_table(histories),
-        labels=[h.estimate.frame_label(k) for h in histories for k in range(len(h.status))],
-        at_once=ROWS_AT_ONCE,
+        frames=frames_json(histories),
+        columns=shown_columns(histories),
+        undrawn=undrawn(histories),
+        words=(*WORDS, histories[0].about.words.source),
+        job_labels=[h.about.label for h in histories],
+        residual_names=residual_names(histories[0].estimate.units),
+        angles=angle_table(histories),
+        doubts=doubts(histories),
+        not_included=not_included(histories),
         flags=flag_rows(histories),
         landmarks=landmark_table(histories),
         uncertainty=uncertainty_sentences(histories, max_rate_deg_s),
@@ -184,7 +193,6 @@ def summary(histories: Sequence[History]) -> dict[str, str]:
     flagged = np.concatenate([h.flags.any() for h in histories])
     strays = np.concatenate([h.flags.raised["not_converged"] for h in histories])
     rms = np.concatenate([h.residual_rms for h in histories])[has] * units.residuals_per_image
-    half = np.concatenate([_half_widths(h) for h in histories])[has]
     rows = {
         "Jobs": str(len(histories)),
         "Frames": f"{len(status)}: {', '.join(counts)}",
@@ -196,22 +204,10 @@ def summary(histories: Sequence[History]) -> dict[str, str]:
         "Time": _span(np.concatenate([h.estimate.time_s for h in histories])[has]),
         "Median residual (root mean square)": _median(rms, f"{units.residual} {words.surface}"),
     }
-    for body in ("camera", "vehicle"):
-        names = [f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")]
-        rows[f"Median half-width of 95 %, {body} yaw, pitch, roll"] = _medians(half, names)
-    rows["Median half-width of 95 %, alpha, beta, eta"] = _medians(half, ["alpha", "beta", "eta"])
     if len(histories) == 1:
         frames = count_text(len(status), "frame")
         rows[histories[0].about.label] = f"{histories[0].about.title or 'no title'}; {frames}"
     return rows
-
-
-def _half_widths(history: History) -> Floats:
-    """Halve the width of the 95 % interval of each of `ANGLES`, (F, 9) degrees."""
-    doubt = history.uncertainty
-    half = doubt.half_width_95.copy()
-    half[:, 8] = (doubt.eta_interval_95_deg[:, 1] - doubt.eta_interval_95_deg[:, 0]) / 2.0
-    return half
 
 
 def _misfits(histories: Sequence[History]) -> str:
@@ -249,13 +245,6 @@ def _median(values: Floats, unit: str) -> str:
     return f"{np.median(known):.4g} {unit}".strip() if len(known) else "unknown"
 
 
-def _medians(sigma: Floats, names: list[str]) -> str:
-    columns = [sigma[:, ANGLES.index(name)] for name in names]
-    if not any(np.isfinite(column).any() for column in columns):
-        return "unknown"
-    return ", ".join(_median(column, "") for column in columns) + " degree"
-
-
 def uncertainty_sentences(histories: Sequence[History], max_rate_deg_s: float | None) -> list[str]:
     """Say where the standard deviations come from."""
     sentences = [
@@ -289,25 +278,15 @@ def other_sigmas_text(history: History) -> str:
     Args:
         history: the job
     """
-    sigmas, units = history.uncertainty.sigmas, history.estimate.units
-    rows = (
-        ("centre by the fiducials", sigmas.centre, units.image),
-        ("principal point", sigmas.principal_point, units.image),
-        ("landmark positions", sigmas.landmark, units.length),
-        ("camera position", sigmas.position, units.length),
-        ("focal length", sigmas.focal_length, units.image),
-        ("times of frames", sigmas.time_s, "s"),
-        ("mounting", sigmas.mount_deg, "degree"),
-        ("velocity", sigmas.velocity, f"{units.length}/s"),
-        ("wind", sigmas.wind, f"{units.length}/s"),
-    )
-    return (
-        "; ".join(f"{what} {_size(value)} {unit}" for what, value, unit in rows if np.any(value))
-        or "none stated"
-    )
+    stated = [
+        f"{what} {_size(value)} {unit}"
+        for what, unit, value in sigmas_in_force(history)
+        if np.any(value)
+    ]
+    return "; ".join(stated) or "none stated"
 
 
-def _size(value: float | tuple[float, float] | Floats) -> str:
+def _size(value: Sigma) -> str:
     """Write one number, several with commas if they differ, or the range of those of many rows."""
     if np.ndim(value) > 1:
         some = np.asarray(value)[np.asarray(value) > 0.0]
@@ -316,25 +295,7 @@ def _size(value: float | tuple[float, float] | Floats) -> str:
     return ", ".join(dict.fromkeys(f"{one:.3g}" for one in np.atleast_1d(value)))
 
 
-# Tables of jobs, frames, flags and landmarks; cells have the text of the CSV file
-
-SHOWN = (
-    *("job", "frame", "status", "time_s", "flags"),
-    *("camera_yaw_deg", "camera_pitch_deg", "camera_roll_deg"),
-    *("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg"),
-    *("half_width_95_vehicle_yaw_deg", "half_width_95_vehicle_pitch_deg"),
-    *("half_width_95_vehicle_roll_deg", "alpha_deg", "beta_deg", "eta_deg"),
-    *("half_width_95_alpha_deg", "half_width_95_beta_deg", "eta_low_95_deg", "eta_high_95_deg"),
-    *("airspeed_{length}_s", "landmarks", "residual_rms_{image}", "misfit_chance"),
-    *("condition", "last_correction_rad"),
-)
-"""The columns of the table of frames, of those of the attitude table.
-
-The source stands before them where there are several, `image` after `frame` where
-frames have names.
-"""
-
-WORDS = ("status", "flags", "image")
+# Tables of jobs, flags and landmarks
 
 
 def job_table(histories: Sequence[History]) -> Table:
@@ -373,21 +334,6 @@ def _job_row(h: History, several: bool) -> list[str]:
         source,
         other_sigmas_text(h),
     ]
-
-
-def frame_table(histories: Sequence[History]) -> Table:
-    """Tabulate the frames, one row each."""
-    text = table_text(histories)
-    estimate = histories[0].estimate
-    source = estimate.about.words.source
-    meaning = {column.name: column.meaning for column in columns_of(histories)}
-    names = [column_name(one, estimate) for one in SHOWN]
-    if "image" in text:
-        names.insert(names.index("frame") + 1, "image")
-    if _several(histories):
-        names.insert(0, source)
-    columns = [(name, meaning[name], name in (*WORDS, source)) for name in names]
-    return columns, [[text[name][k] for name in names] for k in range(len(text["flags"]))]
 
 
 def flag_rows(histories: Sequence[History]) -> list[tuple[str, int, str, str]]:
@@ -460,32 +406,26 @@ def _worst(residual: Floats, frames: Ints) -> int:
     return int(frames[np.hypot(*residual.T).argmax()])
 
 
-# Figures
+# Figures: the page draws what belongs to a frame itself, and these show all frames at once
 
 CAPTIONS = {
-    "attitude": "Yaw, pitch and roll against time, with bands of 95 %, and below them marks of "
-    "flags; of the camera too where it is turned against its vehicle.",
-    "attack": "Alpha, beta and eta against time, with bands of 95 %; eta is never below 0.",
-    "residuals": "Residuals against time, a line for each landmark, and in their standard "
-    "deviations; the numbers are in the table of landmarks.",
-    "image": "One frame's landmarks, measured and computed, with their residuals.",
-    "map": "Camera, landmarks and the lines of sight of one frame, from above and from the side.",
+    "residuals": "Residuals of all frames: against time, a line for each landmark, and in their "
+    "standard deviations; of one image by landmark. The numbers are in the table of landmarks.",
     "patches": "Each landmark as it was clicked, and as it was found in other frames: the patches "
     "of a row are alike if they are of the same point.",
 }
 
 
 def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, str]]:
-    """Draw every figure of `FIGURES`: its name, title, caption, and its SVG as a data URI.
+    """Draw the figures of all frames: name, title, caption, and the SVG as a data URI.
 
-    Angles of attack are left out where no frame has them. Photographs are not in the page, but
-    for the patches of clicks that were followed.
+    Photographs are not in the page, but for the patches of clicks that were followed.
     """
     figures = []
-    for name in figure_names("all", histories):
+    for name in [one for one in figure_names("all", histories) if one in CAPTIONS]:
         kind = FIGURES[name]
         try:
-            drawn = draw(name, histories, photograph=None if name == "patches" else False)
+            drawn = draw(name, histories)
         except VopdError:
             if name != "patches":
                 raise
@@ -493,3 +433,38 @@ def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, 
         picture = base64.b64encode(svg(drawn).encode()).decode()
         figures.append((name, kind.title, CAPTIONS[name], f"data:image/svg+xml;base64,{picture}"))
     return figures
+
+
+MOST_PX, QUALITY = 1024, 80  # of photographs in the page: width or height, and JPEG
+
+
+def embedded_photographs(histories: Sequence[History]) -> tuple[list[tuple[int, str]], str]:
+    """Read the photographs of all frames with an attitude, reduced, as base64 of JPEG.
+
+    Args:
+        histories: the jobs
+
+    Returns:
+        The number of each frame in the table, with its photograph; and why some are missing.
+    """
+    found: list[tuple[int, str]] = []
+    why: list[str] = []
+    first = 0
+    for h in histories:
+        e, frames = h.estimate, np.flatnonzero(h.has_attitude).tolist()
+        read = e.scene().photographs if e.scene else None
+        if read is None:
+            why.append(f"{h.about.label}: the project names no photographs")
+            frames = []
+        names = [(int(e.frame[k]), e.frame_names[k] if e.frame_names else "") for k in frames]
+        for place, picture in read(names) if read else ():
+            if isinstance(picture, VopdError):
+                why.append(f"frame {e.frame_label(frames[place])}: {picture}")
+                continue
+            picture.thumbnail((MOST_PX, MOST_PX))
+            file = io.BytesIO()
+            picture.convert("RGB").save(file, "JPEG", quality=QUALITY)
+            found.append((first + frames[place], base64.b64encode(file.getvalue()).decode()))
+        first += len(h.status)
+    more = f"; {len(why) - 1} more likewise" if len(why) > 1 else ""
+    return found, f"Without a photograph: {why[0]}{more}" if why else ""
