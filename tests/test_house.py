@@ -29,7 +29,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "convert": "flight cards program estimate geometry base arrays",
     "shown": "figures attitude base arrays",
     "solved": "film shown attitude export base arrays",
-    "report": "video figures attitude export estimate base arrays",
+    "report": "video figures attitude export geometry estimate base arrays",
     "figures": "attitude estimate geometry base arrays",
     "export": "attitude estimate geometry base arrays",
     "attitude": "geometry estimate base arrays",
