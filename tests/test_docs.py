@@ -157,10 +157,12 @@ def test_what_a_page_shows_is_so(page: Path, place: Path, notebook: Notebook) ->
 
 def test_the_pages_show_every_command() -> None:
     from vopd.cli import COMMANDS
+    from vopd.cli.help import page_of, pages
 
     text = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
     for command in COMMANDS:
         assert f"$ vopd {command}" in text, command
+        assert command == "help" or page_of(command, pages()) in pages(), command
 
 
 def test_links_between_pages_lead_somewhere() -> None:

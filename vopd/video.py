@@ -49,6 +49,7 @@ class Chapter:
     first: int  # index of its first frame among those of the whole video
     tick: Ints  # presentation times in the file's own unit, (F,)
     unit_s: float  # that unit, seconds
+    lost: int  # frames of its index that are not in the file
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,8 @@ class VideoFrames:
         if not self.chapters:
             return f"{self.source}: {count_text(len(self), 'image')}"
         told = f"{self.source}: {count_text(len(self), 'frame')}"
+        if lost := sum(one.lost for one in self.chapters):
+            told += f" (and {lost} more that are not in the file: is it complete?)"
         step_s = np.diff(self.time_s)
         if not len(step_s):
             return told
@@ -226,9 +229,9 @@ def _of_chapters(paths: list[Path]) -> VideoFrames:
     for path in paths:
         if path in [one.path for one in chapters]:
             raise VopdError(f"{path}: is given twice")
-        tick, unit_s = presentation(path)
+        tick, unit_s, lost = presentation(path)
         time_s = (tick - tick[0]) * unit_s
-        chapters.append(Chapter(path, first, tick, unit_s))
+        chapters.append(Chapter(path, first, tick, unit_s, lost))
         times.append(zero_s + time_s)
         first += len(tick)
         usual_s = float(np.median(np.diff(time_s))) if len(tick) > 1 else 0.0
@@ -244,28 +247,28 @@ def _refuse_twins(paths: list[Path]) -> None:
             raise VopdError(f"{path}: has the name of {other}, and picks go by the name")
 
 
-def presentation(path: Path) -> tuple[Ints, float]:
+def presentation(path: Path) -> tuple[Ints, float, int]:
     """Read the presentation times of all frames of a video, in order, without decoding it.
 
     Returns:
-        The times in the video's own unit, (F,), and that unit, seconds.
+        The times in the video's own unit, (F,), that unit, seconds, and how many more frames its
+        index has, by PyAV.
 
     Raises:
         VopdError: if it cannot be read, or has no frames
     """
+    lost = 0
     if has_pyav():
         with opened(path) as (container, stream):
-            shown = [
-                packet.pts
-                for packet in container.demux(stream)
-                if packet.pts is not None and not packet.is_discard
-            ]
+            packets = [one for one in container.demux(stream) if one.pts is not None]
+            shown = [one.pts for one in packets if not one.is_discard]
             unit_s = float(stream.time_base)
+            lost = max(stream.frames - len(packets), 0)
     else:
         shown, unit_s = _packets_by_ffmpeg(path)
     if not shown:
         raise VopdError(f"{path.name}: no frame of the video has a time of presentation")
-    return np.sort(np.array(shown, dtype=np.int64)), unit_s
+    return np.sort(np.array(shown, dtype=np.int64)), unit_s, lost
 
 
 # Decoders: PyAV, or the program ffmpeg
@@ -439,7 +442,7 @@ def payloads(path: Path, begin: bytes) -> list[tuple[float, float, bytes]]:
     Raises:
         VopdError: if the video cannot be read
     """
-    tick, unit_s = presentation(path)
+    tick, unit_s, _ = presentation(path)
     zero_s = float(tick[0]) * unit_s
     if not has_pyav():
         return _payloads_by_ffmpeg(path, begin, zero_s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,17 @@ def test_a_frame_rate_that_is_the_video_s_own(tmp_path: Path) -> None:
     project = write_project(tmp_path, TOML.replace(RATE, RATE + 'video = "a.mp4"\n'))
     found = vopd.solve_flight(project).camera_deg
     assert_close("flight angle", found, truth_deg() % 360.0 - [0, 360, 0])
+
+
+def test_a_frame_rate_without_a_decoder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Clicks are solved by the rate, which is not compared with the video, and that is said."""
+    write_video(tmp_path / "a.mp4", EVEN_MS)
+    project = write_project(tmp_path, TOML.replace(RATE, RATE + 'video = "a.mp4"\n'))
+    monkeypatch.setitem(sys.modules, "av", None)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    flight = vopd.solve_flight(project)
+    assert_close("presentation time", flight.time_s, [2.0, 2.1, 2.2, 2.3, 2.4])
+    assert_approved([one for one in flight.about if "a.mp4" in one])
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.video import number_of, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
+from vopd.flight.new import example_project
 from vopd.video import open_frames, spread
 
 EVEN_MS = [40 * k for k in range(40)]
@@ -36,6 +37,14 @@ def test_times_of_presentation(tmp_path: Path) -> None:
     assert_approved(frames.about)
     varying = open_frames([str(write_video(tmp_path / "b.mp4", [0, 32, 80, 112, 160, 208]))])
     assert_approved(varying.about)
+
+
+def test_a_video_that_is_cut_off_behind_its_index(tmp_path: Path) -> None:
+    content = example_project().contents["flight.mp4"]
+    (tmp_path / "cut.mp4").write_bytes(content[: len(content) // 2])
+    frames = open_frames([str(tmp_path / "cut.mp4")])
+    assert len(frames) < 51 == len(frames) + frames.chapters[0].lost
+    assert_approved(frames.about)
 
 
 def test_a_later_start_counts_from_the_first_frame(tmp_path: Path) -> None:
