@@ -68,7 +68,7 @@ def test_stated_sigmas_are_those_of_drawn_errors() -> None:
 
 def test_sigma_of_a_match_is_estimated_beside_clicks() -> None:
     sigmas = []
-    for seed in range(3):
+    for seed in range(1, 4):
         one = clicked_flight(np.random.default_rng(seed), 30, 5, every=15, reach=20, stated_px=0.2)
         result = solve_flight_read(one.flight)
         assert result.estimates.reading is not None and not result.findings

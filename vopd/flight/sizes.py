@@ -46,8 +46,13 @@ def fix_covariances(factored: Factored) -> Array:
 
 def residual_freedom(solution: JointSolution) -> tuple[float, float]:
     """Count the degrees of freedom that the picks keep, and those if all priors were exact."""
-    exact = 2.0 * len(solution.model.pick) - 3.0 * solution.model.solved
-    return exact - sum(explained(solution).values()), exact
+    model = solution.model
+    exact = 2.0 * len(model.pick) - 3.0 * model.solved
+    spent = sum(explained(solution).values())
+    if model.clicks is not None:  # readings of one pick have said that by their differences
+        own = model.of_clicks
+        spent -= float((solution.factored.common[own, own] * model.clicks.normal).sum())
+    return exact - spent, exact
 
 
 def sigma_freedom(solution: JointSolution) -> float:
