@@ -87,7 +87,7 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     asked = vopd("attitude", "flight.toml", "-o", "a.csv").stderr.splitlines()[-3:]
     assert all("flight.toml: click next: L" in line for line in asked)
     drawn = vopd("plot", "flight.toml", "--figure", "map", "-o", "a.svg")
-    assert drawn.stderr.splitlines() == asked
+    assert drawn.stderr.splitlines()[-3:] == asked
     assert vopd("track", "flight.toml", "--every", "5", "--to", ".5").status == 0
     assert {int(row["frame"]) for row in rows(flight / "tracked.csv")} == {0, 5, 10, 15}
 
