@@ -319,6 +319,7 @@ NO_ZONE = re.compile(r":\d\d(\.\d*)?$")
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 MILLISECONDS = re.compile(r"(^|_)(ms|msec|milliseconds)$")
 """Ends of names of columns of times in thousandths of a second."""
+IN_FEET = re.compile(r"(^|_)(ft|feet)$")
 LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 HEIGHTS = ("h_m", "z_m")
@@ -474,6 +475,9 @@ class CsvTable:
         near = get_close_matches(name[:LONG_WORD], free[:MANY_WORDS], 1, 0.6)
         if not free or not self.known:
             return did_you_mean(name, self.header)
+        feet = [one for one in free if IN_FEET.search(plain_name(one))]
+        if name.endswith("_m") and feet:
+            return f": {feet[0]} seems to be in feet; multiply by 0.3048 and call it {name}"
         which = near[0] if near else f"one of {', '.join(free[:MANY_NAMED])}"
         return f": rename {which} to {name}, or map it, {_mapped(name, near[0] if near else '...')}"
 

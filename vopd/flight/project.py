@@ -193,8 +193,9 @@ KEYS: tuple[Key, ...] = (
         f"{_SIGMA}2, 2, 4 by GPS, 0.02, 0.02, 0.04 by RTK",
         f"{_ROWS}. Of each position by itself, besides `sigma_bias_m`", size=3),
     Key("track", "sigma_bias_m", "sigma", "[1.0, 1.0, 2.0]",
-        "what all positions are off together", "standard deviations of the error that all "
-        "positions have in common, as that of a base station; likewise", size=3),
+        "what all positions are off together: 2, 2, 4 by GPS alone, and sigma_m half of it",
+        "standard deviations of the error that all positions have in common, as that of a receiver "
+        "without corrections within some minutes, or of a base station; likewise", size=3),
     Key("track", "sigma_t_s", "sigma", "0.02",
         "seconds: 0.02 half a frame of a video, 0.3 whole seconds",
         "standard deviation of a frame's time against the track, seconds, or `\"exact\"`. Needed "
@@ -586,6 +587,8 @@ def read_project(name: str, location: str | None = None) -> Project:
         sections[section].check()
     missing = [f"[{section}]" for section in REQUIRED if section not in sections]
     if missing:
+        if not {"track", "position"} & {*sections}:
+            missing.append("[track] or, if the camera does not move, [position]")
         are = (
             f"sections {', '.join(missing)} are" if len(missing) > 1 else f"section {missing[0]} is"
         )
