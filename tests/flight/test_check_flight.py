@@ -162,7 +162,11 @@ def flight(folder: Path, toml: str = TOML) -> Flight:
 def test_an_error_stands_behind_the_warnings_and_has_no_name_of_the_file(tmp_path: Path) -> None:
     path = write_project(tmp_path, "[flight]\n")
     assert check_flight(str(path)) == [
-        Finding("the sections [camera], [picks], [landmarks] are needed", str(path))
+        Finding(
+            "the sections [camera], [picks], [landmarks], [track] (or [position], if the camera "
+            "does not move) are needed",
+            str(path),
+        )
     ]
     path = write_project(tmp_path, TOML.replace('height = "ellipsoid"\n', "", 1))
     (found,) = check_flight(str(path))

@@ -588,7 +588,7 @@ def read_project(name: str, location: str | None = None) -> Project:
     missing = [f"[{section}]" for section in REQUIRED if section not in sections]
     if missing:
         if not {"track", "position"} & {*sections}:
-            missing.append("[track] or, if the camera does not move, [position]")
+            missing.append("[track] (or [position], if the camera does not move)")
         are = (
             f"sections {', '.join(missing)} are" if len(missing) > 1 else f"section {missing[0]} is"
         )

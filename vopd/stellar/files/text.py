@@ -167,7 +167,9 @@ def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
     margin = max(wide, len("image")) + 1 if wide else 0
     angles: list[_Column] = [
         (name.replace("_", " "), [one.angles_deg[k] for one in solved], ".7f", 12)
-        for k, name in enumerate(ANGLE_NAMES if not wide or not pointed else ANGLE_NAMES[:3])
+        for k, name in enumerate(
+            ANGLE_NAMES if len(solved) == 1 or not (wide and pointed) else ANGLE_NAMES[:3]
+        )
     ]
     columns: list[_Column] = [
         *angles,
