@@ -15,6 +15,7 @@ from vopd.findings import VopdError
 from vopd.flight.formats.lens import make_lens
 from vopd.flight.read import read_flight
 from vopd.flight.result import solve_flight
+from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
 
 OTHER = make_lens("fisheye", (1280, 960), (700.0, 700.0), (641.2, 476.4), (0.03, -0.01))
@@ -67,6 +68,21 @@ def test_each_frame_is_solved_with_its_own_lens(tmp_path: Path) -> None:
         0,
         1,
     ] * 2 + [0]
+
+
+def test_the_image_of_a_frame_has_its_own_lens(tmp_path: Path) -> None:
+    """Size, computed places and lines of sight of one frame of each camera."""
+    scene_of = solve_flight(str(two_cameras(tmp_path))).estimate.scene
+    assert scene_of is not None
+    scene = scene_of()
+    assert scene.image is not None
+    for frame, lens in ((0, LENS), (1, OTHER)):
+        image = scene.image(frame, "")
+        assert tuple(image.size_px) == lens.size_px
+        assert_close("trial without noise", image.fitted, image.pixel)
+        _, ray = scene.sight(frame, "")
+        axes = local_axes(scene.camera_m[scene.index(frame, "")][None])[0]
+        assert_close("flight ray", ray @ axes.T, image.direction_of(image.pixel))
 
 
 @pytest.mark.parametrize("camera", ["a", "b"])
