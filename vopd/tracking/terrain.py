@@ -19,6 +19,7 @@ from vopd.flight.flight import LandmarkSet
 from vopd.flight.project import Project, Section
 from vopd.flight.track import height_datum
 from vopd.geometry.earth import geodetic
+from vopd.inputs import no_file
 
 MOST_CELLS = 1000  # along a side of what is read at once: of more, each second, third ... one
 LOWEST_M, HIGHEST_M = -500.0, 9000.0  # of land: what is beyond, as -9999, is no height
@@ -234,12 +235,13 @@ def read_terrain(project: Project) -> Terrain | None:
     name = section.text("terrain")
     path = project.folder / name
     if not path.is_file():
-        raise section.error("terrain", f"{name}: there is no such file")
+        raise section.error("terrain", f"{name}: {no_file(path) or 'there is no such file'}")
     rasterio = optional_package("rasterio", "terrain", "[landmarks] terrain")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of a file without a place, which is an error below
-            dataset = rasterio.open(path)
+            # no other driver: some take what they read from other files, or from a network
+            dataset = rasterio.open(path, driver="GTiff")
     except rasterio.errors.RasterioError as error:
         message = f"{name}: not a GeoTIFF that can be read: is it complete?"
         raise section.error("terrain", message) from error
