@@ -111,6 +111,14 @@ def test_the_spread_of_readings_is_0_inches_or_more(spread: str, is_wrong: bool)
         assert ran.status == 0 and ("readings" in ran.stdout) == (spread == "0")
 
 
+@pytest.mark.parametrize("option", ["track --residual", "track --least-correlation", "pick --dpi"])
+def test_nan_is_in_no_range(option: str) -> None:
+    command, name = option.split()
+    ran = vopd(command, "frame_0001.png", name, "nan")
+    assert ran.status == 2
+    assert_approved(ran.stderr)
+
+
 @pytest.mark.parametrize(
     ("size", "dpi", "largest"),
     [

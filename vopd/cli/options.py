@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import wraps
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -268,6 +269,16 @@ FILE_NAME = click.Path(readable=False)
 
 decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", nargs=-1, required=True)
 """One deck or several; `-` is standard input."""
+
+
+class NumberRange(click.FloatRange):
+    """A range of numbers, in which `nan` is not."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if isnan(number):
+            self.fail("nan is not a number.", param, ctx)
+        return number
 
 
 class _SourceName(click.Path):

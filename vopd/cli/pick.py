@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from vopd.cli.console import Progress
-from vopd.cli.options import FILE_NAME, output_option
+from vopd.cli.options import FILE_NAME, NumberRange, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.report import check_page_name
 from vopd.files import whole_file
@@ -36,7 +36,7 @@ MOST_PLACES = 3  # where to click next
 @click.option("--cards", type=FILE_NAME, metavar="DECK", help="Read a film for this deck.")
 @click.option(
     "--dpi",
-    type=click.FloatRange(1, 100_000),
+    type=NumberRange(1, 100_000),
     metavar="N",
     help="With --cards: pixels an inch of film.",
 )

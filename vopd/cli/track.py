@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from vopd.cli.console import Messages, Progress
-from vopd.cli.options import SOURCE_NAME, quiet_option
+from vopd.cli.options import SOURCE_NAME, NumberRange, quiet_option
 from vopd.cli.output import refuse_to_overwrite
 
 GOES_ON = "the same command goes on"
@@ -37,7 +37,7 @@ GOES_ON = "the same command goes on"
 )
 @click.option(
     "--least-correlation",
-    type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+    type=NumberRange(0.0, 1.0, min_open=True, max_open=True),
     default=0.6,
     show_default=True,
     metavar="R",
@@ -46,7 +46,7 @@ GOES_ON = "the same command goes on"
 @click.option(
     "--residual",
     "residual_px",
-    type=click.FloatRange(0.0, 100.0, min_open=True),
+    type=NumberRange(0.0, 100.0, min_open=True),
     default=0.8,
     show_default=True,
     metavar="PX",
