@@ -91,7 +91,7 @@ VOPD_ERRATA = (
     ),
     _vopd(
         "eight-digits",
-        "A 470.1, FORMAT 87 of unit 9",
+        "A 471, FORMAT 87 of unit 9",
         "averages of readings pass through a file that keeps eight significant digits",
         "the averages as computed",
         "Appendix H prints XCO 10.17533300 for 10.1753333...",

@@ -1,4 +1,4 @@
-"""ALPBET, angles of attack from attitude, velocity and wind (C 1 to C 40)."""
+"""ALPBET, angles of attack from attitude, velocity and wind (C 13 to C 38)."""
 
 from __future__ import annotations
 
@@ -25,8 +25,9 @@ def alpbet(
         ALPHAD, BETAD, ETAD (F,), the angles of attack in pitch, in yaw and in total, degrees;
         and CVP (F,), the airspeed, ft/s.
 
-    Source: TM X-3050, C 1 to C 40.
+    Source: TM X-3050, C 13 to C 38. `vopd.program.vopd` looks up velocity and wind (C 6 to C 12).
     """
+    # The scan shows X5*X1 where b1 (C 22, C 25) has X6*X1; the printed angles prove X6
     psir, phir, thetar = psi * dr, phi * dr, theta * dr
     x1, x2 = np.sin(psir), np.cos(psir)
     x3, x4 = np.sin(phir), np.cos(phir)

@@ -13,8 +13,9 @@ _POWERS = 10.0 ** np.arange(11)
 def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
     """Average the readings of frame centres and landmarks.
 
-    Four fiducials and three readings are averaged as the listing adds them, each
-    point's readings in ascending order so that their order cannot matter.
+    Four fiducials and three readings are divided and added up as in the listing. There they are
+    added in the order of their cards; here each point's readings are in ascending order, so that
+    the order of the cards cannot matter.
 
     Args:
         readings: the film reader's readings of a job.
@@ -23,7 +24,7 @@ def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
     Returns:
         Frame centres (F, 2) and landmarks (N, 2), inches on the film reader.
 
-    Source: TM X-3050, A 84 to A 104; FORMAT 87, A 470.1.
+    Source: TM X-3050, A 84 to A 104; FORMAT 87, A 471.
     """
     fiducials = np.sort(readings.fiducial_in, axis=2).reshape(-1, 12, 2)
     centre = np.zeros_like(fiducials[:, 0])
@@ -39,7 +40,9 @@ def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
 
 
 def eight_digits(values: Floats) -> Floats:
-    """Round to eight significant digits, as FORMAT 1PE15.7 prints and reads a number.
+    """Round to eight significant digits, which E13.7 of FORMAT 87 kept in 1974.
+
+    Today's FORMAT for them is 1PE15.7.
 
     Args:
         values: numbers, (...), in any unit.

@@ -34,19 +34,19 @@ class Frames(NamedTuple):
 
     readings: Readings
     dropped: Bools  # (F,) by group 11
-    slot: Ints  # (N,) where each landmark that takes part stands among all that are read
+    slot: Ints  # (N,) where each landmark that takes part (INJ) stands among all that are read
     of: Ints  # (N,) its frame
-    nj: Ints  # (F,) how many take part in each frame
-    card: Ints  # (N,) its card among all of group 9, -1 where there is none
+    nj: Ints  # (F,) how many take part in each frame (A 201, A 202)
+    card: Ints  # (N,) its card among all of group 9 (A 165 to A 169), -1 where there is none
     landmarks: Landmarks  # group 9
     table: Ints  # (F,) which of the tables below are the frame's
-    clock: Tables  # group 6
-    position: Tables  # group 7: X, Y, Z
-    velocity: Tables  # its velocity
-    altitude: Tables  # its altitude
-    wind: Tables  # group 4
-    lens: Tables  # group 1
-    cc: Floats  # (F,) the focal length
+    clock: Tables  # group 6: XFRM, TIMX
+    position: Tables  # group 7: TX, XXX, YYY, ZZZ
+    velocity: Tables  # its TX, VVX, VVY, VVZ
+    altitude: Tables  # its TX, H
+    wind: Tables  # group 4: ALT, VXO, VYO
+    lens: Tables  # group 1: XRR, RRR
+    cc: Floats  # (F,) CC, the focal length
     multiplier: Floats  # (F, 3) S1M, S2M, S3M
     offset: Floats  # (F, 3) S1A, S2A, S3A
     origin: Floats  # (3, F) PHI, THZ, RZ of the trajectory

@@ -1,4 +1,4 @@
-"""Find which frames are dropped and which landmarks are ignored (A 129 to A 160)."""
+"""Find which frames are dropped and which landmarks are ignored (A 129 to A 161)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def kept(readings: Readings, ignored: Ignored) -> tuple[Bools, Bools]:
     Returns:
         Which frames are dropped (F,), and which landmarks take part (N,).
 
-    Source: TM X-3050, A 129 to A 160.
+    Source: TM X-3050, A 129 to A 161.
     """
     dropped = np.zeros(len(readings.frame), bool)
     layout, landmark = readings.layout, readings.points.landmark

@@ -175,17 +175,17 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
     are a quarter: to take some out costs more than to take them along.
 
     A pass is the first lines of the loop, the same 22 times: residuals and partial
-    derivatives (A 314 to A 404), the normal equations and MATINV (A 376 to A 421), the
-    corrected angles (A 429 to A 437). The rest of the loop only takes frames out.
+    derivatives, the normal equations and MATINV, the corrected angles. The rest of the
+    loop only takes frames out.
     """
-    radians = start / rad
+    radians = start / rad  # A 279 to A 281
     before = np.full_like(radians, np.inf)
     open_ = np.ones(len(going), bool)
-    for iteration in range(1, PASSES + 1):
-        eps, b = equations(radians, sight)
-        exact = (eps == 0).all(axis=(0, 1))
-        correction, singular = _correction(eps, b)
-        after = wrapped(radians + correction)
+    for iteration in range(1, PASSES + 1):  # A 288 to A 295, A 441 to A 443
+        eps, b = equations(radians, sight)  # A 314 to A 359, A 386 to A 404
+        exact = (eps == 0).all(axis=(0, 1))  # A 364 to A 375: the frame ends here
+        correction, singular = _correction(eps, b)  # A 376 to A 380, A 405 to A 421
+        after = wrapped(radians + correction)  # A 429 to A 437
 
         # Frames that have their result are taken out
         ended = exact | _at_rest(after, radians)
@@ -195,7 +195,7 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
             ended[:] = True
         ended &= open_
         if ended.any():
-            degrees = start if iteration == 1 else radians * rad
+            degrees = start if iteration == 1 else radians * rad  # A 438 to A 440
             angles = np.where(exact | (iteration > 1), degrees, after * rad)
             last_pass = np.where(exact, iteration, 0)
             part = Orientation(angles, eps, after * rad, correction, last_pass, singular & ~exact)
@@ -226,7 +226,7 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
         Residuals EPS (2, L, F), mm, and partial derivatives B (2, 3, L, F), mm per radian,
         x and y on the film along the first axis.
 
-    Source: TM X-3050, A 314 to A 403.
+    Source: TM X-3050, A 314 to A 350 and A 386 to A 404; DISTR is in x and y already.
     """
     (salpha, somega, skappa), (calpha, comega, ckappa) = np.sin(radians), np.cos(radians)
     axes = np.empty((3, 3, radians.shape[1]))
@@ -245,8 +245,8 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
     along += axes[:, 1, None] * xmu
     along += axes[:, 2, None] * xnu
     gc = along[2]
-    xmn = along[:2]  # XMM and XNN
-    xmn /= gc
+    xmn = along[:2]  # XMC and XNC
+    xmn /= gc  # XMM and XNN
     qq = cc / gc
     computed = cc * xmn
     eps, b = np.empty(computed.shape), np.empty((2, 3, *gc.shape))
@@ -261,11 +261,11 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
     hm1 = xlam * salpha + sight.xmu1 * calpha  # A 394
     by_yaw, by_pitch = b[:, 0], b[:, 1]
     np.multiply(ff[:, 0], xmu, out=by_yaw)
-    by_yaw -= ff[:, 1] * xlam
+    by_yaw -= ff[:, 1] * xlam  # S1 and SB1
     by_yaw *= qq
     np.multiply(ff[:, 2], hm1, out=by_pitch)
     gg *= xnu
-    by_pitch += gg
+    by_pitch += gg  # S2 and SB2
     by_pitch *= qq
     np.negative(computed[1], out=b[0, 2])
     b[1, 2] = computed[0]
@@ -275,7 +275,7 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
 
 
 def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
-    """Solve for the correction (3, F), radians, added up in the listing's order (A 376-421)."""
+    """Solve for the correction (3, F), radians, in the order of the listing (A 405 to A 421)."""
     _, count, frames = eps.shape
     terms = np.empty((2, 9, count, frames))
     np.multiply(b[:, :1], b, out=terms[:, 0:3])

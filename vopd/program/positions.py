@@ -136,13 +136,18 @@ def kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
     Args:
         fixes: the errata to correct.
         vehicle_ft: the vehicle, feet (F, 3).
+
+    Source: TM X-3050, A 214 to A 216.
     """
     feet = vftpkm if not {Fix.FEET_PER_KM, Fix.EARTH} & fixes.chosen else 1.0 / ftpkm
     return np.ascontiguousarray(vehicle_ft.T) * feet
 
 
 def _spherical(origin: Floats, fixes: Fixes) -> tuple[Floats, Floats, Floats]:
-    """Convert the origin to RZ, km, geocentric latitude PHIZ and longitude THZ, radians."""
+    """Convert the origin to RZ, km, geocentric latitude PHIZ and longitude THZ, radians.
+
+    Source: TM X-3050, A 49 to A 61, and the lost card before them that converts RZ.
+    """
     latitude_deg, longitude_deg, radius_kft = origin
     phi = geocentric(latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))
     return radius_kft * 1000.0 / ftpkm, phi / rad, longitude_deg / rad

@@ -1,13 +1,16 @@
 """Program VOPD beside its listing (A 84 to A 455), for all frames at once.
 
-The steps stand in the order of the listing but for three. The lens table (A 343 to A 348)
-depends on no angle, and stands before the 22 passes; the start (A 109, A 449) stands with them;
-the vehicle's angles and ALPBET (A 296, A 308), done in pass 22 there, stand after them.
+The steps stand in the order of the listing but for five. The landmarks that are ignored (A 129
+to A 161) are left out at the beginning, when the frames are put together; the origin (A 47 to
+A 61) is converted with TGTCAM; the lens table (A 343 to A 348) depends on no angle, and stands
+before the 22 passes; the start (A 109, A 449) stands with them; the vehicle's angles and ALPBET
+(A 296, A 308), done in pass 22 there, stand after them.
 
-Beside the report: a comment names the cards that the lines below it stand for, and what is
-named as in the listing is what it is there. Arrays are by frame (F, ...), or by landmark that
-takes part (N, ...), frame after frame; `of` (N,) is the frame of each landmark. Appendix B's
-control cards and basic data are read by `vopd.cards`; `vopd.listing` prints.
+Beside the report: a comment names the cards that the lines below it stand for. A name of the
+listing has its meaning here, but x and y stand in one array: `x` holds X and Y, `xco` XCO and
+YCO, `xpc` XPC and YPC. docs/names.md has all names. Arrays are by frame (F, ...), or by landmark
+that takes part (N, ...), frame after frame; `of` (N,) is the frame of each landmark. Appendix
+B's control cards and basic data (A 26 to A 82) are read by `vopd.cards`; `vopd.listing` prints.
 """
 
 from __future__ import annotations
@@ -148,11 +151,14 @@ def vopd(
     at_centre, last_pass = np.zeros(landmarks, bool), np.zeros(frames, np.int64)
 
     # A 84 to A 104: averages of the readings
+    # A 105 to A 118: the loop over frames, of which all are taken at once, and NGO, by which
+    # `vopd.cards.read` goes on to the next job
     xpc, xco = averages(readings, rounded=Fix.EIGHT_DIGITS not in fixes)
 
     stage, going = Stage.TIME, np.ones(frames, bool)
     try:
-        # A 119 to A 128: time, and the vehicle's position at that time
+        # A 119 to A 128: time, and the vehicle's position at that time; no time is printed where
+        # the second look-up stops the run, so that `ti` waits for it
         xfram = readings.frame.astype(np.float64)
         at = ftlup_each(xfram, table, film.clock)
         ti, xyztab = at, ftlup_each(at, table, film.position)
@@ -160,7 +166,8 @@ def vopd(
         outside_path = outside(ti, table, film.position)
 
         # A 162 to A 199: the landmarks; those that are ignored (A 129 to A 161) are out already,
-        # by `vopd.program.ignored.kept`, which `frames_of` calls
+        # by `vopd.program.ignored.kept`, which `frames_of` calls. One without a card of group 9
+        # is an error here; there it had what the tables held
         check_landmarks(film)
         thj, phij, rj = (one[film.card] for one in group_9(film.landmarks, fixes))
         geodetic = geodetic_latitude_deg(film.landmarks)[film.card]
@@ -169,9 +176,11 @@ def vopd(
         # A 200 to A 217: direction cosines XLAM, XMU, XNU, by TGTCAM
         dircos = directions(film.origin, fixes, xyztab, thj, phij, rj, of)
 
-        # The loop over runs and the counters (A 221 to A 228, A 255 to A 272, A 282 to A 295), and
+        # The loop over runs and what it saves (A 204 to A 208, A 221 to A 228, A 255 to A 272),
+        # unused values (A 282 to A 287, A 290, A 291, A 351 to A 353, A 359, A 422 to A 428), and
         # the random errors (A 176, A 180, A 184, A 209 to A 212, A 222, A 231, A 232, A 246,
-        # A 248), which are times RN = 0, do nothing here.
+        # A 248), which are times RN = 0, do nothing here. Passes are counted and tested (A 288,
+        # A 289, A 292 to A 295, A 441 to A 443) by the loop in `vopd.program.orient`.
 
         # A 218 to A 254: centres and landmarks in millimetres on the film
         centre_in, centre, point_in, x = xpc, xpc * factor, xco, xco * factor
@@ -186,10 +195,10 @@ def vopd(
             away *= radial_factor(rr, drr)[:, None]  # DISTR
 
             # A 273 to A 443: the camera's angles; A 109 to A 111, A 449 to A 454: their start
-            xmu = dircos[:, 1]
+            xmu1 = dircos[:, 1]
             if Fix.FIRST_LANDMARK not in fixes:  # A 394
-                xmu = xmu[(np.cumsum(nj) - nj)[of]]
-            seen = FilmSight(nj, dircos, away, xmu, cc)
+                xmu1 = xmu1[(np.cumsum(nj) - nj)[of]]  # XMU(1) of the frame
+            seen = FilmSight(nj, dircos, away, xmu1, cc)
             initial, first = film.initial, film.first
             if first_estimate is not None:
                 estimate = first_estimate(seen)
@@ -208,7 +217,7 @@ def vopd(
             sigma = np.where(sigma < low, sigma + 360.0, sigma)
             sigma = np.where(sigma > high, sigma - 360.0, sigma)
 
-            # A 308: angles of attack; there in pass 22
+            # A 308, with the look-ups of ALPBET (C 6 to C 12): angles of attack; there in pass 22
             stage, going = Stage.WIND, going & ~exact
             height = ftlup_each(ti, table, film.altitude)
             wind = ftlup_each(height, table, film.wind)
