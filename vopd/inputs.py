@@ -11,7 +11,8 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from vopd.findings import count_text
@@ -105,6 +106,38 @@ def parse_toml(data: bytes) -> dict[str, Any]:
         line = text.count("\n", 0, found.start()) + 1
         raise ValueError(f"line {line}: a key has more than {MOST_PARTS} parts")
     return tomllib.loads(text)
+
+
+def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
+    """List the files that texts of a project name, and those of the folders that they name.
+
+    Args:
+        project: the content of the project file
+        folder: the project's
+    """
+    try:
+        keys = parse_toml(project)
+    except (ValueError, RecursionError):  # solving it says what is wrong
+        return
+    for text in sorted(set(_texts(keys))):
+        path = folder / text
+        try:
+            if path.is_dir():
+                inside = sorted(one for one in path.iterdir() if one.is_file())
+                yield from ((f"{text}/{one.name}", one) for one in inside)
+            elif path.is_file():
+                yield text, path
+        except (OSError, ValueError):  # a text that cannot be a path
+            continue
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """List all texts among the values of a project."""
+    if isinstance(value, str) and value:
+        yield value
+    elif isinstance(value, dict | list):
+        for one in value.values() if isinstance(value, dict) else value:
+            yield from _texts(one)
 
 
 def parse_json(text: str) -> Any:

@@ -37,13 +37,13 @@ from vopd.batch.sources import (
     BatchSource,
     file_sha256,
     input_sha256,
-    named_files,
     table_suffix,
 )
 from vopd.batch.workers import CHUNK_BYTES, CHUNK_SOURCES, chunks, even_chunk_bytes
 from vopd.errata import fixes
 from vopd.export import FORMATS
 from vopd.findings import VopdError
+from vopd.inputs import named_files
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 

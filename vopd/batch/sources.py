@@ -11,13 +11,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePath
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from vopd.attitude.history import HistoryOptions
 from vopd.export import FORMATS
 from vopd.files import A_VIDEO, ENDS, kind_by_first_bytes, size_and_ends
 from vopd.findings import VopdError
-from vopd.inputs import no_file, parse_toml, read_limited
+from vopd.inputs import named_files, no_file, read_limited
 from vopd.pipeline import SolveOptions, is_flight
 
 IN_FOLDERS = (".dat", ".deck", ".cards", ".toml")
@@ -262,38 +262,6 @@ def file_sha256(path: Path) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""
-
-
-def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
-    """List the files that texts of a project name, and those of the folders that they name.
-
-    Args:
-        project: the content of the project file
-        folder: the project's
-    """
-    try:
-        keys = parse_toml(project)
-    except (ValueError, RecursionError):  # solving it says what is wrong
-        return
-    for text in sorted(set(_texts(keys))):
-        path = folder / text
-        try:
-            if path.is_dir():
-                inside = sorted(one for one in path.iterdir() if one.is_file())
-                yield from ((f"{text}/{one.name}", one) for one in inside)
-            elif path.is_file():
-                yield text, path
-        except (OSError, ValueError):  # a text that cannot be a path
-            continue
-
-
-def _texts(value: Any) -> Iterator[str]:
-    """List all texts among the values of a project."""
-    if isinstance(value, str) and value:
-        yield value
-    elif isinstance(value, dict | list):
-        for one in value.values() if isinstance(value, dict) else value:
-            yield from _texts(one)
 
 
 # Settings: how to solve the sources, and which files to write of each

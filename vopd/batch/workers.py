@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from vopd.files import OutputError, optional_package
 from vopd.findings import VopdError
+from vopd.inputs import named_files
 from vopd.version import __version__
 
 if TYPE_CHECKING:  # what solves is loaded by other processes while this one finds its sources
@@ -588,8 +589,6 @@ def _solved_as_named(
 
 def _files_of(source: BatchSource) -> list[tuple[str, Path]]:
     """List the files that a project names; a deck names none."""
-    from vopd.batch.sources import named_files
-
     if not source.flight:
         return []
     path = Path(source.path)

@@ -28,7 +28,6 @@ from vopd.export import (
     own_epoch,
     parse_epoch,
 )
-from vopd.export.ccsds import text_value
 from vopd.files import whole_file
 from vopd.findings import VopdError
 from vopd.pipeline import is_flight
@@ -302,6 +301,8 @@ def _request(
     values["aem_version"] = int(values["aem_version"])
     try:
         if "originator" in chosen.options:
+            from vopd.export.ccsds import text_value
+
             for name in ("originator", "object_name", "object_id"):
                 text_value(values[name])
         zero = None if epoch is None else parse_epoch(epoch)

@@ -7,7 +7,7 @@ import stat
 from pathlib import Path
 
 from vopd.files import OutputError, file_status, is_plain
-from vopd.inputs import MOST_SETTINGS, no_file, read_limited
+from vopd.inputs import MOST_SETTINGS, named_files, no_file, read_limited
 
 
 def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
@@ -40,8 +40,6 @@ def _files_of_project(path: str) -> list[str]:
     """List the files that a project names, none for any other input."""
     if not path.lower().endswith(".toml"):
         return []
-    from vopd.batch.sources import named_files
-
     try:
         if no_file(path):
             return []
