@@ -76,10 +76,6 @@ def corrected(
     ]
 
 
-MIRROR = "the photograph is a mirror image of the sky: y seems to point {} "
-MIRROR += "(or x and y are exchanged; only the swing tells which)"
-
-
 @pytest.mark.parametrize("unit", ["mm", "px"])
 @pytest.mark.parametrize("down", ["neither", "option", "format"])
 def test_other_images(unit: str, down: str) -> None:
@@ -109,14 +105,11 @@ def test_images_exchanged_are_not_tried_where_the_lens_does_not_hold() -> None:
     """A barrel of -.3 turns back at a tangent of 1.05: 50, 0 has no image in it."""
     axes = ImageAxes(focal_px=60.0, centre_px=(0.0, 20.0), k1=-0.3)
     file = star_file("px", image=np.array([[0.0, 20.0], [0.0, 60.0], [5.0, 25.0]]))
-    assert [advice for _, advice in corrected(IMAGE_MISTAKES, file, problem(), axes)] == [
-        MIRROR.format("down: --y-down")
-    ]
+    ((_, advice),) = corrected(IMAGE_MISTAKES, file, problem(), axes)
+    assert_approved(advice)
 
 
-HOURS = "right ascension seems to be in hours: name its column ra_hours"
-SWAP = "right ascension and declination seem to be exchanged"
-RADIANS = "right ascension and declination seem to be in radians: write degrees"
+HOURS, SWAP, RADIANS = "hours", "declination", "radians"  # a word of each advice
 TRIED = {  # the right ascension and declination of the last star: what is tried
     (24.0, 6.0): [HOURS, SWAP],
     (-24.0, 6.0): [HOURS, SWAP],
@@ -143,9 +136,10 @@ def test_other_directions(last: tuple[float, float]) -> None:
         RADIANS: star_directions(np.degrees(ra), np.degrees(dec)),
     }
     found = corrected(DIRECTION_MISTAKES, star_file(positions=positions), problem())
-    assert [advice for _, advice in found] == TRIED[last]
-    for one, advice in found:
-        assert_close("rae element", one.directions, made[advice])
+    assert_approved([advice for _, advice in found])
+    for (one, advice), word in zip(found, TRIED[last], strict=True):
+        assert word in advice
+        assert_close("rae element", one.directions, made[word])
         assert one.image_mm.tolist() == problem().image_mm.tolist()
 
 
@@ -161,48 +155,33 @@ def test_hours_that_were_degrees() -> None:
 
 
 LENS = LensOfStars(123.456789, 1.234567, -2.345678, -0.0123456)
-FOCAL = "the principal distance seems to be "
-POINT = "the principal point seems to be "
-K1 = "the lens seems to distort the image: --free k1, or --k1 "
 PX = {"focal_px": 100.0, "centre_px": (2000.0, 1000.0)}
-ADVICE: list[tuple[str, dict[str, Any], tuple[str, ...], bool, str]] = [
-    ("mm", {}, ("focal",), True, FOCAL + "123.5 mm: --focal 123.5"),
-    ("px", PX, ("focal",), True, FOCAL + "123.457 px: --focal-px 123.457"),
-    ("px", PX | {"pitch_um": 5.0}, ("focal",), True, FOCAL + "0.6173 mm: --focal 0.6173"),
-    ("mm", {}, ("k1",), True, K1 + "-0.01235"),
-    ("mm", {"k1": 0.1}, ("k1",), True, K1 + "0.08765"),
-    ("px", PX, ("centre",), False, POINT + "another one: --free centre"),
-    ("px", PX, ("centre",), True, POINT + "another one: --centre 2001.23,997.654"),
+ADVICE: list[tuple[str, dict[str, Any], tuple[str, ...], bool, list[str]]] = [
+    ("mm", {}, ("focal",), True, ["123.5", "--focal 123.5"]),
+    ("px", PX, ("focal",), True, ["123.457", "--focal-px 123.457"]),
+    ("px", PX | {"pitch_um": 5.0}, ("focal",), True, ["0.6173", "--focal 0.6173"]),
+    ("mm", {}, ("k1",), True, ["--k1 -0.01235"]),
+    ("mm", {"k1": 0.1}, ("k1",), True, ["--k1 0.08765"]),
+    ("px", PX, ("centre",), False, []),
+    ("px", PX, ("centre",), True, ["--centre 2001.23,997.654"]),
+    ("px", PX | {"y_down": True}, ("centre",), True, ["--centre 2001.23,1002.35"]),
+    ("mm", {}, ("centre",), True, ["x 1.235, y -2.346 mm"]),
+    ("mm", {"y_down": True}, ("centre",), True, ["x 1.235, y 2.346 mm"]),
+    ("mm", {}, ("focal", "k1"), True, ["--focal 123.5", "--k1 -0.01235", "--free focal,k1"]),
     (
-        "px", PX | {"y_down": True}, ("centre",), True,
-        POINT + "another one: --centre 2001.23,1002.35",
-    ),
-    (
-        "mm", {}, ("centre",), True, POINT + "at x 1.235, y -2.346 mm of the file: subtract them "
-        "from its coordinates, or --free centre",
-    ),
-    (
-        "mm", {"y_down": True}, ("centre",), True, POINT + "at x 1.235, y 2.346 mm of the file: "
-        "subtract them from its coordinates, or --free centre",
-    ),
-    (
-        "mm", {}, ("focal", "k1"), True, FOCAL + "123.5 mm: --focal 123.5, and " + K1
-        + "-0.01235; --free focal,k1 solves them together",
-    ),
-    (
-        "px", PX, ("focal", "centre", "k1"), False, FOCAL + "123.457 px: --focal-px 123.457, and "
-        + POINT + "another one: --free centre, and " + K1
-        + "-0.01235; --free focal,centre,k1 solves them together",
+        "px", PX, ("focal", "centre", "k1"), False,
+        ["--focal-px 123.457", "--free centre", "--k1 -0.01235", "--free focal,centre,k1"],
     ),
 ]  # fmt: skip
+"""The numbers of each advice: those of `LENS`, in the axes and units of the camera."""
 
 
-@pytest.mark.parametrize(("unit", "camera", "free", "named", "advice"), ADVICE)
+@pytest.mark.parametrize(("unit", "camera", "free", "named", "parts"), ADVICE)
 def test_advice_about_a_camera(
-    unit: str, camera: dict[str, Any], free: tuple[str, ...], named: bool, advice: str
+    unit: str, camera: dict[str, Any], free: tuple[str, ...], named: bool, parts: list[str]
 ) -> None:
     axes = ImageAxes(**({"focal_mm": 76.0} if unit == "mm" else {}) | camera)
-    assert camera_advice(free, LENS, star_file(unit), axes, named=named) == advice
+    assert_approved(camera_advice(free, LENS, star_file(unit), axes, named=named), parts=parts)
 
 
 def test_which_mistakes_are_tried_together() -> None:
@@ -402,19 +381,14 @@ def test_rounding_is_no_error(sigma: float, large: bool) -> None:
     assert_approved(found, parts=["1.5e-09"] if large else [])
 
 
-@pytest.mark.parametrize(
-    ("sigma", "said"), [(0.49, ""), (0.51, "a photograph allows 0.5 mm at most")]
-)
-def test_no_reading_is_so_bad(sigma: float, said: str) -> None:
-    assert implausible_residuals(fit_size(sigma), stars_size(8), None, "mm", 0.4) == said
+@pytest.mark.parametrize(("sigma", "parts"), [(0.49, []), (0.51, ["0.5 mm"])])
+def test_no_reading_is_so_bad(sigma: float, parts: list[str]) -> None:
+    found = implausible_residuals(fit_size(sigma), stars_size(8), None, "mm", 0.4)
+    assert bool(found) == bool(parts)
+    assert_approved(found, parts=parts)
 
 
-PLATE = "coordinates of 501 mm: are they pixels? Name their columns x_px, y_px"
-TWO = "two stars cannot tell what is wrong (which stars they are, their coordinates, "
-TWO += "the principal distance): add a third one"
-AGREE = "the stars agree with each other to 0.1 mm: is the stated sigma too small?"
-NONE = "none of the common mistakes explains this (mirrored or exchanged coordinates, wrong "
-NONE += "units, another camera, wrong stars)"
+PLATE, TWO, AGREE, NONE = "x_px", "two stars", "stated sigma", "none of"  # words of each advice
 UNEXPLAINED: list[tuple[StarFile, str, str]] = [
     (star_file_size(6, largest=501.4), "0.1 mm", PLATE),
     (star_file_size(2, largest=501.4), "", PLATE),
@@ -428,9 +402,9 @@ UNEXPLAINED: list[tuple[StarFile, str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("file", "agreement", "said"), UNEXPLAINED)
-def test_what_to_do(file: StarFile, agreement: str, said: str) -> None:
-    assert unexplained_advice(file, agreement) == said
+@pytest.mark.parametrize(("file", "agreement", "word"), UNEXPLAINED)
+def test_what_to_do(file: StarFile, agreement: str, word: str) -> None:
+    assert_approved(unexplained_advice(file, agreement), parts=[word])
 
 
 # How large residuals may be beside what the interstar angles say, for few stars and for more
@@ -540,7 +514,7 @@ def test_the_advice_mends_the_file() -> None:
 def test_a_wrong_principal_distance_is_found(focal: float) -> None:
     result = solve(written(photograph()), focal=focal)
     assert result.status == 3
-    found = float(result.stderr.split("principal distance seems to be ")[1].split()[0])
+    found = float(result.stderr.split("--focal ")[1].split(";")[0].split(",")[0])
     assert_close("rae principal distance", found, 76.0)
 
 
@@ -680,7 +654,7 @@ def test_coordinates_from_the_corner_are_noticed() -> None:
     moved = [(x + 18.0, y + 12.0, ra, dec) for x, y, ra, dec in exact()]
     wrong = solve(written(moved))
     assert wrong.status == 3
-    found = re.search(r"principal point seems to be at x (\S+), y (\S+) mm", wrong.stderr)
+    found = re.search(r" at x (\S+), y (\S+) mm", wrong.stderr)
     assert found is not None, wrong.stderr
     assert_close("rae advised point", [float(one) for one in found.groups()], [18.0, 12.0])
     assert solve(written(moved), "--free", "centre", "-q").status == 0
@@ -704,8 +678,7 @@ def test_distortion_of_the_lens_is_named() -> None:
     text = in_pixels(photograph(12), k1=-0.05)
     wrong = solve_px(text, *CAMERA_PX)
     assert wrong.status == 3
-    found = re.search(r"the lens seems to distort the image: --free k1, or --k1 (\S+);",
-                      wrong.stderr)  # fmt: skip
+    found = re.search(r"--free k1, or --k1 (\S+);", wrong.stderr)
     assert found is not None, wrong.stderr
     assert_close("rae advised k1", float(found[1]), -0.05)
     assert solve_px(text, *CAMERA_PX, "--k1", found[1]).status == 0
@@ -718,7 +691,7 @@ def test_distortion_of_the_lens_is_named() -> None:
 @pytest.mark.parametrize("focal", [7.6, 760.0])
 def test_a_principal_distance_in_other_units_is_named_and_solved(focal: float) -> None:
     text = written(exact())
-    assert "principal distance seems to be 76 mm: --focal 76" in solve(text, focal=focal).stderr
+    assert " 76 mm: --focal 76" in solve(text, focal=focal).stderr
     solved = solve(text, "--free", "focal", focal=focal)
     assert solved.status == 0
     (line,) = [line for line in solved.stdout.splitlines() if line.startswith("focal ")]
@@ -737,7 +710,7 @@ CHANGES: dict[str, tuple[Callable[[Star], Star], float, tuple[str, ...]]] = {
     "mirror, corner": (
         lambda s: (s[0] + 40.0, 30.0 - s[1], s[2], s[3]),
         76.0,
-        (MIRROR_NAMED, "the principal point seems to be another one: --free centre"),
+        (MIRROR_NAMED, ": --free centre"),
     ),
     "radians": (
         lambda s: (s[0], s[1], float(np.radians(s[2])), float(np.radians(s[3]))),
