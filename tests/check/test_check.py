@@ -87,7 +87,7 @@ ONE_EACH = {
         punch_all(range(65, 86), 64, "0729"), "warning", 65, "64-67", "729 comes after frame 730"
     ),
     "wind too low": Expected(
-        punch(30, 1, "   141000."), "warning", 30, "1-10", "2 frames are outside this table"
+        punch(30, 1, "   141000."), "warning", 30, "1-10", "2 frames"
     ),
     "odd landmark number": Expected(punch(57, 9, "66"), "error", 57, "9-10", "numbered 65, 66, 65"),
     "lens": Expected(_short_lens_table, "warning", 25, "1-10", "the lens table is extrapolated"),
@@ -100,6 +100,7 @@ def test_each_condition_alone(name: str, tmp_path: Path) -> None:
     ONE_EACH[name].edit(cards)
     status, (seen,) = check(cards, tmp_path)
     assert agrees(seen, ONE_EACH[name]), seen
+    assert_approved(seen.message)
     assert status == (1 if ONE_EACH[name].severity == "error" else 0)
 
 
@@ -128,31 +129,31 @@ def test_case_1_is_questioned_for_its_one_wide_reading() -> None:
 
 MORE: dict[str, Expected] = {
     "trajectory order": Expected(
-        punch(36, 1, "       69."), "error", 36, "1-10", "69 after 70, where values must ascend"
+        punch(36, 1, "       69."), "error", 36, "1-10", "69 after 70"
     ),
     "time order": Expected(
-        punch(33, 1, "    0"), "error", 33, "1-5", "0 after 0, where values must ascend"
+        punch(33, 1, "    0"), "error", 33, "1-5", "0 after 0"
     ),
     "wind order": Expected(
-        punch(29, 1, "   120000."), "error", 29, "1-10", "120000 after 130000, where values must"
+        punch(29, 1, "   120000."), "error", 29, "1-10", "120000 after 130000"
     ),
     "lens order": Expected(
-        punch(25, 1, "        1."), "error", 25, "1-10", "1 after 6.8, where values must ascend"
+        punch(25, 1, "        1."), "error", 25, "1-10", "1 after 6.8"
     ),
     "time table ends": Expected(
         punch(33, 1, "  730"), "warning", 33, "1-5",
-        "1 frame is outside this table, which is extrapolated: frame 731",
+        ": frame 731",
     ),
     "time table begins": Expected(
         punch(32, 1, "  731"), "warning", 32, "1-5",
-        "1 frame is outside this table, which is extrapolated: frame 730",
+        ": frame 730",
     ),
     "trajectory ends": Expected(
         _short_trajectory, "warning", 37, "1-10",
-        "2 frames are outside this table, which is extrapolated: time 70.9",
+        ": time 70.9",
     ),
     "unused landmark": Expected(
-        punch(41, 9, "68"), "warning", 41, "1-10", "landmark 68 is in no frame"
+        punch(41, 9, "68"), "warning", 41, "1-10", "landmark 68"
     ),
     "ignores everything": Expected(
         punch(43, 6, "   65   66   67"), "warning", 43, "6-10", "every landmark is to be ignored"
@@ -161,20 +162,20 @@ MORE: dict[str, Expected] = {
     "tab": Expected(punch(28, 5, "\t"), "error", 28, "5-5", "a tab"),
     "too many columns": Expected(punch(28, 90, "x"), "error", 28, "81-81", "80 columns"),
     "undefined": Expected(
-        punch(41, 9, "68"), "error", 62, "9-10", "landmark 67 is not defined in group 9"
+        punch(41, 9, "68"), "error", 62, "9-10", "landmark 67"
     ),
     "one number too few": Expected(
-        punch(31, 16, "    2"), "error", 62, "64-67", "frame 730, for which group 5 counts 2 landm"
+        punch(31, 16, "    2"), "error", 62, "64-67", "counts 2 landmarks"
     ),
     "one number too many": Expected(
-        punch(31, 16, "    4"), "error", 65, "64-67", "group 5 counts 4 landmarks for frame 730"
+        punch(31, 16, "    4"), "error", 65, "64-67", "4 landmarks for frame 730"
     ),
     "too few at the end": Expected(punch(31, 21, "    2"), "error", 83, "64-67", "one more"),
     "too many at the end": Expected(
-        punch(31, 21, "    4"), "error", 86, None, "the deck ends here: 45 cards expected, 42"
+        punch(31, 21, "    4"), "error", 86, None, "45 cards expected, 42"
     ),
     "a mispunched frame": Expected(
-        punch(70, 64, "0713"), "error", 70, "64-67", "frame 713 among the cards of frame 731"
+        punch(70, 64, "0713"), "error", 70, "64-67", "frame 713"
     ),
     "no digits": Expected(
         punch(27, 16, "    ."), "warning", 27, "16-20", "a number without digits: '.' is 0"
@@ -185,7 +186,7 @@ MORE: dict[str, Expected] = {
     ),
     "repeated frame": Expected(
         punch_all(range(65, 86), 64, "0730"), "warning", 65, "64-67",
-        "frame 730 has been read before",
+        "frame 730",
     ),
 }  # fmt: skip
 
@@ -197,6 +198,7 @@ def test_more_conditions(name: str, tmp_path: Path) -> None:
     MORE[name].edit(cards)
     status, seen = check(cards, tmp_path)
     assert sum(agrees(one, MORE[name]) for one in seen) == 1, seen
+    assert_approved([one.message for one in seen])
     assert status == (1 if any(one.severity == "error" for one in seen) else 0)
 
 
