@@ -45,26 +45,26 @@ def names(table: Table, words: bool = False) -> list[str]:
 # Jobs
 
 
-JOBS = [  # column, meaning, sorted as words, cell
-    ("job", "its number", False, "2"),
-    ("title", "", True, "a title"),
-    ("frames", "of the job", False, "3"),
-    ("attitudes", "frames with an attitude", False, "2"),
-    ("not_converged", "frames that did not converge", False, "2"),
-    ("misfit", "frames whose residuals do not agree with the standard deviations", False, "1"),
-    ("flagged", "frames with any flag", False, "3"),
-    ("reading_sigma_mm", "standard deviation of a film reading", False, "0.123"),
-    ("from", "where that is from, and how well it is known", True,
-     "as given, 7.5 degrees of freedom"),
-    ("other standard deviations", "those in force", True, "focal length 0.02 mm"),
-]  # fmt: skip
+JOBS = [  # column, sorted as words, cell
+    ("job", False, "2"),
+    ("title", True, "a title"),
+    ("frames", False, "3"),
+    ("attitudes", False, "2"),
+    ("not_converged", False, "2"),
+    ("misfit", False, "1"),
+    ("flagged", False, "3"),
+    ("reading_sigma_mm", False, "0.123"),
+    ("from", True, "as given, 7.5 degrees of freedom"),
+    ("other standard deviations", True, "focal length 0.02 mm"),
+]
 
 
 def test_the_table_of_jobs() -> None:
     one = with_sigmas(flagged_film(reading_spread=0.0), focal_length=0.02, centre=0.0)
     columns, rows = job_table([one])
-    assert columns == [row[:3] for row in JOBS]
-    assert rows == [[row[3] for row in JOBS]]
+    assert [(name, words) for name, _, words in columns] == [row[:2] for row in JOBS]
+    assert_approved([meaning for _, meaning, _ in columns])
+    assert rows == [[row[2] for row in JOBS]]
     assert names(job_table([one, one])) == [row[0] for row in JOBS]
     columns, rows = job_table([one, in_source("b.dat", 7)])
     assert columns[1] == ("deck", "", True)
@@ -137,19 +137,11 @@ def test_the_table_of_flags() -> None:
 
 # Landmarks
 
-LANDMARKS = [
-    ("landmark", "its number on cards", True),
-    ("job", "", False),
-    ("frames", "in which it takes part", False),
-    ("ignored", "frames from which it is left out", False),
-    ("mean x, µm", "of the residuals", False),
-    ("mean y, µm", "of the residuals", False),
-    ("rms x, µm", "root mean square of the residuals", False),
-    ("rms y, µm", "root mean square of the residuals", False),
-    ("largest, µm", "the longest residual", False),
-    ("in frame", "where that is", True),
-    ("outlier", "frames in which it is the outlier", False),
-]
+LANDMARKS = [  # column, sorted as words
+    ("landmark", True), ("job", False), ("frames", False), ("ignored", False),
+    ("mean x, µm", False), ("mean y, µm", False), ("rms x, µm", False), ("rms y, µm", False),
+    ("largest, µm", False), ("in frame", True), ("outlier", False),
+]  # fmt: skip
 USED = [[True, True, False, True], [True, False, False, True], [True, True, False, True]]
 LEFT_OUT = [[False, False, True, False], [False, True, True, False], [False] * 4]
 ODD = [[False, True, False, True], [False, False, False, True], [False, False, False, True]]
@@ -176,7 +168,9 @@ ROWS = [  # lengths 3 root 2, 3 and 4; 8 is ignored in a frame, 9 in two; 10 has
 
 
 def test_the_table_of_landmarks() -> None:
-    assert landmark_table([of_landmarks()]) == (LANDMARKS, ROWS)
+    columns, rows = landmark_table([of_landmarks()])
+    assert [(name, words) for name, _, words in columns] == LANDMARKS and rows == ROWS
+    assert_approved([meaning for _, meaning, _ in columns])
 
 
 def test_a_landmark_that_never_has_a_residual_has_no_row() -> None:
@@ -423,23 +417,24 @@ def test_sentences_about_the_uncertainty() -> None:
     assert_approved(uncertainty_sentences([one, one], None))
 
 
-IN_FORCE = {  # sigma: its value, what is said of it
-    "centre": (0.01, "centre by the fiducials 0.01 mm"),
-    "principal_point": ((0.02, 0.0), "principal point 0.02, 0 mm"),
-    "landmark": (np.array([3.0, 3.0, 40.0]), "landmark positions 3, 40 ft"),
-    "position": (np.full(3, 51.234), "camera position 51.2 ft"),
-    "focal_length": (0.06, "focal length 0.06 mm"),
-    "time_s": (0.007, "times of frames 0.007 s"),
-    "mount_deg": (0.25, "mounting 0.25 degree"),
-    "velocity": (8.0, "velocity 8 ft/s"),
-    "wind": (9.0, "wind 9 ft/s"),
+IN_FORCE = {  # sigma: its value, how that stands in the text
+    "centre": (0.01, "0.01 mm"),
+    "principal_point": ((0.02, 0.0), "0.02, 0 mm"),
+    "landmark": (np.array([3.0, 3.0, 40.0]), "3, 40 ft"),
+    "position": (np.full(3, 51.234), "51.2 ft"),
+    "focal_length": (0.06, "0.06 mm"),
+    "time_s": (0.007, "0.007 s"),
+    "mount_deg": (0.25, "0.25 degree"),
+    "velocity": (8.0, "8 ft/s"),
+    "wind": (9.0, "9 ft/s"),
 }
 
 
 def test_other_standard_deviations() -> None:
     nothing = {name: np.zeros(np.shape(value)) for name, (value, _) in IN_FORCE.items()}
-    for name, (value, said) in IN_FORCE.items():
-        assert other_sigmas_text(with_sigmas(flagged_film(), **(nothing | {name: value}))) == said
+    for name, (value, part) in IN_FORCE.items():
+        told = other_sigmas_text(with_sigmas(flagged_film(), **(nothing | {name: value})))
+        assert_approved(told, parts=[part])
     every = {name: value for name, (value, _) in IN_FORCE.items()}
     told = other_sigmas_text(with_sigmas(flagged_film(), **every))
     assert_approved(told)
