@@ -97,7 +97,7 @@ def test_labels_of_the_panels() -> None:
     for column in axes.T:
         labels = [one.get_ylabel() for one in column]
         assert labels == [
-            "yaw, degrees", "pitch, degrees", "roll, degrees", "half of 95 %,\ndegrees"
+            "yaw, degrees", "pitch, degrees", "roll, degrees", "half of the\nband, degrees"
         ]  # fmt: skip
         assert [one.get_xlabel() for one in column] == ["", "", "", "time, s"]
         assert texts(column[3].get_legend()) == ["yaw", "pitch", "roll"]
@@ -209,15 +209,15 @@ def test_a_frame_alone_without_an_interval_has_no_bar() -> None:
 
 
 def test_one_frame_is_a_table() -> None:
-    """Of several jobs a row for each."""
+    """Of several jobs a column for each, of more than four a row; digits follow the interval."""
     angles, half = np.arange(9.0)[None], np.full((1, 9), 0.5)
     one = by_hand(1, angles_deg=angles, half_deg=half, flags={"jump": [0]})
-    for jobs, rows, columns in (([one], 9, 2), ([one, one], 3, 9)):
+    for jobs, rows, columns in (([one], 8, 2), ([one, one], 9, 3), ([one] * 5, 6, 9)):
         (axis,) = panels(jobs, draw_attitude)
         (table,) = axis.tables
         cells = {place: cell.get_text().get_text() for place, cell in table.get_celld().items()}
         assert max(cells) == (rows - 1, columns - 1)
-        assert {"0.0000 ± 0.5", "5.0000 ± 0.5", "jump"} <= set(cells.values())
+        assert {"0.00 ± 0.50", "5.00 ± 0.50", "jump"} <= set(cells.values())
 
 
 def test_a_camera_that_is_not_turned_has_no_panels_of_its_own() -> None:
@@ -282,7 +282,7 @@ def test_the_scale_of_half_widths(least_and_most: tuple[float, float]) -> None:
 def test_without_half_widths_there_is_no_logarithmic_scale() -> None:
     none = by_hand(3, half_deg=np.full((3, 9), np.inf), eta_deg=np.full((3, 2), np.nan))
     axis = panels([none])[3]
-    assert axis.get_yscale() == "linear" and axis.get_ylabel() == "half of 95 %,\ndegrees"
+    assert axis.get_yscale() == "linear" and axis.get_ylabel() == "half of the\nband, degrees"
 
 
 # Breaks of lines

@@ -104,7 +104,7 @@ def test_heights_in_feet_are_seen() -> None:
     raised = replace(scene, landmark_m=high)
     axis, said = panel("map", with_estimate(hill(), scene=lambda: raised))
     assert "6 lines of sight that miss their landmarks" in said
-    assert "misses its landmark, dotted" in labelled(axis)
+    assert "misses its landmark (dots)" in labelled(axis)
 
 
 def test_a_pdf_has_a_page_a_figure(tmp_path: Path) -> None:

@@ -130,19 +130,24 @@ def test_residuals_that_are_left_out() -> None:
 
 
 def test_one_frame_has_its_residuals_by_landmark() -> None:
-    """On bars of the root mean square both ways; names below the lower panel."""
+    """Each on a line from 0; of several jobs on bars of the root mean square both ways."""
     names = {7: "spire", 8: "$", 9: ""}
     one = by_hand(1, residual=np.column_stack([X, Y])[:1], landmark_names=names)
     figure, said = drawn(one)
     above, below = figure.axes
+    most = 1.08 * np.abs([X[0], Y[0]]).max()
     for axis, values in ((above, -X[0]), (below, -Y[0])):
         (spots,) = [one for one in axis.collections if one.get_label() == "one frame"]
         assert spots.get_offsets().tolist() == [[float(k), values[k]] for k in range(4)]
-        heights = [bar.get_height() for bar in axis.patches]
-        assert_close("table value", heights, 2.0 * np.abs(values))
+        assert not axis.patches
+        assert_close("table value", axis.get_ylim(), [-most, most])
     assert ticks(below) == ([0, 1, 2, 3], ["spire", r"\$", "9", "10"])
     assert said == "hand.toml, job 1: a flight by hand\npicked minus computed"
-    assert drawn(one, one)[1].endswith("; columns from left to right: the jobs")
+    figure, said = drawn(one, one)
+    assert said.endswith("; columns from left to right: the jobs")
+    heights = [bar.get_height() for bar in figure.axes[0].patches]
+    assert_close("table value", heights, 2.0 * np.abs(X[0]))
+    assert len({spot.get_facecolor().tobytes() for spot in figure.axes[0].collections}) == 2
 
 
 # The image of one frame

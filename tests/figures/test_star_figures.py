@@ -15,6 +15,7 @@ from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
 from vopd.figures.stars import StarPicture, draw_errors_by_pair, draw_star_residuals
+from vopd.stellar.files.picture import StarCamera
 from vopd.stellar.files.table import read_solutions
 
 ORION = DECKS / "stars" / "orion.csv"
@@ -66,7 +67,7 @@ def test_the_units_of_a_photograph(unit: str) -> None:
     assert key.text.get_text() == label
     assert_close("unit element", key.U, length)
     assert (axis.get_xlabel(), axis.get_ylabel()) == (x, y)
-    legend = [text.get_text() for text in axis.get_legend().get_texts()]
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert legend == ["computed", "measured", "principal point"]
     (arrows,) = [one for one in axis.collections if hasattr(one, "U")]
     title, words = figure.get_suptitle().split("\n")
@@ -150,7 +151,8 @@ def test_what_is_drawn() -> None:
     """As seen by the camera: x to the right, y up; 1.35 times as far as the farthest star, 10."""
     axis = drawn()
     lines = labelled(axis)
-    assert list(lines) == texts(axis.get_legend()) == ["computed", "measured", "principal point"]
+    assert list(lines) == texts(axis.get_figure().legends[0])
+    assert list(lines) == ["computed", "measured", "principal point"]
     assert points(lines["measured"]) == IMAGES.tolist()
     assert_close("table value", np.array(points(lines["computed"])), IMAGES - RESIDUALS)
     assert points(lines["principal point"]) == [[0.0, 0.0]]
@@ -158,16 +160,24 @@ def test_what_is_drawn() -> None:
     assert looks == [("+", 9), ("o", 7), ("x", 8)]
     assert lines["measured"].get_markeredgecolor() == OKABE_ITO[0]
     assert lines["measured"].get_markerfacecolor() == "none"
-    assert_close("table value", [axis.get_xlim(), axis.get_ylim()], [(-13.5, 13.5)] * 2)
+    far = 1.35 * np.abs(IMAGES - RESIDUALS).max()
+    assert_close("table value", [axis.get_xlim(), axis.get_ylim()], [(-far, far)] * 2)
     assert axis.get_aspect() == 1.0
-    names = [(t.get_text(), list(t.xy), t.xyann, t.anncoords) for t in axis.texts]
-    assert names == [
-        (name, xy, (7, 7), "offset points")
-        for name, xy in zip(["Deneb", r"\$a\$", "7"], IMAGES.tolist(), strict=True)
-    ]
-    anchor = axis.get_legend().get_bbox_to_anchor()
-    assert anchor.x0 > axis.bbox.x1
-    assert_close("flight pixel", anchor.y0, axis.bbox.y1)
+    names = {text.get_text(): tuple(text.xy) for text in axis.texts}
+    assert names == dict(zip(["Deneb", r"\$a\$", "7"], map(tuple, IMAGES), strict=True))
+
+
+def test_a_star_that_does_not_fit() -> None:
+    """It has a square and a bold name; one that is left out too says so; its arrow is no scale."""
+    far = np.vstack([RESIDUALS[:2], [[4.0, 0.0]]])
+    axis = drawn(residuals=far, odd=[False, False, True], left_out=[False, False, True])
+    lines = labelled(axis)
+    assert points(lines["does not fit, left out"]) == [IMAGES[2].tolist()]
+    assert points(lines["residual as long as it is"]) == [[-1.0, -6.0], [3.0, -6.0]]
+    assert points(lines["measured"]) == IMAGES[:2].tolist()
+    (odd,) = [one for one in axis.texts if one.get_fontweight() == "bold"]
+    assert odd.get_text().startswith("7")
+    assert len(arrows_and_key(axis)[0].U) == 2
 
 
 @pytest.mark.parametrize(("unit", "key"), [("mm", "50 µm"), ("px", "0.05 px")])
@@ -192,13 +202,104 @@ def test_sizes() -> None:
     assert draw_star_residuals(picture, (4.0, 3.0)).get_size_inches().tolist() == [4.0, 3.0]
 
 
-@pytest.mark.parametrize(("count", "labels"), [(60, 60), (61, 0)])
-def test_up_to_sixty_stars_have_names(count: int, labels: int) -> None:
-    zero = np.zeros((count, 2))
-    axis = drawn(images=zero, residuals=zero, labels=["a"] * count)
-    assert len(axis.texts) == labels
+def test_names_that_have_no_room_are_counted() -> None:
+    zero = np.zeros((60, 2))
+    axis = drawn(images=zero, residuals=zero, labels=["a"] * 60)
+    assert len(axis.texts) == 4  # right, left, above, below
     assert_close("table value", axis.get_xlim(), (-0.00135, 0.00135))
     assert arrows_and_key(axis)[1] is None
+    assert "56 names left out" in axis.get_figure().get_suptitle()
+
+
+# The photograph's own frame
+
+PIXELS = DECKS / "stars" / "orion_pixels.csv"
+LENSES: dict[str, Any] = {
+    "without distortion": {},
+    "k1": {"k1": -0.08},
+    "tetra3": {"distortion": 0.03},
+}
+
+
+def camera_of(**changes: Any) -> StarCamera:
+    turned = np.eye(3)[[0, 2, 1]] * [[1.0], [1.0], [-1.0]]  # x along U, y along W, z along -V
+    values = {
+        "focal": 1200.0, "centre": np.array([500.0, 380.0]), "k1": 0.0, "distortion": 0.0,
+        "y_down": True, "size_px": np.array([1000.0, 800.0]), "first_centre_px": 0.0,
+        "matrix": turned, "sky": True, "source": "stars.csv", "odd": (), "left_out": (),
+    }  # fmt: skip
+    return StarCamera(**(values | changes))
+
+
+@pytest.mark.parametrize("name", LENSES)
+def test_the_coordinates_of_the_file(name: str) -> None:
+    """Through the lens and back; of a lens with k1 by its formula."""
+    camera = camera_of(**LENSES[name])
+    at = np.array([[500.0, 380.0], [0.0, 0.0], [999.0, 100.0], [321.0, 799.0]])
+    centred = camera.centred(at)
+    assert_close("flight pixel", camera.in_file(centred), at)
+    assert_close("flight pixel", centred[0], [0.0, 0.0])
+    if name == "k1":
+        tangent = centred / 1200.0
+        seen = tangent * (1.0 - 0.08 * (tangent**2).sum(axis=1, keepdims=True)) * 1200.0
+        assert_close("flight pixel", seen * [1.0, -1.0] + [500.0, 380.0], at)
+
+
+def test_the_sky_of_a_picture() -> None:
+    """The camera looks along V: right ascension 90 degrees; right is toward U, up toward W."""
+    camera = camera_of()
+    points = [[500.0, 380.0], [500.0, 380.0 - 1200.0], [500.0 + 1200.0, 380.0]]
+    sky = camera.sky_at(np.array(points), in_file=True)
+    assert_close("table value", sky, [[90.0, 0.0], [90.0, 45.0], [45.0, 0.0]])
+
+
+def test_a_misidentified_star_is_marked(tmp_path: Path) -> None:
+    wrong = DECKS / "stars" / "orion_misidentified.csv"
+    for options, label in ((), "does not fit"), (("--reject",), "does not fit, left out"):
+        file = tmp_path / "solved.json"
+        vopd("stars", "solve", wrong, "--focal", "76", *options, "-o", file)
+        (solution,) = read_solutions(str(file))
+        assert solution.picture is not None and solution.picture.odd == (8,)
+        assert plot(file, "-o", tmp_path / "a.svg").status == 0
+        shown = re.findall(r">([^<>]+)</text>", (tmp_path / "a.svg").read_text(encoding="utf-8"))
+        assert label in shown and "Tabit: does not fit" in shown
+        assert [one for one in shown if one.startswith("5h")]  # meridians
+
+
+def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
+    """It is beside the star file, under the name of column image, or where --images says."""
+    pillow = pytest.importorskip("PIL.Image")
+    lines = [line for line in PIXELS.read_text().splitlines() if not line.startswith("#")]
+    text = "\n".join([f"image,{lines[0]}", *(f"orion.png,{line}" for line in lines[1:])])
+    (tmp_path / "stars.csv").write_text(text + "\n", encoding="utf-8")
+    scale = ("--focal", "76", "--pitch-um", "5", "--size", "6000,4000")
+    file, picture = tmp_path / "solved.json", tmp_path / "a.svg"
+    vopd("stars", "solve", tmp_path / "stars.csv", *scale, "-o", file)
+
+    def images() -> int:
+        assert plot(file, "-o", picture).status == 0
+        return picture.read_text(encoding="utf-8").count("<image")
+
+    assert images() == 0
+    pillow.new("L", (600, 400), 20).save(tmp_path / "orion.png")
+    assert images() == 1 and "600 x 400" in picture.read_text(encoding="utf-8")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "orion.png").rename(tmp_path / "other.png")
+    assert images() == 0
+    named = plot(file, "-o", picture, "--images", tmp_path / "other.png")
+    assert named.status == 0 and "<image" in picture.read_text(encoding="utf-8")
+    missing = plot(file, "-o", picture, "--images", tmp_path / "other")
+    assert missing.status == 0 and "no photograph" in picture.read_text(encoding="utf-8")
+
+
+def test_the_border_and_stars_outside(tmp_path: Path) -> None:
+    """Four of the eight stars were read beyond the size that is stated: the border shows it."""
+    file = tmp_path / "solved.json"
+    vopd("stars", "solve", PIXELS, "--focal", "76", "--pitch-um", "5", "--size", "6000,4000",
+         "-o", file)  # fmt: skip
+    assert plot(file, "-o", tmp_path / "a.svg").status == 0
+    text = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    assert "4 stars outside the image" in text and ">y, px, down<" in text
 
 
 def test_errors_by_pair() -> None:

@@ -79,14 +79,16 @@ def solutions(*arguments: str) -> list[dict[str, Any]]:
 @pytest.mark.parametrize("method", PAIR_KEYS)
 def test_keys_of_a_pair_and_no_others(method: str) -> None:
     (row,) = solutions("--method", method, "--pair", "3,1")
-    assert list(row) == KEYS + PAIR_KEYS[method] + SIGMAS
+    assert list(row) == [*KEYS, *PAIR_KEYS[method], *SIGMAS, "picture"]
     assert row["stars"] == [3, 1] and row["converged"] is True
 
 
 def test_keys_of_all_stars_and_of_all_pairs() -> None:
     for row in solutions("--method", "church-weighted"):
         assert (
-            list(row) == KEYS + SIGMAS and row["stars"] == [1, 2, 3, 4] and row["iterations"] == 0
+            list(row) == [*KEYS, *SIGMAS, "picture"]
+            and row["stars"] == [1, 2, 3, 4]
+            and row["iterations"] == 0
         )
     rows = solutions("--method", "two-star", "--all-pairs")
     assert [row["stars"] for row in rows] == [[1, 2], [1, 3], [1, 4], [2, 3], [2, 4], [3, 4]]

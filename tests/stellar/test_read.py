@@ -109,8 +109,9 @@ def two_photographs(bad: str = "") -> str:
 
 def test_several_photographs_in_one_file() -> None:
     (alone,) = solved(ORION, "--focal", "76")
-    del alone["names"]
+    del alone["names"], alone["picture"]
     rows = solved("--focal", "76", text=two_photographs())
+    assert [row.pop("picture")["odd"] for row in rows] == [[], []]
     assert [row.pop("image") for row in rows] == ["first", "second"]
     assert rows == [alone, alone]
     text = vopd("stars", "solve", "-", "--focal", "76", stdin=two_photographs()).stdout

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +15,9 @@ from vopd.cli.adjust_deck import adjusted_deck, searched_deck
 from vopd.cli.console import Messages, Progress
 from vopd.cli.new import refuse_existing, write_project
 from vopd.cli.options import FILE_NAME, SOURCE_NAME, above_zero, fix_options, quiet_option
+from vopd.cli.output import refuse_to_overwrite
 from vopd.errata import Fixes
+from vopd.files import whole_file
 from vopd.findings import count_text
 from vopd.pipeline import is_flight
 
@@ -55,6 +59,12 @@ if TYPE_CHECKING:
     "write it with the landmark in group 9; with --trials the stacked deck.",
 )
 @click.option(
+    "--figure",
+    type=FILE_NAME,
+    metavar="FILE",
+    help="Draw parameters and residuals before and after: .png, .svg or .pdf.",
+)
+@click.option(
     "--trials",
     is_flag=True,
     help="Of a deck: locate the landmark by the report's stacked jobs of trial coordinates.",
@@ -79,6 +89,7 @@ def command(
     test: bool,
     form: str,
     output: str | None,
+    figure: str | None,
     trials: bool,
     landmark_sigma: float | None,
     job: int | None,
@@ -122,6 +133,7 @@ def command(
         vopd adjust flight.toml --free landmark:tower --format csv
         vopd adjust flight.toml --test                   nothing free, tests alone
         vopd adjust flight.toml --free focal -o adjusted
+        vopd adjust flight.toml --free focal --figure adjusted.png
         vopd attitude adjusted/flight.toml
         vopd adjust film.dat --free landmark:66 --fix all -o located.dat
         vopd adjust film.dat --free landmark:66 --trials -o stack.dat
@@ -133,6 +145,7 @@ def command(
     """
     from vopd.flight.adjusted_table import as_csv, as_json, as_text
 
+    suffix = "" if figure is None else figure_suffix(figure, source)
     names = [name for some in free for name in some.replace(",", " ").split()]
     if free and not names:
         raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
@@ -141,6 +154,8 @@ def command(
         with Path(source).open("rb") as file:
             refuse_other_file(file.read(4096), source)
     _check_options(deck, test, trials, landmark_sigma, fixes, job)
+    if trials and figure is not None:
+        raise click.UsageError("--figure is not for --trials, which have a table alone.")
     if trials:
         ctx.exit(searched_deck(source, job, names, fixes, output, form, quiet))
     if deck:
@@ -161,6 +176,8 @@ def command(
         messages(finding)
     messages.close()
     tests = _tests_of(made, form) if test else None
+    if figure is not None:
+        _draw(made, figure, suffix, quiet)
     if form == "csv" and tests is not None:
         click.echo(tests, nl=False)
     elif form == "json":
@@ -212,6 +229,48 @@ def _write_project(project: Project, made: Adjustment, folder: Path, quiet: bool
     from vopd.flight.adjusted_project import adjusted_project
 
     write_project(folder, adjusted_project(project, made, folder), to_errors=True, quiet=quiet)
+
+
+def figure_suffix(figure: str, source: str) -> str:
+    """Check where the figure goes, before anything is solved.
+
+    Raises:
+        click.UsageError: if its name is that of no figure
+        VopdError: if matplotlib is not installed
+    """
+    from vopd.figures.style import SUFFIXES, ready
+
+    suffix = Path(figure).suffix.lower()
+    if suffix not in SUFFIXES:
+        raise click.UsageError(f"--figure {figure}: name the file .png, .svg or .pdf.")
+    refuse_to_overwrite((source,), figure)
+    ready()
+    return suffix
+
+
+def _draw(made: Adjustment, figure: str, suffix: str, quiet: bool) -> None:
+    """Draw parameters and residuals before and after."""
+    from vopd.figures.adjust import Change, draw_adjusted
+    from vopd.figures.style import save
+    from vopd.flight.adjusted_table import residual_sizes, text_row
+
+    changes = []
+    for one in made.parameters:
+        _, _, before, after, _, sigma, _, held, trades = text_row(one)
+        unit = one.unit and f" {one.unit}"
+        told = f"{before} → {after} ± {sigma}{unit}"
+        if held.endswith("kept"):
+            told = f"{before}{unit}" + f", trades with {trades}" * (trades != "-")
+        stated = isfinite(one.sigma_before) and one.sigma_before > 0.0
+        unit_sigma = one.sigma_before if stated else one.sigma_after
+        moved = float("nan") if held.endswith("kept") else one.moved
+        name = one.name.removeprefix("landmark:")
+        changes.append(Change(name, told, moved, one.sigma_after / unit_sigma, stated))
+    note = (lambda _: None) if quiet else partial(click.echo, err=True)
+    drawn = draw_adjusted(made.result.flight.source, changes, *residual_sizes(made))
+    content = save(drawn, suffix, note=note)
+    with whole_file(figure) as file:
+        file.write(content)
 
 
 def _tests_of(made: Adjustment, form: str) -> Any:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from functools import partial
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import (
@@ -35,19 +36,26 @@ from vopd.findings import VopdError, count_text
 
 if TYPE_CHECKING:
     from vopd.figures import Photograph
+    from vopd.stellar.files.picture import StarCamera
     from vopd.stellar.files.table import ReadSolution
 
 
 # What `vopd plot` draws of star photographs: the residuals over the image.
 
 
-def plot_stars(names: Sequence[str], frame: str | None, size_in: tuple[float, float] | None) -> Any:
+def plot_stars(
+    names: Sequence[str],
+    frame: str | None,
+    size_in: tuple[float, float] | None,
+    images: str | None = None,
+) -> Any:
     """Draw one solution: of the photograph asked for, or of that with the most stars.
 
     Args:
         names: files that `vopd stars solve --format json` wrote
         frame: the photograph's name
         size_in: width and height, inches
+        images: the photograph, or a folder that it is in; None: beside the star file
 
     Raises:
         VopdError: no such photograph, or a file is not such a file.
@@ -60,17 +68,65 @@ def plot_stars(names: Sequence[str], frame: str | None, size_in: tuple[float, fl
         known = ", ".join(dict.fromkeys(one.image for _, one in found if one.image))
         raise VopdError(f"no photograph {frame}" + (f": there are {known}" if known else ""))
     name, solution = max(wanted, key=lambda pair: len(pair[1].images))
-    return draw_star_residuals(_picture(name, solution), size_in)
+    return draw_star_residuals(_picture(name, solution, images), size_in)
 
 
-def _picture(name: str, one: ReadSolution) -> StarPicture:
+def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
     alpha, delta, swing = one.pointing
     image = f", {one.image}" if one.image else ""
     title = (
         f"{name}{image}: {one.method}, {count_text(len(one.images), 'star')}\n"
         f"alpha {alpha:.5f}, delta {delta:.5f}, swing {swing:.5f} degrees"
     )
-    return StarPicture(title, one.images, one.residuals, one.labels, one.unit)
+    about = one.picture
+    if about is None:  # of an earlier version
+        return StarPicture(title, one.images, one.residuals, one.labels, one.unit)
+    measured = np.vstack([one.images, *(star.image[None] for star in about.left_out)])
+    residual = np.vstack([one.residuals, *(star.residual[None] for star in about.left_out)])
+    numbers = [*one.numbers, *(star.number for star in about.left_out)]
+    labels = (*one.labels, *(star.label for star in about.left_out))
+    drawn = StarPicture(
+        title, measured, residual, labels, one.unit, [star in about.odd for star in numbers],
+        [k >= len(one.images) for k in range(len(measured))],
+    )  # fmt: skip
+    in_file = one.unit == "px"
+    sky = partial(about.sky_at, in_file=in_file) if about.sky else None
+    drawn = drawn._replace(sky=sky, epoch=one.epoch.partition(",")[0])
+    if not in_file:
+        return drawn
+    at, computed = about.in_file(measured), about.in_file(measured - residual)
+    drawn = drawn._replace(
+        images=at, residuals=at - computed, centre=tuple(about.centre.tolist()), in_file=True,
+        y_down=about.y_down,
+    )  # fmt: skip
+    photograph, said = _star_photograph(one, about, images)
+    size_px = None if about.size_px is None else tuple(about.size_px.tolist())
+    if photograph is not None and size_px not in (None, photograph.size):
+        said = f"photograph: {photograph.size[0]} x {photograph.size[1]}, not the size stated"
+    size_px = size_px or (photograph.size if photograph is not None else None)
+    if size_px is not None:
+        first = about.first_centre_px - 0.5
+        right, far = (first + size for size in size_px)
+        edges = (first, right, far, first) if about.y_down else (first, right, first, far)
+        drawn = drawn._replace(edges=edges, photograph=photograph)
+    return drawn._replace(title=f"{title}\n{said}" if said else title)
+
+
+def _star_photograph(one: ReadSolution, about: StarCamera, images: str | None) -> tuple[Any, str]:
+    """Read the photograph of a solution as a PIL image, or say why there is none."""
+    from vopd.flight.scene import image_file
+    from vopd.video import open_frames
+
+    beside = Path(about.source).parent if images is None else Path(images)
+    name = PurePath(one.image).name
+    found = beside if images is not None and beside.is_file() else image_file(beside, name)
+    if found is None or (not name and not beside.is_file()):
+        return None, "" if images is None else f"no photograph {name or 'named'} in {images}"
+    try:
+        (photograph,) = open_frames([str(found)]).pictures([0])
+    except VopdError as error:
+        return None, "" if images is None else f"no photograph: {error}"
+    return photograph, ""
 
 
 # `vopd plot`: draw the attitude history of flights and decks.
@@ -143,7 +199,8 @@ def command(
     SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
     cards; - is a deck on standard input. It can also be the solutions of star
     photographs, written by vopd stars solve -o FILE.json; --frame then names the
-    photograph whose residuals are drawn over the image.
+    photograph that is drawn, and --images the file or folder where it is, if it
+    is not beside the star file.
 
     \b
     The figures, and the question that each answers:
@@ -181,7 +238,7 @@ def command(
     refuse_to_overwrite((*sources, *filter(None, [images])), output)
     ready()
     if stars:
-        content = _stars(ctx, sources, frame, inches, suffix, dpi or 150)
+        content = _stars(ctx, sources, frame, images, inches, suffix, dpi or 150)
         with whole_file(output) as file:
             file.write(content)
         return
@@ -235,6 +292,7 @@ def _stars(
     ctx: click.Context,
     names: tuple[str, ...],
     frame: str | None,
+    images: str | None,
     inches: Inches | None,
     suffix: str,
     dpi: int,
@@ -246,13 +304,13 @@ def _stars(
     """
     if not all(PurePath(name).suffix.lower() == STAR_SOLUTION for name in names):
         raise click.UsageError("star photographs and decks are not drawn together.")
-    known = ("output", "form", "frame", "size", "dpi", "sources")
+    known = ("output", "form", "frame", "images", "size", "dpi", "sources")
     for parameter in ctx.command.params:
         source = ctx.get_parameter_source(parameter.name or "")
         if source == click.core.ParameterSource.COMMANDLINE and parameter.name not in known:
             raise click.UsageError(f"{parameter.opts[0]} is not for star photographs.")
     note = partial(click.echo, err=True)
-    return save(plot_stars(names, frame, inches), suffix, dpi, note)
+    return save(plot_stars(names, frame, inches, images), suffix, dpi, note)
 
 
 def _suffix(output: str, form: str | None) -> str:

@@ -72,7 +72,8 @@ class FigureKind(NamedTuple):
     least_in: Inches  # smaller ones cannot hold its panels and their labels
 
 
-WIDTH_IN, TABLE_IN = 9.0, 3.0  # inches: width of a figure, height of a table in its place
+WIDTH_IN, TABLE_IN, ROW_IN = 9.0, 3.5, 0.25
+"""Inches: width of a figure, height of a table of one job in its place, and of a further job."""
 
 FIGURES = {
     "attitude": FigureKind(draw_attitude, "Attitude", (9.0, 8.0), (7.5, 6.0)),
@@ -138,8 +139,9 @@ def draw(
     drawn, left_out = drawn_jobs(histories), left_out_text(histories)
     if "attack" in names and not has_attack(drawn):
         raise VopdError(NO_ATTACK)
-    tables = ("attitude", "attack") if single_frames(drawn) and len(drawn) == 1 else ()
-    heights = [TABLE_IN if one in tables else FIGURES[one].size_in[1] for one in names]
+    tables = ("attitude", "attack") if single_frames(drawn) else ()
+    table_in = TABLE_IN + ROW_IN * max(len(drawn) - 1, 0)
+    heights = [table_in if one in tables else FIGURES[one].size_in[1] for one in names]
     width_in = size_in[0] if size_in else WIDTH_IN
     with matplotlib_figure(size_in or (width_in, sum(heights))) as figure:
         parts = figure.subfigures(len(names), 1, height_ratios=heights, squeeze=False)[:, 0]

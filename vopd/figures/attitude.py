@@ -212,32 +212,50 @@ def draw_table(figure: Any, histories: Sequence[History], names: Sequence[str]) 
     """
     have = [h for h in histories if h.has_attitude.any()]
     both = {name.split("_")[0] for name in names} >= {"camera", "vehicle"}
-    rows = [[name.replace("_", " ") if both else name.split("_")[-1] for name in names]]
+    angles = [name.replace("_", " ") if both else name.split("_")[-1] for name in names]
+    rows = [["", "frame", *angles, "flags"]]
     for h in have:
         k = int(np.argmax(h.has_attitude))
         cells = []
         for name in names:
             value = float(values_of(h, name)[k])
             low, high = interval_of(h, name)[:, k]
-            half = f" ± {(high - low) / 2.0:.2g}" if np.isfinite(high - low) else " ± ?"
             lowest = 0.0 if name.endswith("yaw") else -180.0
-            cells.append(f"{in_range(value, lowest):.4f}{half}" if np.isfinite(value) else "none")
+            cells.append(_with_half(in_range(value, lowest), float(high - low) / 2.0))
         flags = ", ".join(one.replace("_", " ") for one in flagged_frames(h)) or "none"
         rows.append([label(h, histories), h.estimate.frame_label(k), *cells, flags])
     axis = figure.subplots()
     axis.axis("off")
-    if len(have) == 1:
-        _, frame, *cells, flags = rows[1]
-        lines = [("frame", frame), *zip(rows[0], cells, strict=True), ("flags", flags)]
-        texts = [[name, plain(cell)] for name, cell in lines]
-        columns = ["", "degrees ± half of the 95 % interval"]
+    axis.set_title(
+        "degrees ± half of the 95 % interval", loc="left", fontsize="medium", fontweight="bold"
+    )
+    upright = len(have) <= MOST_UPRIGHT
+    if upright:  # a column for each job
+        columns, *texts = [list(line) for line in zip(*rows, strict=True)]
+        if len(have) == 1:
+            columns, *texts = texts
     else:
-        texts = [[plain(cell) for cell in row] for row in rows[1:]]
-        columns = ["", "frame", *rows[0], "flags"]
-    table = axis.table(texts, colLabels=columns, loc="center", cellLoc="left", edges="horizontal")
+        columns, texts = rows[0], rows[1:]
+    table = axis.table(
+        [[plain(cell) for cell in row] for row in texts], colLabels=columns, loc="upper center",
+        cellLoc="left", colLoc="left", edges="horizontal",
+    )  # fmt: skip
     table.auto_set_font_size(False)
-    table.set_fontsize(11 if len(have) == 1 else 7)
-    table.scale(1.0, 1.6 if len(have) == 1 else 1.2)
+    table.set_fontsize(11 if upright else 7)
+    table.scale(1.0, 1.6 if upright else 1.3)
+
+
+MOST_UPRIGHT = 4  # jobs of a table with a column for each; more have a row each
+
+
+def _with_half(value: float, half: float) -> str:
+    """Write an angle with half of its interval, to two digits of that and no more than four."""
+    if not np.isfinite(value):
+        return "none"
+    if not np.isfinite(half):
+        return f"{value:.4f} ± ?"
+    digits = 4 if half <= 0.0 else int(np.clip(1 - np.floor(np.log10(half)), 0, 4))
+    return f"{value:.{digits}f} ± {half:.{digits}f}"
 
 
 NO_ATTACK = (
@@ -360,18 +378,20 @@ def _half_width(axis: Any, history: History, name: str, mark: str, colour: str) 
 
 def _width_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:
     """Set the logarithmic scale of the half-widths, and a legend of the lines."""
-    axis.set_ylabel("half of 95 %,\ndegrees")
+    axis.set_ylabel("half of the\nband, degrees")
     shown = np.concatenate([line.get_ydata() for line in axis.lines])
     shown = shown[np.isfinite(shown)]
     if len(shown):
         from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
         axis.set_yscale("log")
-        axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0), numticks=7))
+        low, high = shown.min(), shown.max()
+        low, high = max(low / 2.0, high * 10.0**-DECADES), high * 2.0
+        steps = (1.0, 2.0, 5.0) if high < 30.0 * low else (1.0, 3.0)
+        axis.yaxis.set_major_locator(LogLocator(subs=steps, numticks=7))
         axis.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
         axis.yaxis.set_minor_formatter(NullFormatter())
-        low, high = shown.min(), shown.max()
-        axis.set_ylim(max(low / 2.0, high * 10.0**-DECADES), high * 2.0)
+        axis.set_ylim(low, high)
     handles = [axis.plot([], [], color="0.3", ls=mark)[0] for mark in marks]
     axis.legend(
         handles, names, loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3, fontsize="small",

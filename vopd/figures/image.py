@@ -62,6 +62,7 @@ def draw_image(
 
 MOST_SHOWN_PX = 1600  # width or height of a photograph in the figure: larger ones are reduced
 TRUE_LENGTH = 0.3  # of the image's width: an arrow that would be longer is drawn as it is
+ALONG = np.linspace(0.1, 1.0, 12)[:, None]  # parts of an arrow that names keep clear of
 ROOM_IN = (0.9, 1.9)  # width and height of a figure that labels, title and legend take, inches
 
 
@@ -81,7 +82,7 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
             said += f", {picture.size[0]} x {picture.size[1]}: not the size of the lens's images"
         picture.thumbnail((MOST_SHOWN_PX, MOST_SHOWN_PX))
         axis.imshow(np.asarray(picture), extent=edges, interpolation="antialiased", zorder=0)
-    axis.add_patch(_border(edges, "none" if picture is not None else "0.97"))
+    axis.add_patch(image_border(edges, "none" if picture is not None else "0.97"))
     axis.set(xlim=(-0.03 * width, 1.03 * width), ylim=(1.03 * height, -0.03 * height))
     axis.set_aspect("equal")
     for side in axis.spines.values():
@@ -92,16 +93,9 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
     culprit = _culprits(history, k, scene, view)
     residual = view.pixel - view.fitted
     fits = np.isfinite(residual).all(axis=1)
-    length = np.hypot(*residual.T)
-    plainly = fits & view.used & ~culprit
-    scale = max(arrow_scale(residual[plainly if plainly.any() else fits], float(width)), 1.0)
-    arrow = fits & ((length * scale <= TRUE_LENGTH * width) | (scale == 1.0))
-    residual_arrows(axis, view.fitted[arrow], residual[arrow], scale, e.units, most_px=width)
-    for pick in np.flatnonzero(fits & ~arrow):
-        ends = np.stack([view.fitted[pick], view.pixel[pick]])
-        line = axis.plot(*ends.T, "--", color=FLAGGED, lw=1.2, path_effects=halo(), zorder=3)
-    if (fits & ~arrow).any():
-        line[0].set_label("residual as long as it is")
+    scale, along = draw_arrows(
+        axis, view.fitted, residual, view.used & ~culprit, float(width), e.units
+    )
     unpicked = _inside(view.computed, view.size_px)
     unpicked[view.landmark] = False
     look = {"ls": "", "mfc": "none", "path_effects": halo(3.0)}
@@ -127,7 +121,7 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
     bold = np.arange(len(places)) < int(culprit.sum())
     corners = np.array([[-0.5, -0.5], [width - 0.5, height - 0.5]])
     pt = np.array([unit, -unit])
-    nameless = place_names(axis, places, names[:LABELLED], pt, corners, bold)
+    nameless = place_names(axis, places, names[:LABELLED], pt, corners, bold, along)
     nameless += len(names) - len(places)
     if nameless:
         more.append(f"{count_text(nameless, 'name')} left out for want of room")
@@ -147,7 +141,8 @@ def _size_in(figure: Any) -> Floats:
     return np.array([box.width / figure.dpi, box.height / figure.dpi])
 
 
-def _border(edges: tuple[float, float, float, float], colour: str) -> Any:
+def image_border(edges: tuple[float, float, float, float], colour: str) -> Any:
+    """Outline an image by its left, right, lower and upper edge."""
     from matplotlib.patches import Rectangle
 
     left, right, low, high = edges
@@ -257,7 +252,7 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     measured, residual = rows.image[shown], rows.residual[shown]
     axis = figure.subplots()
     far = max(float(np.abs(measured).max(initial=0.0)), 1e-3) * ROOM
-    scale = arrow_scale(residual, 2.0 * far)
+    scale = max(arrow_scale(residual, 2.0 * far), 1.0)
     residual_arrows(axis, measured - residual, residual, scale, e.units)
     axis.plot(*(measured - residual).T, "+", color="0.2", ms=9, label="computed")
     axis.plot(*measured.T, "o", mfc="none", mec=COLOURS[0], ms=7, label="measured")
@@ -289,6 +284,37 @@ def _misfit(history: History, k: int) -> str:
     return f"\nmisfit: {plain(flags.detail['misfit'][k])}" if flags.raised["misfit"][k] else ""
 
 
+def draw_arrows(
+    axis: Any, fitted: Floats, residual: Floats, usual: Bools, width: float, units: Units
+) -> tuple[float, Floats]:
+    """Draw residuals many times as long, and those that would be too long as they are, broken.
+
+    Args:
+        axis: to draw in
+        fitted: where they begin, (P, 2)
+        residual: (P, 2); NaN: none
+        usual: which have the size that arrows are drawn for, (P,)
+        width: of the picture, in the same unit
+        units: of the residuals
+
+    Returns:
+        How many times as long arrows are, and points along them.
+    """
+    fits = np.isfinite(residual).all(axis=1)
+    length = np.hypot(*residual.T)
+    plainly = fits & usual
+    scale = max(arrow_scale(residual[plainly if plainly.any() else fits], width), 1.0)
+    arrow = fits & ((length * scale <= TRUE_LENGTH * width) | (scale == 1.0))
+    residual_arrows(axis, fitted[arrow], residual[arrow], scale, units, most_px=width)
+    for pick in np.flatnonzero(fits & ~arrow):
+        ends = np.stack([fitted[pick], fitted[pick] + residual[pick]])
+        line = axis.plot(*ends.T, "--", color=FLAGGED, lw=1.2, path_effects=halo(), zorder=3)
+    if (fits & ~arrow).any():
+        line[0].set_label("residual as long as it is")
+    drawn = residual * np.where(arrow, scale, 1.0)[:, None]
+    return scale, (fitted[fits, None] + drawn[fits, None] * ALONG).reshape(-1, 2)
+
+
 def residual_arrows(
     axis: Any, start: Floats, residual: Floats, scale: float, units: Units, most_px: float = 0.0
 ) -> None:
@@ -311,6 +337,8 @@ def residual_arrows(
     if longest > 0.0:
         key = round_number(longest)
         length, label = key / units.residuals_per_image, f"{key:g} {units.residual}"
+        if units.residual == "µm" and key >= 1000.0:
+            label = f"{key / 1000.0:g} mm"
         where = (0.88, 0.06, "N") if most_px else (1.05, 0.06, "S")
         key_drawn = axis.quiverkey(
             arrows, *where[:2], length, label, labelpos=where[2], coordinates="axes"

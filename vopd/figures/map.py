@@ -82,7 +82,7 @@ def draw_map(
         way = np.radians(azimuth if gathered else 90.0)
         along = flat @ np.array([np.sin(way), np.cos(way)]) / unit_m
         height = geodetic(position_m).height_m
-        return np.stack([along, height], axis=-1)
+        return np.stack([along, height / unit_m], axis=-1)
 
     above, side = figure.subplots(2, 1, height_ratios=(1.0 - SIDE, SIDE))
     foot, open_ended = _footprint(scene, history, k, camera_m, axes, away_m)
@@ -93,13 +93,13 @@ def draw_map(
             axis.plot(
                 *np.vstack([at, at[:1]]).T, color=COLOURS[4], lw=1.0, zorder=1, label="footprint"
             )
-        if len(known) > 1:
+        if len(known) > 1 and np.ptp(known, axis=0).any():
             axis.plot(
                 *to(known).T, ".-", color="0.25", ms=3, lw=0.8, zorder=2, label="camera's track",
                 rasterized=len(known) > 2000,
             )  # fmt: skip
         for n, (one, odd) in enumerate(zip(line_m, missed, strict=True)):
-            text = "misses its landmark, dotted" if odd else "line of sight"
+            text = "misses its landmark (dots)" if odd else "line of sight"
             axis.plot(
                 *to(one).T, "--" if odd else "-", color=FLAGGED if odd else COLOURS[0], zorder=3,
                 lw=1.4 if odd else 0.9, label=text if odd not in missed[:n] else None,
@@ -130,16 +130,16 @@ def draw_map(
     low, high = _limits(shown, box_in)
     above.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     above.set_aspect("equal")
-    side_in = np.array([size_in[0] - 1.1, (size_in[1] - 2.3) * SIDE])
+    side_in = np.array([size_in[0] - 0.6, (size_in[1] - 2.3) * SIDE])
     heights = np.vstack([beside(known), beside(scene.landmark_m), beside(line_m).reshape(-1, 2)])
     least, most = heights.min(axis=0), heights.max(axis=0)
     span = np.maximum(most - least, 1e-3 * max(float((most - least).max()), 1.0))
-    span[1] = max(span[1], span[0] * unit_m * side_in[1] / side_in[0] * 0.02)
+    span[1] = max(span[1], span[0] * side_in[1] / side_in[0] * 0.02)
     side.set(
         xlim=(least[0] - ROOM * span[0], most[0] + ROOM * span[0]),
         ylim=(least[1] - 2 * ROOM * span[1], most[1] + 2 * ROOM * span[1]),
     )
-    stretched = (span[0] * unit_m / side_in[0]) / (span[1] * (1 + 4 * ROOM) / side_in[1])
+    stretched = (span[0] * (1 + 2 * ROOM) / side_in[0]) / (span[1] * (1 + 4 * ROOM) / side_in[1])
 
     order = np.argsort(np.where(culprit, 0, np.where(used, 1, 2)), kind="stable")[:LABELLED]
     names = [plain(short(scene.names[one], 24)) for one in order]
@@ -160,7 +160,7 @@ def draw_map(
     above.set_ylabel("northing, m" if scene.plane is not None else f"north, {unit}")
     direction = f"toward azimuth {azimuth % 360.0:.0f}°" if gathered else "toward the east"
     side.set_xlabel(f"distance from the camera {direction}, {unit}")
-    side.set_ylabel("height, m")
+    side.set_ylabel(f"height, {unit}")
     for axis in (above, side):
         axis.ticklabel_format(style="plain", useOffset=False)
     _scale_bar(above, low, high, unit)

@@ -11,7 +11,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.residuals import outliers
 from vopd.figures.attitude import broken
-from vopd.figures.style import COLOURS, FLAGGED, caption, plain, short
+from vopd.figures.style import COLOURS, FLAGGED, caption, label, plain, short
 from vopd.findings import count_text
 
 DRAWN = 2000  # up to this many points are drawn one by one in .svg and .pdf
@@ -19,7 +19,7 @@ NAMED = 40  # up to this many columns have their label below
 LONG = 4  # characters of a label; longer ones are turned
 COLUMN = 0.8  # the width of a column of a single image, in terms of the distance between two
 FEW = 100  # frames of a landmark, up to which each of its residuals has a mark
-MANY, MEANS = 600, 60  # of a landmark with more residuals, lines are means of so many parts
+MANY, MEANS = 200, 60  # if a landmark has more residuals, lines are means: so many of that one
 FAR = 8.0  # times the 99th percentile: residuals beyond are drawn at the edge
 MARKS = "os^Dvp"
 HELD = 1e-6  # part of a reading's variance that is left as a residual: below it fits by itself
@@ -106,7 +106,9 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
             axis.axhspan(-1.96, 1.96, color="0.5", alpha=0.15, lw=0, label="95 % of errors")
             axis.set_ylabel("residual, in\nits sigma")
             handles, texts = axis.get_legend_handles_labels()
-            figure.legend(handles, texts, loc="outside lower center", ncols=3)
+            legend = figure.legend(handles, texts, loc="outside lower center", ncols=3)
+            for mark in legend.get_lines():
+                mark.set(markersize=5.0, alpha=1.0)
         for side, at in ((1.0, "^"), (-1.0, "v")):
             beyond = (side * data > most) if row < 2 else (side * data > most).any(axis=1)
             axis.plot(
@@ -130,8 +132,9 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     far = _histogram(axes[2, 1], found.sigmas)
     known = found.sigmas[np.isfinite(found.sigmas) & ~found.outlier[:, None]]
     told = ["picked minus computed" if units.image == "px" else "measured minus computed"]
-    if (np.bincount(own) > MANY).any():
-        told.append(f"lines: means of {MEANS} parts, dots: single residuals")
+    longest = int(np.unique(own + len(numbers) * found.job, return_counts=True)[1].max())
+    if longest > MANY:
+        told.append(f"lines: means of {_of_a_mean(longest)} residuals, dots: single ones")
     if len(known):
         rms_sigmas = np.sqrt(np.mean(known**2))
         told.append(f"in sigmas, rms of those that fit: {rms_sigmas:.3g}, 1 if sigma is right")
@@ -174,19 +177,19 @@ def _lines(
     labelled = set()
     for part in sorted(np.split(order, ends), key=lambda part: int(rank[own[part[0]]])):
         place = int(rank[own[part[0]]])
-        label = None if place in labelled else "others" if place < 0 else str(place)
+        name = None if place in labelled else "others" if place < 0 else str(place)
         labelled.add(place)
-        look: dict[str, Any] = {"color": "0.7", "lw": 0.6, "zorder": 1, "label": label}
+        look: dict[str, Any] = {"color": "0.7", "lw": 0.6, "zorder": 1, "label": name}
         if place >= 0:
             look |= {"color": COLOURS[place], "lw": 1.0, "marker": MARKS[place], "ms": 3.5}
             look["zorder"] = 2
         time, values = found.time[part], np.clip(data[part], -most, most)
-        if len(part) > MANY:
-            if place >= 0:
-                axis.plot(*_means(time, values), **look)
-            continue
-        times, index = broken(time, np.zeros(len(part)))
-        look["markevery"] = 1 if len(part) <= FEW else max(len(times) // 25, 1)
+        if longest > MANY:
+            if place < 0:
+                continue
+            time, values = _means(time, values, _of_a_mean(longest))
+        times, index = broken(time, np.zeros(len(time)))
+        look["markevery"] = 1 if len(time) <= FEW else max(len(times) // 25, 1)
         axis.plot(times, np.where(index < 0, np.nan, values[index]), **look)
     if longest > MANY:
         axis.plot(
@@ -194,9 +197,14 @@ def _lines(
         )
 
 
-def _means(time: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Average each `MEANS`-th part of a line: times and values."""
-    parts = np.array_split(np.arange(len(time)), MEANS)
+def _of_a_mean(longest: int) -> int:
+    """Choose of how many residuals a mean is, if the landmark with the most has so many."""
+    return -(-longest // MEANS)
+
+
+def _means(time: Floats, values: Floats, each: int) -> tuple[Floats, Floats]:
+    """Average as many residuals at a time: times and values."""
+    parts = np.array_split(np.arange(len(time)), max(len(time) // each, 1))
     return (
         np.array([time[part].mean() for part in parts]),
         np.array([values[part].mean() for part in parts]),
@@ -228,29 +236,40 @@ def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) ->
     numbers, column = np.unique(found.landmark, return_inverse=True)
     jobs = len(histories)
     across = column + (COLUMN * (found.job / (jobs - 1) - 0.5) if jobs > 1 else 0.0)
-    axes = figure.subplots(2, 1, sharex=True)
+    axes = figure.subplots(2, 1, sharex=True, sharey=True)
     size = 14.0 if len(across) < 300 else 4.0
     names, values = _directions(histories, found)
+    most = 1.08 * max(float(np.abs(values).max(initial=0.0)), 1e-9)
+    alone = np.bincount(column).max(initial=0) <= 1  # each is its own root mean square
+    coloured = 1 < jobs <= len(COLOURS)
     for axis, own, name in zip(axes, values.T, names, strict=True):
-        rms = [np.sqrt(np.mean(own[column == k] ** 2)) for k in range(len(numbers))]
-        axis.bar(
-            np.arange(len(numbers)), 2.0 * np.array(rms), 0.96, -np.array(rms), color="0.88",
-            label="root mean square, both ways", zorder=0,
-        )  # fmt: skip
-        axis.scatter(
-            across, own, size, color=COLOURS[0], lw=0, alpha=0.8, label="one frame",
-            rasterized=len(across) > DRAWN,
-        )  # fmt: skip
+        if alone:
+            axis.vlines(across, 0.0, own, color=COLOURS[0], lw=1.5)
+        else:
+            rms = [np.sqrt(np.mean(own[column == k] ** 2)) for k in range(len(numbers))]
+            axis.bar(
+                np.arange(len(numbers)), 2.0 * np.array(rms), 0.96, -np.array(rms), color="0.88",
+                label="root mean square, both ways", zorder=0,
+            )  # fmt: skip
+        for job in range(jobs) if coloured else (-1,):
+            here = found.job == job if coloured else np.ones(len(own), dtype=bool)
+            axis.scatter(
+                across[here], own[here], size, color=COLOURS[max(job, 0)], lw=0, alpha=0.8,
+                label=label(histories[job], histories) if coloured else "one frame",
+                rasterized=len(across) > DRAWN,
+            )  # fmt: skip
         odd = found.outlier
         if odd.any():
             look = {"mfc": "none", "mec": FLAGGED, "ls": ""}
             axis.plot(across[odd], own[odd], "s", label="does not fit", **look)
         axis.axhline(0.0, color="0.3", lw=0.6)
+        axis.set_ylim(-most, most)
         axis.set_ylabel(f"residual {name}")
         axis.grid(visible=False, axis="x")
     _labels(axes[-1], [_label(histories, n) for n in numbers.tolist()])
     handles, texts = axes[0].get_legend_handles_labels()
-    figure.legend(handles, texts, loc="outside lower center", ncols=3)
+    if len(texts) > 1:
+        figure.legend(handles, texts, loc="outside lower center", ncols=4)
     order = "; columns from left to right: the jobs" if jobs > 1 else ""
     picked = "picked" if histories[0].estimate.units.image == "px" else "measured"
     return f"{caption(histories)}\n{picked} minus computed{order}"

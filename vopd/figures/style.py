@@ -81,7 +81,7 @@ def save(
                         with _laid_out(page):
                             pages.savefig(page)
             else:
-                with _laid_out(figure):
+                with _laid_out(figure, dpi if suffix == ".png" else None):
                     figure.savefig(file, format=suffix[1:], metadata=_UNDATED[suffix], dpi=dpi)
         except (ValueError, OverflowError, OSError) as error:
             if "SOURCE_DATE_EPOCH" not in os.environ:  # which PDF reads, whatever it has then
@@ -98,13 +98,21 @@ def save(
 
 
 @contextmanager
-def _laid_out(figure: Figure) -> Iterator[None]:
-    """Divide the room of a figure among its panels once: with its engine all is drawn twice."""
+def _laid_out(figure: Figure, dpi: int | None = None) -> Iterator[None]:
+    """Divide the room of a figure among its panels once: with its engine all is drawn twice.
+
+    Args:
+        figure: the figure
+        dpi: for which small letters are as wide as they will be; None: its own
+    """
     engine = figure.get_layout_engine()
     if engine is not None:
+        own = figure.dpi
+        figure.set_dpi(dpi or own)
         engine.execute(figure)
         engine.execute(figure)  # labels beside narrow panels have their room the second time
         figure.set_layout_engine(None)
+        figure.set_dpi(own)
     yield
     figure.set_layout_engine(engine)
 
@@ -261,6 +269,7 @@ def place_names(
     points_per_unit: Floats,
     inside: Floats | None = None,
     bold: Bools | None = None,
+    avoid: Floats | None = None,
 ) -> int:
     """Write names beside their points where no other name or point is; gives how many have no room.
 
@@ -272,6 +281,8 @@ def place_names(
             coordinate grows to the left or down
         inside: corners of the area that names stay in, (2, 2); None: anywhere
         bold: which are written bold, (n,)
+        avoid: further points that no name covers if there is another place, as those along
+            arrows, (m, 2)
     """
     centre = points * points_per_unit
     marks = np.hstack([centre - 4.0, centre + 4.0])
@@ -280,20 +291,26 @@ def place_names(
     if inside is not None:
         corners = np.sort(inside * points_per_unit, axis=0)
         low, high = corners[0], corners[1]
+    lines = np.zeros((0, 2)) if avoid is None else avoid * points_per_unit
     left_out = 0
     for k, name in enumerate(names):
         wide = sum(1.0 if east_asian_width(c) in "WF" else 0.62 for c in name) * NAME_PT
         half = np.array([wide, 1.3 * NAME_PT]) / 2.0
         others = np.vstack([np.delete(marks, k, axis=0), taken])
+        best: tuple[int, Any, Any] | None = None
         for side in SIDES:
             middle = centre[k] + np.array(side) * (half + APART_PT * (0.6 if all(side) else 1.0))
             box = np.concatenate([middle - half, middle + half])
             over = (others[:, :2] < box[2:]).all(axis=1) & (others[:, 2:] > box[:2]).all(axis=1)
-            if not over.any() and (box[:2] >= low).all() and (box[2:] <= high).all():
-                break
-        else:
+            if over.any() or not ((box[:2] >= low).all() and (box[2:] <= high).all()):
+                continue
+            crossed = int(((lines > box[:2]) & (lines < box[2:])).all(axis=1).sum())
+            if best is None or crossed < best[0]:
+                best = crossed, middle, box
+        if best is None:
             left_out += 1
             continue
+        _, middle, box = best
         taken = np.vstack([taken, box])
         axis.annotate(
             name, points[k], middle - centre[k], textcoords="offset points", ha="center",

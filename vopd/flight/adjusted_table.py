@@ -5,14 +5,19 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from vopd.arrays import Floats
 from vopd.findings import count_text
 from vopd.screen import aligned
 
 if TYPE_CHECKING:
     from vopd.flight.adjust import Adjustment, Parameter
+    from vopd.flight.result import FlightResult
 
 COLUMNS = (
     "parameter",
@@ -35,7 +40,7 @@ def as_text(made: Adjustment, correlations: bool) -> str:
     head = [name.replace("_", " ") for name in COLUMNS]
     lines = [_solved_text(made)]
     if made.parameters:
-        lines += ["", *aligned([head, *map(_text_row, made.parameters)], {0, 1, 7, 8})]
+        lines += ["", *aligned([head, *map(text_row, made.parameters)], {0, 1, 7, 8})]
     if correlations:
         lines += ["", *_pairs(made)]
     return "\n".join(lines) + "\n"
@@ -65,7 +70,8 @@ def _solved_text(made: Adjustment) -> str:
     return f"{result.flight.source}: {frames}, {picks}{sigma}"
 
 
-def _text_row(one: Parameter) -> list[str]:
+def text_row(one: Parameter) -> list[str]:
+    """Write the cells of a row, by `COLUMNS`."""
     from vopd.flight.free import decimals
 
     digits = decimals(one.sigma_after)
@@ -130,3 +136,38 @@ def as_json(made: Adjustment, correlations: bool, tests: object = None) -> str:
     if tests is not None:
         table["tests"] = tests
     return json.dumps(table, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+# Residuals before and after
+
+
+def residual_sizes(made: Adjustment) -> tuple[tuple[str, ...], Floats]:
+    """Measure the residuals with all parameters as stated, and as solved.
+
+    Returns:
+        Names of the landmarks, and the root mean square of a residual's coordinates before and
+        after, of each landmark and of all, pixels, (M + 1, 2); NaN: it has none.
+    """
+    from vopd.flight.result import solve_flight_read
+
+    result = made.result
+    stated = result
+    if any(one.after != one.before for one in made.parameters):
+        read = result.read
+        stated = solve_flight_read(replace(read, options=replace(read.options, free=(), kept=())))
+    sizes = [_sizes(one) for one in (stated, result)]
+    return result.flight.landmarks.name, np.stack(sizes, axis=1)
+
+
+def _sizes(result: FlightResult) -> Floats:
+    """Find the root mean square of the residuals of picks that are used, (M + 1,)."""
+    scene = result.estimates.scene()
+    views = scene.views(np.arange(len(scene.camera_m))) if scene.views is not None else None
+    assert views is not None
+    square = ((views.pixel - views.fitted) ** 2).sum(axis=1) / 2.0
+    here = views.used & np.isfinite(square)
+    marks = len(scene.names)
+    count = np.bincount(views.landmark[here], minlength=marks)
+    total = np.bincount(views.landmark[here], square[here], minlength=marks)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.sqrt(np.append(total, total.sum()) / np.append(count, count.sum())))

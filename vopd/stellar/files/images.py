@@ -86,7 +86,7 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
             raise _missing(file, f"the file has pixels: {_FOCAL}, and {_POINT}, are needed")
         points = file.image - _principal_point(file, axes)
         if file.pixels.distortion:
-            points = _undistorted(points, file, axes)
+            points = undistorted(points, file.pixels.distortion, _width(file, axes))
         points, focal = points * upward, _focal_px(file, axes)
     if axes.k1:
         points = without_lens(points, LensOfStars(focal, k1=axes.k1))
@@ -130,11 +130,16 @@ def _principal_point(file: StarFile, axes: ImageAxes) -> Floats:
     return (np.array(axes.size_px) - 1.0) / 2.0 + file.pixels.first_centre
 
 
-def _undistorted(points: Floats, file: StarFile, axes: ImageAxes) -> Floats:
-    """Remove the distortion that tetra3 states: r (1 - k (2r/width)**2) / (1 - k)."""
-    k = file.pixels.distortion
-    square = (points**2).sum(axis=1, keepdims=True) * (2.0 / _width(file, axes)) ** 2
-    return np.asarray(points * (1.0 - k * square) / (1.0 - k))
+def undistorted(points: Floats, distortion: float, width_px: float) -> Floats:
+    """Remove the distortion that tetra3 states: r (1 - k (2r/width)**2) / (1 - k).
+
+    Args:
+        points: images from the principal point, pixels, (n, 2)
+        distortion: k, at half the width, a fraction
+        width_px: of the image
+    """
+    square = (points**2).sum(axis=1, keepdims=True) * (2.0 / width_px) ** 2
+    return np.asarray(points * (1.0 - distortion * square) / (1.0 - distortion))
 
 
 def _missing(file: StarFile, text: str) -> MissingOption:

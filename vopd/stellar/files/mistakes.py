@@ -69,6 +69,12 @@ class Plausibility(NamedTuple):
         """Whether the mistake found is about some of the stars only."""
         return self.mistake is not None and bool(self.mistake.points)
 
+    @property
+    def odd(self) -> set[int]:
+        """The stars that are named, counted from 0."""
+        named = self.mistake.points if self.mistake is not None else ()
+        return {one.star for one in self.outliers} | set(named)
+
 
 def judge(
     file: StarFile,

@@ -104,6 +104,9 @@ class SolvedPhotograph:
     solved: tuple[SolvedStars, ...]  # the solutions to show
     findings: tuple[KindOfFinding, ...]  # errors and warnings
     status: int  # exit status 0, 1 or 3
+    # how its image coordinates were read; None: its solutions are written without a picture
+    axes: ImageAxes | None = None
+    odd: tuple[int, ...] = ()  # stars that do not fit the others, counted from 1
     epoch: str = ""  # what right ascensions and declinations refer to; empty for ground points
     utc: datetime | None = None  # when it was taken, if that is known
     # from ICRF axes to east, north, up at the place, (3, 3), if these are known
@@ -483,6 +486,8 @@ def solved_photograph(
         tuple(shown),
         tuple(findings),
         exit_status(solved, judged, request),
+        request.axes,
+        odd=tuple(sorted(star + 1 for star in judged.odd)),
         epoch=sky.epoch if sky else "",
         utc=request.sky.utc if frame else None,
         local=frame.local if frame else None,

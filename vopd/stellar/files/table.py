@@ -15,6 +15,7 @@ from vopd.arrays import Floats
 from vopd.files import reason
 from vopd.findings import input_error
 from vopd.stellar.files.photograph import SolvedPhotograph
+from vopd.stellar.files.picture import StarCamera, picture_as_dict, read_picture
 from vopd.stellar.files.read import UNITS, read_text
 from vopd.stellar.methods.run import ANGLE_NAMES, ANGLE_SIGMA_NAMES, SolvedStars
 from vopd.version import __version__
@@ -210,6 +211,8 @@ def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
             row = image | one.as_dict(photograph.file.unit)
             row |= {"names": names} if any(names) else {}
             row |= {"epoch": photograph.epoch} if photograph.epoch else {}
+            if photograph.axes is not None:
+                row |= {"picture": picture_as_dict(photograph, photograph.axes, one)}
             solutions.append(json.dumps(row, allow_nan=False))
     return "[\n" + ",\n".join(solutions) + "\n]\n"
 
@@ -237,6 +240,9 @@ class ReadSolution(NamedTuple):
     residuals: Floats  # observed minus computed, (n, 2)
     unit: str  # of the images
     pointing: tuple[float, float, float]  # alpha, delta, swing, degrees
+    numbers: tuple[int, ...]  # of the stars, counted from 1
+    epoch: str  # what right ascensions and declinations refer to
+    picture: StarCamera | None  # None: an earlier version wrote the file
 
 
 def read_solutions(name: str) -> list[ReadSolution]:
@@ -282,4 +288,7 @@ def _solution(row: dict[str, Any]) -> ReadSolution:
         residuals,
         unit,
         (alpha, delta, swing),
+        tuple(int(star) for star in row["stars"]),
+        str(row.get("epoch", "")),
+        read_picture(row) if "picture" in row else None,
     )

@@ -1,0 +1,92 @@
+"""Parameters and residuals before and after `vopd adjust`."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.kit.command import ROOT, vopd
+from tests.kit.figures import labelled, points
+from tests.tolerances import assert_close
+from vopd.figures.adjust import MOST_ROWS, Change, draw_adjusted
+from vopd.figures.residuals import residual_points
+from vopd.flight.adjust import adjust
+from vopd.flight.adjusted_table import residual_sizes
+from vopd.flight.result import solve_flight
+
+RMS = np.array([[2.0, 1.0], [3.0, 4.0], [np.nan, np.nan], [2.5, 2.0]])
+CHANGES = (
+    Change("focal", "1 → 2 ± 1 px", 0.5, 0.25, stated=True),
+    Change("k1", "3 → 4 ± 1", -2.0, 1.0, stated=False),
+    Change("centre_u", "7 px, trades with yaw", np.nan, 1.0, stated=True),
+)
+
+
+def drawn(changes: Any = CHANGES, **given: Any) -> Any:
+    return draw_adjusted("a $title$", changes, ("one", "two", "three"), RMS, **given)
+
+
+def test_a_row_for_each_parameter() -> None:
+    """What is stated is a bar of one sigma about 0; each is where it moved to, with its sigma."""
+    above, below, values = drawn().axes
+    bars = [(bar.get_x(), bar.get_width(), bar.get_y() + 0.35) for bar in above.patches]
+    assert_close("table value", bars, [(-1.0, 2.0, 0.0), (-1.0, 2.0, 2.0)])
+    ends = [one.get_segments()[0] for one in above.collections]
+    assert_close("table value", sorted(map(np.ravel, ends), key=lambda end: end[1]),
+                 [[0.25, 0.0, 0.75, 0.0], [-3.0, 1.0, -1.0, 1.0]])  # fmt: skip
+    assert points(labelled(above)["not held: kept as stated"]) == [[0.0, 2.0]]
+    names = [text.get_text() for text in above.get_yticklabels()]
+    assert names == ["focal", "k1", "centre_u"]
+    assert [text.get_text() for text in values.get_yticklabels()] == [one.told for one in CHANGES]
+    lines = labelled(below)
+    assert points(lines["before"]) == [[3.0, 0.0], [2.0, 1.0], [2.5, 2.0]]  # the largest first
+    assert points(lines["after"]) == [[4.0, 0.0], [1.0, 1.0], [2.0, 2.0]]
+    assert [text.get_text() for text in below.get_yticklabels()] == ["two", "one", "all"]
+
+
+def test_of_many_those_that_moved_most() -> None:
+    many = [Change(str(k), "", float(k), 1.0, stated=True) for k in range(100)]
+    figure = drawn(many)
+    shown = [text.get_text() for text in figure.axes[0].get_yticklabels()]
+    assert shown == [str(k) for k in range(100 - MOST_ROWS, 100)]
+    assert f"{MOST_ROWS} of 100 parameters" in figure.get_suptitle()
+
+
+@pytest.fixture
+def wrong(tmp_path: Path) -> Path:
+    """The hill with a focal length that is 2 % too long."""
+    folder = tmp_path / "hill"
+    shutil.copytree(ROOT / "examples" / "hill", folder)
+    file = folder / "flight.toml"
+    text = file.read_text(encoding="utf-8")
+    file.write_text(
+        text.replace("fx_px = 1500.0, fy_px = 1490.0", "fx_px = 1530.0, fy_px = 1519.8")
+    )
+    return file
+
+
+def test_residuals_before_and_after(wrong: Path) -> None:
+    """Before they are those of the project as it is; of the right focal length they are small."""
+    names, rms_px = residual_sizes(adjust(str(wrong), ["focal"]))
+    found = residual_points([solve_flight(wrong).history()])
+    by_landmark = [
+        np.sqrt(np.mean(found.pair[found.landmark == k] ** 2)) for k in np.unique(found.landmark)
+    ]
+    assert_close("flight pixel", np.sort(rms_px[:-1, 0]), np.sort(by_landmark))
+    assert_close("flight pixel", rms_px[-1, 0], np.sqrt(np.mean(found.pair**2)))
+    assert len(names) == 6 and rms_px[-1, 1] < 0.3 < 1.0 < rms_px[-1, 0]
+
+
+def test_the_command_draws_it(wrong: Path, tmp_path: Path) -> None:
+    file = tmp_path / "a.svg"
+    ran = vopd("adjust", wrong, "--free", "focal,centre", "-q", "--figure", file)
+    assert "focal" in ran.stdout
+    text = file.read_text(encoding="utf-8")
+    assert ">focal<" in text and "1524.9" in text and "→" in text
+    assert vopd("adjust", wrong, "--free", "focal", "--figure", tmp_path / "a.jpg").status == 2
+    over = vopd("adjust", wrong, "--free", "focal", "--figure", wrong)
+    assert over.status == 2 and wrong.read_text(encoding="utf-8").startswith("[flight]")
