@@ -128,7 +128,7 @@ def test_keys_alone_pick_move_remove_and_undo(opened: Any) -> None:
     assert rows(opened) == ["0.png,mast,31.50,23.50"]
     press(opened, Keys.ARROW_RIGHT, Keys.ARROW_UP, Keys.ARROW_UP)
     assert rows(opened) == ["0.png,mast,31.60,23.30"]
-    press(opened, Keys.PAGE_DOWN, "n")
+    press(opened, Keys.PAGE_DOWN, "N")
     WebDriverWait(opened, 20).until(lambda one: where(one)[0] == 31.5)
     press(opened, Keys.ENTER)
     assert rows(opened)[1] == '1.png,"a ""b"", <c>",31.50,23.50'

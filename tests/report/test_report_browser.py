@@ -25,6 +25,7 @@ from selenium.webdriver.support.ui import Select
 from tests.kit.browser import forget, load, open_browser
 from tests.kit.command import ROOT
 from tests.kit.histories import by_hand, flight, histories, with_estimate
+from tests.kit.html_page import data_of
 from tests.tolerances import assert_close
 from vopd.export import FORMATS, FileRequest
 from vopd.flight.result import solve_flight
@@ -327,6 +328,23 @@ def test_the_slider_curves_keys_and_rows_choose_a_frame(film: Any) -> None:
     film.switch_to.active_element.send_keys(Keys.ARROW_DOWN)
     assert chosen(film) == "19"
     assert film.switch_to.active_element.text == "19"  # the focus goes with it
+
+
+def test_a_frame_without_an_interval_has_no_band(browser: Any, tmp_path: Path) -> None:
+    """Eta of frame 5 has none; a gap divides the frames into 7 and 22, each with two edges."""
+    page = page_of("film").decode()
+    columns = {one["name"]: one for one in data_of(page)["columns"]}
+    for end in ("low", "high"):
+        page = page.replace(columns[f"eta_{end}_95_deg"]["values"][4], "null", 1)
+    load(browser, tmp_path, page.encode())
+    script = """
+      const group = document.getElementById("group");
+      group.value = "attack";
+      group.dispatchEvent(new Event("change", { bubbles: true }));
+      return [...document.querySelectorAll("#curve-box .band")].map((one) =>
+        one.getAttribute("d").split(/[ML]/).length - 1);
+    """
+    assert browser.execute_script(script) == [14, 44, 14, 44, 12, 44]
 
 
 def test_image_map_and_residuals_are_those_of_the_frame(hill: Any) -> None:

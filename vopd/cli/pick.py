@@ -86,6 +86,7 @@ def command(
     from vopd.flight.files import open_input, read_by_content
     from vopd.flight.formats.landmarks import LANDMARK_FORMATS
     from vopd.flight.formats.picks import CLICKS, HIDDEN, read_clicks, read_hidden
+    from vopd.pipeline import is_flight
     from vopd.report.pick import PageContent, Predicted, pick_page
     from vopd.video import open_frames, spread, stills_in
 
@@ -97,7 +98,7 @@ def command(
     own = Path(frames[0], "flight.toml")
     if own.is_file() and not stills_in(own.parent):
         frames = (str(own), *frames[1:])
-    if frames[0].endswith(".toml"):
+    if is_flight(frames[0]):
         if cards is not None:
             raise click.UsageError("--cards: a film has no project; name its scans.")
         project, frames = _of_project(frames)

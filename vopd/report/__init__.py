@@ -104,7 +104,7 @@ def check_ready() -> None:
 
 COLUMNS: tuple[Column, ...] = (
     ("source", "the name of its outputs", True),
-    ("status", "solved, not converged (some frame) or failed", True),
+    ("status", "solved, misfits (a flight), not converged (some frame) or failed", True),
     ("frames", "of all its jobs", False),
     ("attitudes", "frames with an attitude", False),
     ("not_converged", "frames that did not converge", False),

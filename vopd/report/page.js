@@ -296,7 +296,7 @@ function work(data) {
   const SETS = { vehicle: ["yaw", "pitch", "roll"].map((one) => `vehicle_${one}_deg`), camera: ["yaw", "pitch", "roll"].map((one) => `camera_${one}_deg`), attack: ["alpha_deg", "beta_deg", "eta_deg"] };
 
   function ends(one, k, at) {
-    if (one.name === "eta_deg") return [byName.eta_low_95_deg, byName.eta_high_95_deg].map((c) => c.values[k] - value(one, k) + at);
+    if (one.name === "eta_deg") return [byName.eta_low_95_deg, byName.eta_high_95_deg].map((c) => typeof c.values[k] === "number" ? c.values[k] - value(one, k) + at : NaN);
     const half = byName[`half_width_95_${one.name}`]?.values[k];
     return typeof half === "number" ? [at - half, at + half] : [NaN, NaN];
   }

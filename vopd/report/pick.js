@@ -461,6 +461,7 @@ document.addEventListener("keydown", event => {
   if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.key !== "PageUp" && event.key !== "PageDown") return;
   if (event.key === "Enter" && event.target !== canvas) return;
   const away = NEAR_KEYS[event.key];
+  const letter = event.ctrlKey || event.metaKey || event.altKey ? "" : event.key.toLowerCase();
   if (away) {
     const step = event.ctrlKey ? 10 : event.shiftKey ? 1 : .1, own = readings(frame, names[landmark]).at(-1);
     const [u, v] = own ? [own.u, own.v] : cross;
@@ -472,9 +473,9 @@ document.addEventListener("keydown", event => {
   else if (event.key === "0") fit();
   else if (event.key === "PageUp") choose(frame - 1);
   else if (event.key === "PageDown") choose(frame + 1);
-  else if (event.key === "n") ask();
-  else if (event.key === "h") hide();
-  else if (event.key === "p") select(landmark - 1);
+  else if (letter === "n") ask();
+  else if (letter === "h") hide();
+  else if (letter === "p") select(landmark - 1);
   else if (event.key === "Delete") remove();
   else if (event.key === "z" && (event.ctrlKey || event.metaKey)) undo();
   else return;
