@@ -455,6 +455,7 @@ TOLERANCES = {
     "squares of thirty flights": Tolerance(
         "1", 0.45, "one flight has .8, as few clicks turn all of it; three deviations"
     ),
+    "shift of the picture": Tolerance("px", 3.0, "left out are the picks it moves most, of 8 px"),
     "sigma of a match": Tolerance("px", 0.005, "3 times 300 degrees of freedom, 2.5 deviations"),
     "joint minimum": Tolerance("sigma", 1e-7, "the solve ends at steps of 1E-8 sigma"),
     "joint cost": Tolerance("1", 1e-8, "sums of squares of 100, residuals to 1E-10"),

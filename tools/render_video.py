@@ -52,6 +52,7 @@ ALTITUDE_M, CLIMB_M_S = 1800.0, 270.0
 TILT_DEG, CONING_DEG, CONING_HZ = 10.0, 2.0, 0.4
 SPIN_DEG_S, SPIN_VARIES_DEG_S = 16.0, 4.0  # 160 degrees in 10 s, 20 deg/s at most
 SHAKE_DEG, SHAKE_HZ = 0.1, (4.0, 13.0)
+STABILISED_HZ = 0.5, 4.0  # of shifts by stabilisation
 EXPOSURE_S, SAMPLES = 0.004, 4  # of each pixel, spread over its square and over the exposure
 NOISE = 2.0  # grey levels
 PERIOD_M = 5500.0  # of the texture, at least
@@ -80,6 +81,7 @@ class Settings:
     readout_ms: float = 0.0
     say_readout: bool = True
     track_m: float = 0.0
+    stabilised_px: float = 0.0
     codec: str = "libx264"
     key_frames: int = 30  # frames from one to the next
 
@@ -178,6 +180,14 @@ def new_motion(rng: np.random.Generator) -> Motion:
     """Draw a flight's movement."""
     shake = np.stack([rng.uniform(*SHAKE_HZ, (3, 9)), rng.uniform(0, 2 * np.pi, (3, 9))], axis=-1)
     return Motion(rng.uniform(0, 2 * np.pi), rng.uniform(0, 2 * np.pi), shake)
+
+
+def new_shifts_px(settings: Settings, time_s: Floats) -> Floats:
+    """Draw shifts of the whole picture as a stabilisation has them, frame by frame, (F, 2)."""
+    rng = np.random.default_rng([settings.seed, 1])
+    frequency, phase = rng.uniform(*STABILISED_HZ, (2, 9)), rng.uniform(0.0, 2.0 * np.pi, (2, 9))
+    waves = np.sin(2.0 * np.pi * frequency * time_s[:, None, None] + phase).sum(axis=-1)
+    return np.asarray(settings.stabilised_px * np.sqrt(1.0 / 9.0) * waves)
 
 
 # The lens
@@ -396,23 +406,31 @@ class Renderer:
     motion: Motion
     ground: Ground
     rng: np.random.Generator
+    shift_px: Floats  # of the whole picture in each frame, (F, 2)
     slopes: list[tuple[Floats, Floats]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Undistort the pixels, at four places spread over each."""
-        for du, dv in ((-0.375, -0.125), (0.125, -0.375), (0.375, 0.125), (-0.125, 0.375)):
-            self.slopes.append(self.camera.slopes(du, dv))
+        self.slopes = self._slopes(np.zeros(2))
+
+    def _slopes(self, shift_px: Floats) -> list[tuple[Floats, Floats]]:
+        u, v = shift_px
+        spread = ((-0.375, -0.125), (0.125, -0.375), (0.375, 0.125), (-0.125, 0.375))
+        return [self.camera.slopes(du - u, dv - v) for du, dv in spread]
 
     def frame(self, number: int, time_s: float) -> Any:
         """Render a frame, grey levels (V, U) uint8."""
         width, height = self.camera.size
         light = np.zeros((height, width), np.float32)
         row_s = np.arange(height) / (height - 1.0) * self.settings.readout_ms / 1000.0
+        shift_px = self.shift_px[number]
+        if shift_px.any():
+            self.slopes = self._slopes(shift_px)
         for part, (x, y) in enumerate(self.slopes):
             when = time_s + row_s + EXPOSURE_S * ((part + 0.5) / SAMPLES - 0.5)
             if not self.settings.readout_ms:
                 when = when[:1]
-            light += self._sample(when, x, y)
+            light += self._sample(when, x, y, shift_px)
         light /= SAMPLES
         light *= 1.0 + 0.15 * np.sin(2.0 * np.pi * (time_s / 7.0 + 0.1)) - 0.02 * (time_s / 10.0)
         if self.settings.plume:
@@ -421,7 +439,7 @@ class Renderer:
         light += NOISE * self.rng.standard_normal(light.shape, dtype=np.float32)
         return np.clip(light + 0.5, 0.0, 255.0).astype(np.uint8)
 
-    def _sample(self, when: Floats, x: Floats, y: Floats) -> Floats:
+    def _sample(self, when: Floats, x: Floats, y: Floats, shift_px: Floats) -> Floats:
         """Trace one ray a pixel to the ground and to what stands on it."""
         turn = self.motion.turn(when).astype(np.float32)[:, :, :, None]
         place = self.motion.place_m(when).astype(np.float32)[:, :, None]
@@ -437,7 +455,7 @@ class Renderer:
             east, north = c[:, 0] + reach * de, c[:, 1] + reach * dn
             out[rows] = self.ground.texture(east, north)
         for which in range(len(self.ground.mark)):
-            self._draw(which, when, x, y, out)
+            self._draw(which, when, x, y, shift_px, out)
         return out
 
     def _relief(self, c: Floats, de: Floats, dn: Floats, du: Floats) -> Floats:
@@ -457,14 +475,16 @@ class Renderer:
         part = ((np.arange(tall) - j[at]) / (j[at + 1] - j[at]))[:, None]
         return np.asarray(wide[at] + part * (wide[at + 1] - wide[at]), np.float32)
 
-    def _draw(self, which: int, when: Floats, x: Floats, y: Floats, out: Floats) -> None:
+    def _draw(
+        self, which: int, when: Floats, x: Floats, y: Floats, shift_px: Floats, out: Floats
+    ) -> None:
         """Draw a landmark: a bow tie, or a roof with the landmark in its corner; on a mast."""
         mark, foot = self.ground.mark[which], self.ground.foot[which]
         middle = when[len(when) // 2]
         size = MAST_TOP_M if mark[2] > foot else MARK_M * np.sqrt(FULL / self.camera.size[0])
         around = np.array([[a, b, 0.0] for a in (-2.5, 2.5) for b in (-2.5, 2.5)]) * size
         spot = np.concatenate([mark + around, [[*mark[:2], foot]]])
-        seen = pixels(self.camera, self.motion, spot, np.array([middle]))[0]
+        seen = pixels(self.camera, self.motion, spot, np.array([middle]))[0] + shift_px
         spare = 3.0 + 40.0 * self.settings.readout_ms / 1000.0 * self.camera.size[0] / 10.0
         if not np.isfinite(seen).all():
             return
@@ -699,7 +719,8 @@ def make(folder: Path, settings: Settings) -> None:
     hills, ticks = new_hills(rng, settings.hills_m), frame_times(settings)
     time_s, readout_s = ticks / TICKS, settings.readout_ms / 1000.0
     mark, foot = new_marks(rng, settings, camera, motion, hills, time_s)
-    pixel = pixels(camera, motion, mark, time_s, readout_s)
+    shift_px = new_shifts_px(settings, time_s)
+    pixel = pixels(camera, motion, mark, time_s, readout_s) + shift_px[:, None]
     hidden = np.zeros(pixel.shape[:2], bool)
     if settings.plume:
         first, last = plume_frames(settings)
@@ -742,7 +763,7 @@ def make(folder: Path, settings: Settings) -> None:
     ground = Ground(
         texel_m, packed(texture(rng, texel_m)), rng.uniform(0.1, 1.4), hills, mark, foot
     )
-    renderer = Renderer(settings, camera, motion, ground, rng)
+    renderer = Renderer(settings, camera, motion, ground, rng, shift_px)
     shown = (renderer.frame(k, float(t)) for k, t in enumerate(time_s))
     compress(folder / "video.mp4", settings, ticks, shown)
 
@@ -774,6 +795,10 @@ def main() -> None:
     add("--readout-ms", type=float, default=0.0, help="rolling shutter, downward")
     add("--hide-readout", action="store_true", help="do not state it in flight.toml")
     add("--track-m", type=float, default=0.0, help="the whole track is off by that much, unsaid")
+    add(
+        "--stabilised-px", type=float, default=0.0,
+        help="the picture is shifted by so much, rms of u and v together, unsaid",
+    )  # fmt: skip
     add("--codec", default=default.codec)
     add("--key-frames", type=int, default=default.key_frames, help="frames from one to the next")
     given = parser.parse_args()
@@ -781,7 +806,8 @@ def main() -> None:
     make(given.folder, Settings(
         given.seed, (width, height), given.frames, given.rate, given.mbit, given.landmarks,
         given.clicks, given.click_px, given.plume, given.mast_m, given.hills_m, given.cuts,
-        given.readout_ms, not given.hide_readout, given.track_m, given.codec, given.key_frames,
+        given.readout_ms, not given.hide_readout, given.track_m, given.stabilised_px, given.codec,
+        given.key_frames,
     ))  # fmt: skip
 
 

@@ -22,6 +22,7 @@ from vopd.flight.exchanged import exchanged_places
 from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.joint import JointSolution, solve_jointly
 from vopd.flight.misfit import REJECTED, significant_errors
+from vopd.flight.stabilised import shifts_of_frames
 
 TOLD = 0.1  # of a click's variance that the others must say: with less it is not tested
 MOST_WRONG = 0.5  # of the clicks
@@ -101,13 +102,18 @@ def _without(flight: Flight) -> FlightOfClicks:
 
 
 def _is_of_all(joint: JointSolution) -> bool:
-    """Tell whether one error of lens, clock or positions explains what several clicks are off.
+    """Tell whether one error of lens, clock, positions or picture explains several clicks.
 
     It is then named by the tests of the flight, and no click is wrong.
     """
     chance = chdtrc(2.0, _squares(joint))
     tested = int(np.isfinite(chance).sum())
-    if (chance < SIGNIFICANCE / max(tested, 1)).sum() < SEVERAL:
+    wrong = int((chance < SIGNIFICANCE / max(tested, 1)).sum())
+    if wrong:
+        shifts = shifts_of_frames(joint)
+        if shifts.stabilised and shifts.rest < REJECTED**2:
+            return True
+    if wrong < SEVERAL:
         return False
     found = significant_errors(joint, True)
     return bool(found) and found[0].error.landmark < 0 and found[0].rest < REJECTED**2

@@ -59,6 +59,7 @@ USUAL = {
 """Sizes of errors as they happen, standard deviations, s, px a px, m; a landmark's is that up."""
 
 SPEAK_FOR = "the residuals speak for"
+SHIFTED = f"{SPEAK_FOR} a picture that is shifted from frame to frame"
 UNTRIED = "what explains them is not known: with the errors that were tried there is no solution"
 TYPICAL = "px in a typical frame"
 OF_LANDMARK = "are its coordinates and its name right?"
@@ -224,7 +225,7 @@ def _first_order(
         cost -= float(right[:fixed] @ by_stated[:, -1])
         right = right[fixed:] - square[fixed:, :fixed] @ by_stated[:, -1]
         square = square[fixed:, fixed:] - square[fixed:, :fixed] @ by_stated[:, :-1]
-    power, freedom, found = (trial**2).sum(axis=(0, 1)), _freedom(joint), []
+    power, freedom, found = (trial**2).sum(axis=(0, 1)), residuals_freedom(joint), []
     for one in errors:
         index = list(one.columns)
         own, scale = square[np.ix_(index, index)], np.sqrt(power[index])
@@ -246,7 +247,7 @@ def _first_order(
     return found
 
 
-def _freedom(joint: JointSolution) -> float:
+def residuals_freedom(joint: JointSolution) -> float:
     """Count the degrees of freedom of the residuals, with errors that are stated taken as known."""
     free = (~np.isfinite(joint.model.common_sigma)).sum()
     return float(2.0 * len(joint.model.pick) - 3.0 * joint.model.solved - free)
@@ -256,7 +257,7 @@ def _chance(joint: JointSolution, known: bool, count: int, gain: float, rest: fl
     """Test the gain of some values in chi-square, by F where the variance is not known."""
     if known and rest < REJECTED**2:
         return float(chdtrc(count, gain))
-    return float(fdtrc(count, _freedom(joint) - count, gain / count / rest))
+    return float(fdtrc(count, residuals_freedom(joint) - count, gain / count / rest))
 
 
 def _solved_again(
@@ -283,7 +284,7 @@ def _solved_again(
     without = _solved_with(joint, flight, priors)
     if without is None:
         return []
-    freedom, cost = _freedom(joint), without.normal.cost
+    freedom, cost = residuals_freedom(joint), without.normal.cost
     solved: list[tuple[TriedError, JointSolution, float]] = []
     unsettled = 0
     for one in errors:
@@ -683,7 +684,7 @@ class Doubts(NamedTuple):
     """Warnings of a whole flight."""
 
     findings: list[Finding]
-    misfits: bool
+    misfits: bool  # or its video is stabilised
     explained: bool  # by an error that is no single landmark's
 
 
@@ -717,7 +718,8 @@ def flight_findings(
     findings = [
         Finding(text, flight.source, severity="warning") for text in [*texts, *causes] if text
     ]
-    return Doubts(findings, bool(misfit), explained)
+    shifted = any(one.startswith(SHIFTED) for one in causes)
+    return Doubts(findings, bool(misfit) or shifted, explained)
 
 
 def _explanations(
@@ -744,6 +746,11 @@ def _explanations(
     if len(joint.model.pick) > MOST_PICKS:
         some = sampled(joint.model.flight)
         joint = solve_jointly(some.flight, priors_of(some.flight), ~left_out[some.picks])
+    if flight.picks.clicks is not None:
+        from vopd.flight.stabilised import shifts_text  # of few flights
+
+        if shifts := shifts_text(joint):
+            return [shifts], True
     expected_px = USUAL_PX if stated is None else stated
     if misfit:
         from vopd.flight.mistakes import exchanges  # which takes results

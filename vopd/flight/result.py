@@ -81,7 +81,8 @@ class FlightResult(Shown):
     Args:
         estimates: the result of the solve, from which `estimate` is made
         findings: the warnings about files and solution
-        misfits: whether the residuals are larger than all that is stated explains
+        misfits: whether the residuals are larger than all that is stated explains, or speak for
+            a stabilised video
     """
 
     estimates: FlightEstimates
