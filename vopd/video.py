@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import re
+import shlex
 import shutil
 import subprocess
 import tempfile
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 STILLS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp")
+SHOWN = 3  # gaps in the numbers of images, in words
+FEWEST_NUMBERED = 3  # images from which their numbers tell a step
+MOST_GAPS = 0.2  # of the steps: with more the images were chosen
 GAP = 1.5  # of the usual time between frames: a longer one is a gap
 VARIES, TWO_MS = 0.1, 0.002  # of the usual time, beyond rounding: the rate varies
 AT_MOST_DECODED = 1_000  # frames after a key frame, for one that is asked for
@@ -70,13 +74,41 @@ class VideoFrames:
         return self.image_name[k] if self.image_name else str(k)
 
     @property
+    def lost(self) -> int:
+        """How many more frames the index of the video has than are in its files."""
+        return sum(one.lost for one in self.chapters)
+
+    @property
+    def missing(self) -> str:
+        """Which numbers are missing among numbered images, in words; empty if none is.
+
+        Images whose numbers go on by a step, as every tenth frame of a video, miss none.
+        """
+        numbers = sorted({*image_numbers(self.image_name)} - {-1})
+        if len(numbers) < max(len(self.image_name), FEWEST_NUMBERED):
+            return ""
+        step = np.diff(numbers)
+        usual = int(np.median(step))
+        gaps = np.flatnonzero(step > usual)
+        if (step % usual).any() or not len(gaps) or len(gaps) > MOST_GAPS * len(step):
+            return ""
+        first = [numbers[k] + usual for k in gaps.tolist()]
+        last = [numbers[k + 1] - usual for k in gaps.tolist()]
+        told = [f"{a} to {b}" if b > a else str(a) for a, b in zip(first, last, strict=True)]
+        more = f" and {len(told) - SHOWN} more gaps" if len(told) > SHOWN else ""
+        count = int((step[gaps] // usual - 1).sum())
+        is_missing = f"{count_text(count, 'number')} {'is' if count == 1 else 'are'} missing"
+        return f"{is_missing} among them: {', '.join(told[:SHOWN])}{more}"
+
+    @property
     def about(self) -> str:
         """The number of frames, their rate, and what is odd about their times, in a sentence."""
         if not self.chapters:
-            return f"{self.source}: {count_text(len(self), 'image')}"
+            told = f"{self.source}: {count_text(len(self), 'image')}"
+            return told + (f", {self.missing}" if self.missing else "")
         told = f"{self.source}: {count_text(len(self), 'frame')}"
-        if lost := sum(one.lost for one in self.chapters):
-            told += f" (and {lost} more that are not in the file: is it complete?)"
+        if self.lost:
+            told += f" (and {self.lost} more that are not in the file: is it complete?)"
         step_s = np.diff(self.time_s)
         if not len(step_s):
             return told
@@ -144,6 +176,8 @@ class VideoFrames:
                     if k >= low:
                         yield one.first + k, picture
                     k += 1
+            except NoDecoderError:
+                raise
             except VopdError as error:
                 raise self._lost(one.first + k) from error
             if k <= high:
@@ -207,6 +241,12 @@ def open_frames(names: Iterable[str]) -> VideoFrames:
         still = next(path for path in paths if path not in moving)
         raise VopdError(f"{still}: images and a video are not given together")
     return _of_chapters(paths)
+
+
+def image_numbers(image: Sequence[str]) -> list[int]:
+    """Find the numbers at the ends of images' names, before the suffix; -1 where there is none."""
+    found = [re.search(r"(\d{1,15})\D*$", name.rpartition(".")[0] or name) for name in image]
+    return [-1 if one is None else int(one[1]) for one in found]
 
 
 def stills_in(folder: Path) -> list[Path]:
@@ -292,6 +332,18 @@ def _is_installed() -> bool:
     return True
 
 
+class NoDecoderError(VopdError):
+    """No decoder is there for the codec of a video."""
+
+    def __init__(self, path: Path, program: str) -> None:
+        super().__init__(
+            f"{path.name}: {program} has no decoder for its codec; write it in H.264 by the "
+            f"camera maker's program, or by an ffmpeg that has one: ffmpeg -i "
+            f"{shlex.quote(path.name)} -fps_mode passthrough -c:v libx264 -crf 15 "
+            f"{shlex.quote(path.stem + '-h264.mp4')}"
+        )
+
+
 @contextmanager
 def opened(path: Path) -> Iterator[tuple[Any, Any]]:
     """Open a video, and its first stream of frames.
@@ -300,19 +352,16 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
         VopdError: if it cannot be read, or PyAV is not installed
     """
     try:
-        av = optional_package("av", "video", f"{path.name} is no image: reading videos")
+        av = optional_package("av", "video", f"{path.name}: reading videos")
     except VopdError as error:
-        raise VopdError(f"{error}; the program ffmpeg serves as well") from error
+        raise VopdError(f"{error}; or have the program ffmpeg on the path") from error
     try:
         with av.open(str(path)) as container:
             if not container.streams.video:
                 raise VopdError(f"{path.name}: no video is in it; is the file complete?")
             stream = container.streams.video[0]
             if stream.codec_context is None:
-                raise VopdError(
-                    f"{path.name}: its codec is not known here; ffmpeg may write it in another: "
-                    "ffmpeg -i FILE -fps_mode passthrough -c:v libx264 -crf 15 OUT.mp4"
-                )
+                raise NoDecoderError(path, "PyAV")
             stream.thread_type = "AUTO"
             yield container, stream
     except (av.error.FFmpegError, OSError) as error:
@@ -401,6 +450,9 @@ def _read_pnm(stream: IO[bytes]) -> Any:
     return None if len(content) < size else np.frombuffer(content, np.uint8).reshape(shape)
 
 
+NO_DECODER = re.compile(r"no decoder found|decoder .*not found", re.IGNORECASE)
+
+
 @contextmanager
 def _ffmpeg(
     path: Path, *how: str, before: Sequence[str] = (), stream: str = "v:0"
@@ -429,6 +481,8 @@ def _ffmpeg(
         if status:
             errors.seek(0)
             said = errors.read(10_000).decode("utf-8", "replace").strip().splitlines()
+            if any(NO_DECODER.search(line) for line in said):
+                raise NoDecoderError(path, "ffmpeg")
             why = re.sub(r"^(\[[^]]*\] *)+", "", said[0]) if said else "no reason given"
             raise VopdError(f"{path.name}: not a video that can be read: ffmpeg: {why}")
 

@@ -16,6 +16,7 @@ from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile
 from vopd.flight.formats.picks import CLICKS, read_clicks
+from vopd.flight.new import example_project
 
 RATE = "frame_rate_hz = 10.0\n"
 EVEN_MS = [100 * k for k in range(5)]
@@ -44,6 +45,20 @@ def test_a_frame_rate_without_a_decoder(tmp_path: Path, monkeypatch: pytest.Monk
     flight = vopd.solve_flight(project)
     assert_close("presentation time", flight.time_s, [2.0, 2.1, 2.2, 2.3, 2.4])
     assert_approved([one for one in flight.about if "a.mp4" in one])
+
+
+def test_a_frame_rate_beside_a_video_that_is_cut_off(tmp_path: Path) -> None:
+    """Its last frames have any times: the rate is not compared with them, and that is said."""
+    content = example_project().contents["flight.mp4"]
+    (tmp_path / "a.mp4").write_bytes(content[: len(content) // 2])
+    project = write_project(tmp_path, TOML.replace(RATE, RATE + 'video = "a.mp4"\n'))
+    flight = vopd.solve_flight(project)
+    assert_close("presentation time", flight.time_s, [2.0, 2.1, 2.2, 2.3, 2.4])
+    assert_approved([one for one in flight.about if "a.mp4" in one])
+    content = (tmp_path / "picks.csv").read_text(encoding="utf-8")
+    (tmp_path / "picks.csv").write_text(content.replace("\n4,", "\n40,"), encoding="utf-8")
+    with refused():
+        vopd.solve_flight(project)
 
 
 @pytest.mark.parametrize(

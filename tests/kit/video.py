@@ -100,6 +100,8 @@ if "framecrc" in given:
 elif "data" in given:
     for packet in container.demux(stream):
         out.write(bytes(packet))
+elif stream.codec_context is None:
+    sys.exit("Decoder (codec none) not found for input stream #0:0")
 else:
     low, high = map(float, re.search(r"t.,([-\d.]+).,([-\d.]+)", " ".join(given)).groups())
     for frame in container.decode(stream):

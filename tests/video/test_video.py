@@ -47,6 +47,38 @@ def test_a_video_that_is_cut_off_behind_its_index(tmp_path: Path) -> None:
     assert_approved(frames.about)
 
 
+def test_numbers_that_are_missing_among_images(tmp_path: Path) -> None:
+    """Gaps of one and of several numbers, every tenth frame, a choice of frames, no numbers."""
+    told = []
+    for k, numbers in enumerate((
+        [*range(7), *range(8, 20), *range(25, 60)],
+        [*range(0, 200, 10), 230, 240],
+        range(0, 200, 10), [3, 17, 40, 41, 90], [5],
+    )):  # fmt: skip
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        for number in numbers:
+            (folder / f"frame_{number:04d}.png").write_bytes(b"")
+        told.append(open_frames([str(folder)]).about.removeprefix(str(folder)))
+    assert_approved("\n".join(told))
+
+
+def test_a_codec_without_a_decoder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By PyAV, and by a program that stands for ffmpeg."""
+    content = example_project().contents["flight.mp4"]
+    where = content.rindex(b"avc1")
+    (tmp_path / "raw.mp4").write_bytes(content[:where] + b"zzzz" + content[where + 4 :])
+    monkeypatch.chdir(tmp_path)
+    with refused():
+        open_frames(["raw.mp4"])
+    if os.name != "nt":
+        write_stub(tmp_path / "bin" / "ffmpeg")
+        monkeypatch.setenv("PATH", str(tmp_path / "bin"), prepend=os.pathsep)
+        monkeypatch.setitem(sys.modules, "av", None)
+        with refused():
+            next(open_frames(["raw.mp4"]).decoded(0, 0))
+
+
 def test_a_later_start_counts_from_the_first_frame(tmp_path: Path) -> None:
     frames = open_frames([str(write_video(tmp_path / "a.mkv", [ms + 500 for ms in UNEVEN_MS]))])
     assert frames.time_s[0] == 0.0

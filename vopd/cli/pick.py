@@ -222,8 +222,8 @@ def _of_film(
     """
     from vopd.cards.head import read_head
     from vopd.cards.read import open_deck
-    from vopd.flight.track import image_numbers
     from vopd.program.constants import factor
+    from vopd.video import image_numbers
 
     with open_deck(cards) as file:
         head = read_head(file.read(), cards)

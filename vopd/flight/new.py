@@ -592,7 +592,8 @@ def look_at_files(
         named = {"picks": gcp, "landmarks": gcp} | named
     images = named.pop("images", None)
     fixed = "position" in {section for section, _ in values}
-    if "track" not in named and images is not None and not fixed:
+    tagged = images is not None and bool(images_in(Path(images)))  # others have no positions
+    if "track" not in named and images is not None and tagged and not fixed:
         named["track"] = images
     if ("camera", "lens") not in values or "lens" in named:
         look_at_lens(new, values, folder, named.get("lens"))

@@ -3,7 +3,8 @@
 The shift of the principal point, two unknowns more in each frame, is tested for all frames
 together, beside every error that frames have in common. A turn of the camera does nearly the same;
 what tells them apart is how much farther a turn moves the images at the edge of the picture. A
-camera that stands elsewhere from frame to frame does nearly the same, too, and is compared.
+camera that stands elsewhere from frame to frame does nearly the same, too, and shake under a
+rolling shutter something like it; both are compared.
 """
 
 from __future__ import annotations
@@ -41,13 +42,14 @@ class Shifts(NamedTuple):
     size_px: float = 0.0  # root mean square, of u and v together
     chance: float = 1.0  # of residuals that speak for so much where the picture stays
     evidence: float = 0.0  # in chi-square, beside cameras that stand elsewhere in each frame
+    beside_shake: float = np.inf  # likewise beside turning rates of each frame, rolling shutter
     rest: float = 1.0  # variance of what they leave, in those of the picks
 
     @property
     def stabilised(self) -> bool:
         """Whether they are larger than chance, lens and places explain."""
         large = self.chance < SIGNIFICANCE and self.size_px > LEAST_SHIFT_PX
-        return large and self.evidence > -ALIKE
+        return large and self.evidence > -ALIKE and self.beside_shake > ALIKE
 
 
 def shifts_text(joint: JointSolution) -> str:
@@ -91,16 +93,21 @@ def shifts_of_frames(joint: JointSolution) -> Shifts:
         return Shifts()
     if len(some) > MOST_FRAMES:
         some = some[np.linspace(0, len(some) - 1, MOST_FRAMES).round().astype(int)]
-    centre, place = np.zeros((len(frame), 2, 2)), np.zeros((len(frame), 2, 3))
+    centre, place, turn = (np.zeros((len(frame), 2, k)) for k in (2, 3, 3))
     centre[:, [0, 1], [0, 1]] = model.scale[:, None]
     for rows in model.rows(joint.state):
-        place[rows.picks] = rows.by_place
+        place[rows.picks], turn[rows.picks] = rows.by_place, rows.by_turn
     trial = input_errors(joint, even_path(joint))[1]
     common = np.concatenate([centre, trial], axis=2)
     size_px, chance, rest = _changing(joint, some, centre, common)
-    *_, other_rest = _changing(joint, some, place, common)
-    evidence = residuals_freedom(joint) * float(np.log(other_rest / rest))
-    return Shifts(size_px, chance, evidence, rest)
+    others, freedom = [place], residuals_freedom(joint)
+    if model.readout is not None:
+        others.append(turn * model.readout.part[model.pick][:, None, None])
+    evidence = [
+        freedom * float(np.log(_changing(joint, some, other, common)[2] / rest))
+        for other in others
+    ]
+    return Shifts(size_px, chance, evidence[0], min(evidence[1:], default=np.inf), rest)
 
 
 @np.errstate(all="ignore")

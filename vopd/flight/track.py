@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import NamedTuple
 
@@ -55,6 +53,8 @@ def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]
     number, image, index = number_frames(rows.frame)
     section = project.section("picks")
     if image and section.has("frame_rate_hz") and _has_numbers(image):
+        from vopd.video import image_numbers  # of few flights
+
         own = np.array(image_numbers(image), dtype=np.int64)
         order = np.argsort(own)
         number, image = own[order], tuple(image[k] for k in order)
@@ -64,13 +64,9 @@ def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]
 
 def _has_numbers(image: tuple[str, ...]) -> bool:
     """Tell whether the names of all images end in numbers, each in another."""
+    from vopd.video import image_numbers  # of few flights
+
     return len({*image_numbers(image)} - {-1}) == len(image)
-
-
-def image_numbers(image: Sequence[str]) -> list[int]:
-    """Find the numbers at the ends of images' names, before the suffix; -1 where there is none."""
-    found = [re.search(r"(\d{1,15})\D*$", name.rpartition(".")[0] or name) for name in image]
-    return [-1 if one is None else int(one[1]) for one in found]
 
 
 def number_frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
@@ -153,11 +149,15 @@ def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
         raise section.error("video", str(error)) from error
     if frames.image_name:
         if section.values.get("times") != VIDEO:
-            return np.full(len(number), np.nan), ""
+            return np.full(len(number), np.nan), frames.about if frames.missing else ""
         raise section.error("video", f"{frames.source}: images have no times of presentation")
     if number[-1] >= len(frames):
         has = f"{frames.source} has {count_text(len(frames), 'frame')}, counted from 0"
+        if frames.lost:
+            has += f", and {frames.lost} more that are not in the file: is it complete?"
         raise section.error("video", f"frame {number[-1]} is picked, and {has}")
+    if frames.lost and section.values.get("times") != VIDEO:  # those at the end may be any
+        return np.full(len(number), np.nan), f"frame_rate_hz is not checked: {frames.about}"
     return frames.time_s[number], frames.about
 
 

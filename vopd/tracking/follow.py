@@ -27,7 +27,7 @@ from vopd.flight.formats.tracked import (
 )
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of, read_camera, read_pick_rows
-from vopd.flight.track import frames_of, image_numbers, read_path
+from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
 from vopd.tracking.patches import LEAST_CORRELATION, PATCH_PX, SIGMA_FACTOR
@@ -45,7 +45,13 @@ from vopd.tracking.run import (
 from vopd.tracking.scene import Scene
 from vopd.tracking.terrain import read_terrain, relief_text
 from vopd.version import __version__
-from vopd.video import VideoFrames, grey_frames, grey_frames_backward, open_frames
+from vopd.video import (
+    VideoFrames,
+    grey_frames,
+    grey_frames_backward,
+    image_numbers,
+    open_frames,
+)
 
 LEAST_FREEDOM = 30  # of residuals from which the sigma of a match is scaled
 SCALES = (0.4, 5.0)  # of it, at least and at most
@@ -496,6 +502,8 @@ def _summary(
         f"{count_text(len(footage.clicks.frame), 'click')} of "
         f"{count_text(len(set(footage.clicks.landmark.tolist())), 'landmark')}"
     ]
+    if footage.frames.missing:
+        lines.append(footage.frames.about)
     clicked = set(footage.clicks.landmark.tolist())
     width = max(len(name) for name in names)
     elsewhere = [
