@@ -20,6 +20,10 @@ TOLERANCES = {
     "angle wrapped 22 times": Tolerance(
         "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
     ),
+    "azimuth of whole pixels": Tolerance("deg", 0.04, "half a pixel of a focal length of 1500"),
+    "way north": Tolerance(
+        "1", 0.03, "two decimals; a lens whose centre is 3 px beside the middle"
+    ),
     "mark on a page": Tolerance("px", 0.35, "a tenth of a screen's pixel, 3.3 of the image"),
     "click on a page": Tolerance("px", 0.05, "what the page promises; two decimals are .005"),
     "rotation on a page": Tolerance("deg", 1e-6, "what the page promises"),

@@ -36,6 +36,8 @@ class Views:
     ray: Floats  # (P, 3) Earth-centred unit vectors along which they were picked
     computed: Floats  # (n, N, 2) of every landmark; NaN: it has no image
     border: Floats  # (n, B, 3) directions east, north, up, around the image
+    middle: Floats  # (n, 3) direction east, north, up of its middle
+    pixel_of: Callable[[Floats], Floats]  # pixels of directions east, north, up, (n, H, 3)
 
 
 @dataclass(frozen=True, eq=False)

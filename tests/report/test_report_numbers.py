@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved
+from tests.kit.command import ROOT, vopd
 from tests.kit.estimates import estimate
 from tests.kit.histories import (
     SAID,
@@ -22,8 +25,11 @@ from tests.kit.histories import (
     with_sigmas,
 )
 from tests.kit.html_page import data_of, frame_columns
+from tests.tolerances import assert_close
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
+from vopd.flight.result import solve_flight
+from vopd.geometry.earth import geodetic
 from vopd.report import (
     Table,
     flag_rows,
@@ -35,6 +41,8 @@ from vopd.report import (
 )
 from vopd.report.answer import angle_table, doubts, not_included
 from vopd.report.frames import frames_json
+
+HILL = ROOT / "examples" / "hill" / "flight.toml"
 
 
 def names(table: Table, words: bool = False) -> list[str]:
@@ -253,7 +261,7 @@ def test_the_angles_of_frames_with_an_attitude() -> None:
     head, rows = angle_table([made()])
     assert head[0] == "angle" and head[3:] == ["± (95 %), median", "± (95 %), largest"]
     widths = {row[0]: row[3:] for row in rows}
-    assert widths["camera yaw"] == ["4.5", "800"] and widths["camera pitch"] == ["9", "1600"]
+    assert widths["camera yaw"] == ["4.5", "800"] and widths["camera pitch"] == ["9.0", "1600"]
     assert widths["vehicle yaw"] == ["18", "3200"] and widths["vehicle roll"] == ["27", "4800"]
     assert widths["alpha"] == ["32", "5600"] and widths["eta"] == ["6.8", "1200"]
 
@@ -265,12 +273,12 @@ def test_angles_of_one_frame_and_about_north() -> None:
     half = np.full((3, 9), 0.05)
     half[2, 3] = np.inf
     rows = angle_table([by_hand(3, angles_deg=angles, half_deg=half)])[1]
-    assert rows[0] == ["vehicle yaw", "350.000", "10.000", "0.05", "0.05; unknown in 1 frame"]
+    assert rows[0] == ["vehicle yaw", "350.000", "10.000", "0.050", "0.050; unknown in 1 frame"]
     head, rows = angle_table([by_hand(1, angles_deg=angles[:1], half_deg=half[:1])])
     assert head == ["angle", "degrees", "± (95 %)"] and rows[0] == [
         "vehicle yaw",
         "355.000",
-        "0.05",
+        "0.050",
     ]
 
 
@@ -386,7 +394,7 @@ def test_what_is_unknown() -> None:
     one = flagged_film(half_deg=half, eta_deg=eta, time_s=np.full(3, np.nan))
     rows = summary([replace(one, residual_rms=np.full(3, np.nan))])
     widths = {row[0]: row[3] for row in angle_table([one])[1]}
-    assert widths["camera yaw"] == widths["eta"] == "unknown" and widths["camera pitch"] == "2"
+    assert widths["camera yaw"] == widths["eta"] == "unknown" and widths["camera pitch"] == "2.0"
     assert (rows["Time"], rows["Median residual (root mean square)"]) == ("unknown", "unknown")
 
 
@@ -439,3 +447,46 @@ def test_other_standard_deviations() -> None:
     told = other_sigmas_text(with_sigmas(flagged_film(), **every))
     assert_approved(told)
     assert other_sigmas_text(with_sigmas(flagged_film(), **nothing)) == "none stated"
+
+
+# Horizon and north of the frames' images
+
+
+def test_the_horizon_of_every_frame() -> None:
+    """As the frame's own scene projects it; the azimuths along it are whole steps."""
+    solved = solve_flight(HILL).history()
+    (job,) = json.loads(frames_json([solved]))["jobs"]
+    assert solved.estimate.scene is not None
+    scene, start = solved.estimate.scene(), 0
+    horizon = job["horizon"]
+    for k, count in enumerate(horizon["count"]):
+        view = scene.image(k, "") if scene.image else None
+        assert view is not None and count > 10
+        pixel = np.transpose([horizon[one][start : start + count] for one in "uv"])
+        start += count
+        seen = view.direction_of(pixel.astype(float))
+        azimuth = np.degrees(np.arctan2(seen[:, 0], seen[:, 1])) % 360.0
+        along = (horizon["first"][k] + horizon["step"][k] / 2.0 * np.arange(count)) % 360.0
+        assert horizon["first"][k] % horizon["step"][k] == 0.0
+        assert_close("azimuth of whole pixels", (azimuth - along + 180.0) % 360.0, 180.0)
+        height_m = geodetic(scene.camera_m[k]).height_m - geodetic(scene.landmark_m).height_m.min()
+        dip = np.sqrt(2.0 * height_m * 0.87 / 6371e3)  # a plain, and standard refraction
+        assert_close("azimuth of whole pixels", np.degrees(np.arcsin(seen[:, 2]) + dip), 0.0)
+    assert set(job["north"]["u"]) == {None}
+
+
+def test_the_way_north_where_no_horizon_is_seen(tmp_path: Path) -> None:
+    """In a camera that looks down by 35 degrees, as far to the left as its yaw says."""
+    vopd("new", tmp_path / "example")
+    solved = solve_flight(tmp_path / "example" / "flight.toml").history()
+    (job,) = json.loads(frames_json([solved]))["jobs"]
+    assert set(job["horizon"]["count"]) == {0}
+    yaw, pitch, roll = np.radians(solved.estimate.camera_deg[0])
+    level = np.array([np.cos(yaw), -np.sin(yaw), 0.0])  # north: forward, right, down, level
+    across = np.array([level[1], level[0] * np.sin(pitch)])  # turned by pitch: right, down
+    turned = [
+        across[0] * np.cos(roll) + across[1] * np.sin(roll),
+        across[1] * np.cos(roll) - across[0] * np.sin(roll),
+    ]
+    shown = np.array([job["north"]["u"][0], job["north"]["v"][0]])
+    assert_close("way north", shown, turned / np.hypot(*turned))

@@ -175,10 +175,9 @@ AZIMUTHS = {0: "N", 45: "NE", 90: "E", 135: "SE", 180: "S", 225: "SW", 270: "W",
 def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageScene) -> list[str]:
     """Draw the horizon with azimuths, or if it is not in the picture the way north; say what."""
     camera = scene.camera_m[camera_index(history, k, scene)]
-    height = geodetic(camera).height_m - geodetic(scene.landmark_m).height_m.min()
-    dip = np.degrees(np.sqrt(2.0 * max(float(height), 0.0) * (1.0 - BENT) / EARTH_M))
+    dip = float(horizon_dip_deg(camera, scene.landmark_m))
     azimuth = np.arange(0.0, 360.0, 0.25)
-    line = view.pixel_of(_toward(azimuth, -dip))
+    line = view.pixel_of(toward(azimuth, -dip))
     inside = _inside(line, view.size_px)
     if inside.sum() > 1:
         broken = np.where(inside[:, None], line, np.nan)
@@ -186,7 +185,7 @@ def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageSc
         span = float(inside.sum()) * 0.25
         step = next(one for one in (5, 10, 15, 30, 45) if span / one < 9 or one == 45)
         ticks = np.arange(0, 360, step)
-        at = view.pixel_of(_toward(ticks.astype(float), -dip))
+        at = view.pixel_of(toward(ticks.astype(float), -dip))
         seen = _inside(at, view.size_px)
         for degrees, point in zip(ticks[seen].tolist(), at[seen], strict=True):
             axis.plot(*point, "|", color=HORIZON, ms=8, path_effects=halo())
@@ -219,13 +218,24 @@ def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageSc
 BENT, EARTH_M = 0.13, 6371e3  # of standard refraction, for the horizon
 
 
-def _toward(azimuth_deg: Floats, elevation_deg: float) -> Floats:
-    """Find directions east, north, up, (n, 3)."""
+def horizon_dip_deg(camera_m: Floats, landmark_m: Floats) -> Floats:
+    """Find how far below level the horizon of a plain is that is as high as the lowest landmark.
+
+    Args:
+        camera_m: Earth-centred, (..., 3)
+        landmark_m: Earth-centred, (N, 3)
+    """
+    height_m = geodetic(camera_m).height_m - geodetic(landmark_m).height_m.min()
+    below = 2.0 * np.maximum(height_m, 0.0) * (1.0 - BENT) / EARTH_M
+    return np.asarray(np.degrees(np.sqrt(below)))
+
+
+def toward(azimuth_deg: Floats, elevation_deg: Floats | float) -> Floats:
+    """Find directions east, north, up, (..., 3)."""
     around, up = np.radians(azimuth_deg), np.radians(elevation_deg)
     level = np.cos(up)
-    return np.stack(
-        [np.sin(around) * level, np.cos(around) * level, np.full(len(around), np.sin(up))], axis=1
-    )
+    above = np.broadcast_to(np.sin(up), np.shape(around))
+    return np.stack([np.sin(around) * level, np.cos(around) * level, above], axis=-1)
 
 
 def _inside(pixel: Floats, size_px: tuple[int, int]) -> Bools:

@@ -160,6 +160,25 @@ FOCAL_REL = 0.05
 two ways to count them that differ by 4 %."""
 
 
+def look_at_pictures(new: NewProject, values: KeyValues, folder: Path, images: str) -> None:
+    """Name the folder of the images that were picked in, and take their size.
+
+    Args:
+        new: what is found out
+        values: values by section and key
+        folder: where the project will be
+        images: their folder
+    """
+    found = images_in(Path(images))
+    if not found:
+        return
+    values.setdefault(("picks", "video"), _named(images, folder))
+    size = read_tags(found[0]).size_px
+    if ("camera", "image_size_px") not in values and size is not None:
+        values["camera", "image_size_px"] = toml_numbers(*size)
+        new.needed.pop(("camera", "image_size_px"), None)
+
+
 def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
     """Take the focal length from the tags of images, where there is no lens.
 
@@ -616,6 +635,8 @@ def look_at_files(
         )
     elif "picks" in named or not video:
         by_number = look_at_picks(new, values, folder, named.get("picks"))
+        if images is not None and not by_number:
+            look_at_pictures(new, values, folder, images)
     look_at_landmarks(new, values, folder, named.get("landmarks"))
     if fixed:
         if ("position", "x_m") not in values:

@@ -122,6 +122,14 @@ class FlightScene:
         lenses = [self._lens(k) for k in frames.tolist()]
         border = {id(one): _border(one) for one in {id(one): one for one in lenses}.values()}
         around = np.array([border[id(one)] for one in lenses])
+        middle = np.array([_middle(one) for one in lenses])
+
+        def pixel_of(direction: Floats) -> Floats:
+            count, own = direction.shape[:2]
+            seen = np.einsum("nij,nhj->nhi", rotation, direction).reshape(-1, 3)
+            lens = flight.lens.of(np.repeat(frames, own))
+            return np.asarray(project(lens, seen).pixel.reshape(count, own, 2))
+
         return Views(
             np.array([one.size_px for one in lenses]),
             at,
@@ -132,6 +140,8 @@ class FlightScene:
             np.einsum("pj,pji,pik->pk", seen, rotation[at], lines.axes[at], optimize=True),
             computed,
             np.einsum("nbj,nji->nbi", around, rotation),
+            np.einsum("nj,nji->ni", middle, rotation),
+            pixel_of,
         )
 
     def _lens(self, k: int) -> Lens:
@@ -205,6 +215,11 @@ def _border(lens: Lens) -> Floats:
     side = np.stack([share, np.zeros(BORDER)], axis=1)
     sides = [side, [1.0, 0.0] + side[:, ::-1], 1.0 - side, [0.0, 1.0] - side[:, ::-1]]
     return ray_of_pixel(lens, np.concatenate(sides) * (np.array(lens.size_px) - 1.0))
+
+
+def _middle(lens: Lens) -> Floats:
+    """Trace the middle of an image, in camera axes."""
+    return np.asarray(ray_of_pixel(lens, (np.array([lens.size_px]) - 1.0) / 2.0)[0])
 
 
 def photograph(flight: Flight, number: int, name: str) -> Image:

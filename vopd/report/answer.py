@@ -74,7 +74,7 @@ def _angle_row(histories: Sequence[History], name: str, single: bool) -> list[st
     shown = [whole[0]] if single else [whole.min(), whole.max()]
     texts = [f"{in_range(float(one), lowest):.{decimals}f}" for one in shown]
     widths_text = [
-        f"{one:.2g}" if one < 10.0 else f"{one:.0f}" for one in widths[: 1 if single else 2]
+        f"{one:#.2g}" if one < 9.95 else f"{one:.0f}" for one in widths[: 1 if single else 2]
     ]
     none = ["unknown"] * (1 if single else 2)
     unknown = len(half) - len(known)

@@ -16,7 +16,7 @@ from vopd.attitude.table import TableColumn, column_name, columns_of, table_valu
 from vopd.estimate import Units
 from vopd.export.tables import as_text
 from vopd.figures.attitude import TOLD_BY, is_turned
-from vopd.figures.image import camera_index
+from vopd.figures.image import camera_index, horizon_dip_deg, toward
 from vopd.figures.map import MISSED, ground
 from vopd.findings import count_text
 from vopd.geometry.earth import geodetic, local_axes
@@ -249,6 +249,9 @@ def _scene(h: History, footprints: bool) -> dict[str, Any]:
         return made | {"picks": _film_picks(h, rows.frame, own)}
     order = np.argsort(frames)
     views = scene.views(frames[order])
+    back = np.argsort(order)
+    if footprints:
+        made |= _horizons(scene, views, camera_m[order], back)
     views = _in_order(views, order)
     odd = np.zeros((len(frames), len(names)), bool)
     odd[rows.frame[rows.outlier], own[rows.outlier]] = True
@@ -302,8 +305,65 @@ def _in_order(views: Views, order: Ints) -> Views:
     return Views(
         views.size_px[back], frame[picks], views.landmark[picks], views.pixel[picks],
         views.fitted[picks], views.used[picks], views.ray[picks], views.computed[back],
-        views.border[back],
+        views.border[back], views.middle[back], views.pixel_of,
     )  # fmt: skip
+
+
+HALF_STEPS_DEG = (0.5, 1.0, 2.5, 5.0, 7.5, 15.0, 22.5)  # half of those between azimuths
+MOST_AZIMUTHS = 9  # named along a horizon
+
+
+def _horizons(scene: JobScene, views: Views, camera_m: Floats, back: Ints) -> dict[str, Any]:
+    """Describe the horizon of each image, or if it is not in the picture the way north.
+
+    Every second of its points has an azimuth of whole degrees, the first the first that is given.
+    """
+    level = np.hypot(*views.middle.T[:2])
+    cosine = np.einsum("nbj,nj->nb", views.border, views.middle)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        radius = np.arccos(np.clip(np.nanmin(cosine, axis=1), -1.0, 1.0))
+        ratio = np.where(radius < np.pi / 2.0, np.sin(radius) / level, 2.0)
+        span = np.where(ratio < 1.0, np.degrees(np.arcsin(np.clip(ratio, 0.0, 1.0))), 180.0)
+    azimuth = np.degrees(np.arctan2(views.middle[:, 0], views.middle[:, 1]))
+    known = np.isfinite(azimuth) & np.isfinite(span)
+    steps = np.array(HALF_STEPS_DEG)
+    own = np.searchsorted(steps * MOST_AZIMUTHS, np.where(known, span, 0.0))
+    half_deg = steps[np.minimum(own, len(steps) - 1)]
+    first = 2.0 * half_deg * np.floor((azimuth - span) / (2.0 * half_deg))
+    at = first[:, None] + half_deg[:, None] * np.arange(4 * MOST_AZIMUTHS + 3)
+    dip = horizon_dip_deg(camera_m, scene.landmark_m)
+    pixel = views.pixel_of(toward(at, -dip[:, None]))
+    with np.errstate(invalid="ignore"):
+        inside = np.all((pixel >= -0.5) & (pixel <= views.size_px[:, None] - 0.5), axis=2)
+    inside &= (at < first[:, None] + 360.0) & known[:, None]
+    shown = inside.copy()  # with the next beyond each edge
+    shown[:, 1:] |= inside[:, :-1]
+    shown[:, :-1] |= inside[:, 1:]
+    shown &= np.isfinite(pixel).all(axis=2) & (inside.sum(axis=1) > 1)[:, None]
+    start, end = shown.argmax(axis=1), shown.shape[1] - shown[:, ::-1].argmax(axis=1)
+    start -= start % 2  # at a whole degree
+    there = shown.any(axis=1)
+    pixel = np.where((np.abs(pixel) < FAR_PX).all(axis=2, keepdims=True), pixel, np.nan)
+    points = [pixel[k, start[k] : end[k]] if there[k] else pixel[k, :0] for k in back]
+    moved = views.middle + 0.02 * np.array([0.0, 1.0, 0.0])
+    way = views.pixel_of(np.stack([views.middle, moved], axis=1))[back]
+    north = way[:, 1] - way[:, 0]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        north = np.where(there[back, None], np.nan, north / np.hypot(*north.T)[:, None])
+    along = np.concatenate(points)
+    return {
+        "horizon": {
+            "count": _numbers(np.array([len(one) for one in points])),
+            "first": _numbers((first + half_deg * start)[back] % 360.0),
+            "step": _numbers(2.0 * half_deg[back]),
+            "u": _numbers(along[:, 0]),
+            "v": _numbers(along[:, 1]),
+        },
+        "north": {"u": _numbers(north[:, 0], 2), "v": _numbers(north[:, 1], 2)},
+    }
+
+
+FAR_PX = 1e5  # of a point beside the image; beyond it there is none
 
 
 def _film_picks(h: History, frame: Ints, own: Ints) -> dict[str, Any]:

@@ -95,15 +95,17 @@ const extent = (values) => {
 };
 
 // Names beside their points, none over another; those that have no room are left out.
-function names(svg, points, width, height) {
+function names(svg, points, width, height, arrows = []) { // clear of arrows if there is room
   const boxes = points.map(([x, y]) => [x - 4, y - 4, x + 4, y + 4]);
   const apart = (one, other) => one[2] < other[0] || other[2] < one[0] || one[3] < other[1] || other[3] < one[1];
   let left = 0;
   points.forEach(([x, y, text, look], k) => {
     const [a, b] = [[...text].length * 6.4, 12];
     const tries = [[8, -6], [-8 - a, -6], [-a / 2, -20], [-a / 2, 8], [7, -18], [-7 - a, -18], [7, 6], [-7 - a, 6]];
-    const place = tries.map(([u, v]) => [x + u, y + v, x + u + a, y + v + b]).find((box) =>
+    const free = tries.map(([u, v]) => [x + u, y + v, x + u + a, y + v + b]).filter((box) =>
       box[0] >= 0 && box[1] >= 0 && box[2] <= width && box[3] <= height && boxes.every((other, n) => n === k || apart(box, other)));
+    const crossed = (box) => arrows.filter(([u, v]) => u > box[0] && u < box[2] && v > box[1] && v < box[3]).length;
+    const place = free.find((box) => !crossed(box)) ?? free[0];
     if (!place) { left++; return; }
     boxes.push(place);
     svg.append(label(place[0], place[3] - 2.5, text, `name ${look}`));
@@ -525,7 +527,9 @@ function work(data) {
     if (photograph) svg.append(node("image", { href: `data:image/jpeg;base64,${photograph.textContent}`, width: round(width), height: round(height), preserveAspectRatio: "none" }));
     svg.classList.toggle("photo", Boolean(photograph));
     const scale = arrowScale(job, across);
+    const toward = horizon(svg, job, x, y, width, height);
     const points = [];
+    const arrows = [];
     for (const n of some(job.others, job)) {
       const [u, v] = [x(job.others.u[n]), y(job.others.v[n])];
       svg.append(path(`M${round(u)} ${round(v - 5)}l5 9h-10z`, "other"));
@@ -537,6 +541,7 @@ function work(data) {
         const [a, b] = [x(pick.u - pick.du / job.per), y(pick.v - pick.dv / job.per)];
         const [c, d] = [a + (u - a) * scale, b + (v - b) * scale];
         const long = Math.hypot(c - a, d - b) > 0.3 * width;
+        for (let n = 1; n <= 8; n++) arrows.push([a + ((c - a) * n) / 8, b + ((d - b) * n) / 8]);
         svg.append(path(`M${round(a - 5)} ${round(b)}h10m-5 -5v10`, "computed"), long ? line(a, b, u, v, "far") : arrow(a, b, c, d, "residual"));
       }
       if (pick.state === 2) svg.append(node("rect", { x: round(u - 7), y: round(v - 7), width: 14, height: 14, class: "culprit" }));
@@ -545,7 +550,7 @@ function work(data) {
       points.unshift([u, v, pick.state === 2 ? `${pick.name}: does not fit` : pick.name, pick.state === 2 ? "odd" : ""]);
     }
     points.sort((a, b) => (b[3] === "odd") - (a[3] === "odd"));
-    const left = points.length <= 200 ? names(svg, points, width, height) : points.length;
+    const left = points.length <= 200 ? names(svg, points, width, height, arrows) : points.length;
     if (job.usual > 0) {
       const key = roundNumber(1.5 * job.usual);
       const long = (key / job.per) * scale * unit;
@@ -554,7 +559,33 @@ function work(data) {
     const signs = ["○ picked", "+ computed", list.some((one) => one.state === 1) && "◇ picked, not used", odd.length && "□ does not fit", job.others?.count[now - job.first] && "△ not picked: computed place"];
     const more = left ? `; ${left} names left out for want of room` : "";
     const plane = job.sizes ? "" : `; seen from behind the camera, ${job.surface}, corrected for distortion`;
-    of("image-text").textContent = `${said}. ${signs.filter(Boolean).join(", ")}; arrows: residuals, ${scale} times as long${scale > 1 ? ", dashed where that is too long" : ""}${plane}${more}.`;
+    of("image-text").textContent = `${said}. ${signs.filter(Boolean).join(", ")}; arrows: residuals, ${scale} times as long${scale > 1 ? ", dashed where that is too long" : ""}${toward}${plane}${more}.`;
+  }
+
+  const WINDS = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"];
+
+  function horizon(svg, job, x, y, width, height) { // with azimuths, or the way north; says which
+    if (!job.horizon) return "";
+    const k = now - job.first;
+    const own = some(job.horizon, job).map((n) => [job.horizon.u[n], job.horizon.v[n]]);
+    const drawn = own.map(([u, v]) => (u === null ? null : [x(u), y(v)]));
+    if (drawn.length) {
+      let d = "";
+      drawn.forEach((point, n) => { if (point) d += `${n && drawn[n - 1] ? "L" : "M"}${round(point[0])} ${round(point[1])}`; });
+      svg.append(path(d, "horizon"));
+      drawn.forEach((point, n) => {
+        if (!point || n % 2 || point[0] < 12 || point[0] > width - 12 || point[1] < 0 || point[1] > height) return;
+        const azimuth = Math.round(job.horizon.first[k] + (n / 2) * job.horizon.step[k]) % 360;
+        const wind = azimuth % 45 ? "" : ` ${WINDS[azimuth / 45]}`;
+        svg.append(line(point[0], point[1] - 4, point[0], point[1] + 4, "horizon tick"), label(point[0], point[1] < 20 ? point[1] + 15 : point[1] - 7, `${String(azimuth).padStart(3, "0")}°${wind}`, "name toward", "middle"));
+      });
+      return "; dashed line: horizon of a plain as high as the lowest landmark, azimuths from true north";
+    }
+    const [u, v] = [job.north.u[k], job.north.v[k]];
+    if (u === null) return "";
+    const [a, b] = [width - 34, 34];
+    svg.append(arrow(a - 16 * u, b - 16 * v, a + 16 * u, b + 16 * v, "toward"), label(a + 25 * u, b + 25 * v + 4, "N", "name toward", "middle"));
+    return "; N: the way north in the picture's middle";
   }
 
   // The map: camera, landmarks, lines of sight and footprint from above, and from the side
@@ -618,7 +649,7 @@ function work(data) {
     const lift = heights[1] - heights[0] || 1;
     const sy = (h) => base + 6 + (1 - (h - heights[0]) / lift) * (side - 12);
     svg.append(node("rect", { x: left, y: base, width: round(inner), height: side, class: "border" }));
-    for (const h of ticks(heights[0], heights[1] > heights[0] ? heights[1] : heights[0] + 1, 3)[0]) svg.append(line(left, sy(h), width - right, sy(h), "grid"), label(left - 3, sy(h) + 4, String(Math.round(h)), "tick", "end"));
+    for (const h of ticks(heights[0], heights[1] > heights[0] ? heights[1] : heights[0] + 1, 5)[0]) svg.append(line(left, sy(h), width - right, sy(h), "grid"), label(left - 3, sy(h) + 4, String(Math.round(h)), "tick", "end"));
     svg.append(label(left + inner / 2, base + side + 27, `from the side, toward azimuth ${Math.round(((azimuth * 180) / Math.PI + 360) % 360)}°, ${name}; heights, m`, "tick", "middle"));
     for (const s of ticks(start / far, end / far, inner / 90)[0]) svg.append(label(sx(s * far), base + side + 13, String(Number(s.toPrecision(6))), "tick", "middle"));
     const ended = new Map((job.missed?.pick ?? []).map((n, row) => [n, row]));
