@@ -11,8 +11,11 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.joint_flights import at_frames, drone, flight_of
 from tests.kit.random_flights import lenses
+from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close
+from vopd import adjust
 from vopd.arrays import Floats
+from vopd.flight import joint, normal
 from vopd.flight.equations import (
     LENS_COEFFICIENTS,
     Model,
@@ -23,7 +26,9 @@ from vopd.flight.equations import (
     with_parameters,
 )
 from vopd.flight.flight import Flight, Refraction, TrackFixes
+from vopd.flight.joint import JointSolution, places_by_fixes
 from vopd.flight.lines_of_sight import apparent, sight_lines, vertical_by_position
+from vopd.flight.normal import Factored
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, project
 
@@ -131,6 +136,54 @@ def test_the_costs_of_fixes_are_shared_by_frames_that_have_a_part_in_them() -> N
     expected = [1 / 1.25, 0.25 / 1.25 + 0.75 / 1.25, 0.5 / 1.25 + 4.0, 4.0]
     assert_close("table value", model.prior_cost_of_frames(state), expected)
     assert_close("table value", model.prior_cost(state), 10.0)
+
+
+WEAVES = Plan(
+    Errors(landmark_m=(0.1,), fix_m=((0.5, 0.5, 1.0),), clock_s=0.1, clock_rate_ppm=1e4),
+    frames=20, landmarks=5, fix_hz=1.0, weave_m=20.0, sigma_px=True,
+)  # fmt: skip
+"""A path that bends between its fixes: they have the shape of each gap among them."""
+
+
+@pytest.fixture(scope="module")
+def weaves(tmp_path_factory: pytest.TempPathFactory) -> JointSolution:
+    """A flight with a free clock beside a track without velocities, solved."""
+    folder = tmp_path_factory.mktemp("weaves")
+    write_flight(folder, WEAVES, np.random.default_rng(1))
+    found = adjust(folder / "flight.toml", ["clock", "clock-rate"]).result.estimates.joint
+    assert found is not None
+    return found
+
+
+def test_errors_of_fixes_are_errors_of_the_velocity(weaves: JointSolution) -> None:
+    """Places by each error of the track and by the clock, against differences."""
+    model, state = weaves.model, weaves.state
+    fixes = weaves.normal.fixes
+    assert fixes is not None and fixes.between is not None and model.late_s(state).any()
+    for fix in range(len(state.fix_m)):
+        step = np.zeros_like(state.fix_m)
+        step[fix] = 1.0
+        moved = model.moved_m(state._replace(fix_m=state.fix_m + step)) - model.moved_m(state)
+        assert_close("table value", moved, fixes.at_frames(step[..., None])[..., 0])
+    ends = []
+    for side in (1e-4, -1e-4):
+        parameter = state.parameter + side * (np.array(model.names) == "clock")
+        ends.append(model.moved_m(state._replace(parameter=parameter)))
+    assert_close("velocity by differences", (ends[0] - ends[1]) / 2e-4, model.speed_m_s(state))
+
+
+def test_blocks_of_many_fixes_are_formed_as_those_of_few(
+    weaves: JointSolution, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fixes = weaves.normal.fixes
+    assert fixes is not None and fixes.together > normal.NARROW
+    wide = places_by_fixes(weaves.factored)
+    for module in (normal, joint):
+        monkeypatch.setattr(module, "NARROW", fixes.together)
+    narrow = Factored(weaves.normal)
+    assert_close("part of a sigma", narrow.common / weaves.factored.common, 1.0)
+    scale_m2 = np.abs(wide).max()
+    assert_close("part of a sigma", places_by_fixes(narrow) / scale_m2, wide / scale_m2)
 
 
 # Priors and lenses

@@ -21,6 +21,7 @@ from vopd.flight.velocity import (
     gap_twist,
     missed_curvature,
     off_chord,
+    path_slopes,
     polynomial_weights,
     roughness,
     track_velocity,
@@ -162,6 +163,42 @@ def test_variance_of_nine_fixes() -> None:
     assert found.fixes.tolist() == [9]
     assert_close("table value", found.noise[0], np.full(3, 0.04 / 60.0))
     assert_close("table value", found.with_position[0], np.zeros(3))
+
+
+def test_slopes_are_sums_over_fixes() -> None:
+    """A parabola's are exact, and a fix that is moved moves those of the moments it counts for."""
+    time_s = np.array([0.0, 1.0, 1.5, 3.0, 4.0, 6.0])
+    position = np.stack([3.0 * time_s - time_s**2, 5.0 + 0.0 * time_s, 0.5 * time_s**2], axis=1)
+    at_s, rough = np.array([0.0, 0.7, 3.0, 5.9]), rough_as(6, 0.1, 1e-6)
+    found = path_slopes(at_s, time_s, position, rough)
+    expected = np.stack([3.0 - 2.0 * at_s, 0.0 * at_s, at_s], axis=1)
+    assert_close("table value", found.velocity_m_s, expected)
+    assert_close("inverse element", found.acceleration_m_s2, np.tile([-2.0, 0.0, 1.0], (4, 1)))
+    for fix in range(6):
+        moved = path_slopes(at_s, time_s, position + (np.arange(6) == fix)[:, None], rough)
+        slot = fix - found.first
+        inside = (slot >= 0) & (slot < found.by_velocity.shape[1])
+        rows = np.flatnonzero(inside), slot[inside]
+        for name, weight in (("velocity_m_s", found.by_velocity),
+                             ("acceleration_m_s2", found.by_acceleration)):  # fmt: skip
+            own = np.zeros(4)
+            own[inside] = weight[rows]
+            away = getattr(moved, name) - getattr(found, name)
+            assert_close("inverse element", away, np.tile(own[:, None], (1, 3)))
+
+
+def test_slopes_miss_less_curvature_than_noise() -> None:
+    """At the end of the track a window with the least of both misses about as much as its noise."""
+    rng, time_s = np.random.default_rng(7), np.arange(40) / 4.0
+    position = np.zeros((40, 3)) + 0.2 * rng.normal(size=(40, 3))
+    rough, at_s = rough_as(40, 0.2, 0.5), time_s[:1]
+    plain = track_velocity(at_s, time_s, position, rough)
+    short = path_slopes(at_s, time_s, position, rough)
+    used = np.flatnonzero(short.by_velocity[0])
+    missed = missed_curvature(time_s[used][None] - at_s, short.by_velocity[:, used]) * 0.5
+    noise = 0.04 * (short.by_velocity**2).sum()
+    assert plain.curvature[0, 0] > 0.2 * plain.noise[0, 0]
+    assert missed[0] < 0.1 * noise
 
 
 def test_much_curvature_takes_a_cubic() -> None:

@@ -462,15 +462,16 @@ def _path(flight: Flight, added: dict[str, float]) -> CameraPath:
     shift = np.array([added.get(axis, 0.0) for axis in SHIFT]) * (not path.stands)
     middle = np.nanmean(flight.time_s) if np.isfinite(flight.time_s).any() else 0.0
     since_s = np.nan_to_num(flight.time_s - middle)
-    late_s = (added.get("clock", 0.0) + added.get("clock_rate", 0.0) * since_s)[:, None]
+    late_s = added.get("clock", 0.0) + added.get("clock_rate", 0.0) * since_s
     moved = np.tile(shift, (len(late_s), 1))
-    if late_s.any() and path.velocity_m_s is not None:
-        change = np.zeros_like(path.velocity_m_s)
-        if path.acceleration_m_s2 is not None:
-            change = np.nan_to_num(path.acceleration_m_s2)
-        ned = np.nan_to_num(path.velocity_m_s) * late_s + 0.5 * change * late_s**2
-        moved = moved + ned @ NED_FROM_ENU
-        path = replace(path, velocity_m_s=path.velocity_m_s + change * late_s)
+    speed, change = path.velocity_m_s, path.acceleration_m_s2
+    slopes = None if path.fixes is None else path.fixes.slopes
+    if slopes is not None and flight.options.solve_position:
+        speed, change = slopes.velocity_m_s, slopes.acceleration_m_s2
+    for one, after_s in ((speed, late_s), (change, late_s**2 / 2.0)):
+        if one is not None:
+            moved = moved + np.nan_to_num(one * after_s[:, None]) @ NED_FROM_ENU
+    path = path.later(late_s)
     if not moved.any():
         return path
     axes = axes_at(geodetic(path.position_m))

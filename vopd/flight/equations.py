@@ -295,9 +295,17 @@ class Model:
         self.fix_sigma_m = np.zeros((0, 3))
         if priors.fixes is not None:
             self.fix_sigma_m = np.maximum(priors.fixes.sigma_m, LEAST_SIGMA_M)
-        self.axes = axes_at(geodetic(flight.path.position_m))
-        self.velocity_m_s = self._enu(flight.path.velocity_m_s)
-        self.acceleration_m_s2 = self._enu(flight.path.acceleration_m_s2)
+        path = flight.path
+        self.axes = axes_at(geodetic(path.position_m))
+        # where frames may be late, errors of fixes are errors of the velocity as well
+        clock = {"clock", "clock-rate"} & set(flight.options.free)
+        slopes = None if priors.fixes is None else priors.fixes.slopes
+        self._slopes = slopes is not None and (bool(clock) or bool(slopes.late_s.any()))
+        speed, change = path.velocity_m_s, path.acceleration_m_s2
+        if slopes is not None and self._slopes:
+            change = slopes.acceleration_m_s2
+            speed = slopes.velocity_m_s + change * slopes.late_s[:, None]
+        self.velocity_m_s, self.acceleration_m_s2 = self._enu(speed), self._enu(change)
         middle = np.nanmean(flight.time_s) if np.isfinite(flight.time_s).any() else 0.0
         self.since_s = np.nan_to_num(flight.time_s - middle)
 
@@ -359,11 +367,26 @@ class Model:
                 out[:, column] = self.since_s if name == "clock_rate" else 1.0
         return out
 
+    def fixes_at(self, state: State) -> TrackFixes | None:
+        """Look up the parts that frames have in the errors of fixes, by how late they are."""
+        fixes = self.priors.fixes
+        return fixes.later(self.late_s(state)) if fixes is not None and self._slopes else fixes
+
+    def speed_m_s(self, state: State) -> Floats:
+        """Differentiate the places of cameras by their frames' times, east, north, up (F, 3)."""
+        late_s = self.late_s(state)
+        speed = self.velocity_m_s + self.acceleration_m_s2 * late_s[:, None]
+        if self.priors.fixes is not None and self._slopes:
+            parts = self.priors.fixes.speeds(late_s)
+            speed = speed + parts.at_frames(state.fix_m[..., None])[..., 0]
+        return speed
+
     def moved_m(self, state: State) -> Floats:
         """Add up how far each camera is from its stated place, its east, north, up (F, 3)."""
         moved = np.tile([self.value(state, name) for name in SHIFT], (self.frames, 1))
-        if self.priors.fixes is not None:
-            moved += self.priors.fixes.at_frames(state.fix_m[..., None])[..., 0]
+        fixes = self.fixes_at(state)
+        if fixes is not None:
+            moved += fixes.at_frames(state.fix_m[..., None])[..., 0]
         late = self.late_s(state)[:, None]
         if late.any():
             moved += self.velocity_m_s * late + 0.5 * self.acceleration_m_s2 * late**2
@@ -531,8 +554,7 @@ class Model:
         by_refraction: Floats, by_turns: Floats,
     ) -> None:  # fmt: skip
         """Differentiate images by the parameters that are not the lens's, (B, n, 2, M)."""
-        late = self.late_s(state)[frames, None]
-        speed = self.velocity_m_s[frames] + self.acceleration_m_s2[frames] * late
+        speed = self.speed_m_s(state)[frames]
         for column, name in enumerate(self.names):
             if name in SHIFT:
                 out[..., column] = by_place[..., SHIFT.index(name)]

@@ -114,8 +114,8 @@ def places_by_stated(solution: JointSolution) -> Floats:
     weighted = -change * solution.normal.weight[:, None, None]
     _, fix, common = solution.factored.solve(solution.normal.right_side(weighted))
     place = model.place_by_common(np.arange(model.frames)) @ common
-    if model.priors.fixes is not None:
-        place = place + model.priors.fixes.at_frames(fix)
+    if solution.normal.fixes is not None:
+        place = place + solution.normal.fixes.at_frames(fix)
     for column, (name, one) in enumerate(sigma.items()):
         if name in ("clock", "clock_rate"):
             since_s = model.since_s[:, None] if name == "clock_rate" else 1.0
@@ -164,8 +164,8 @@ def held_effects(solution: JointSolution) -> HeldEffects | None:
     turn, fix, moved = solution.factored.solve(solution.normal.right_side(weighted))
     by_common = full.place_by_common(np.arange(model.frames))
     place = by_common[:, :, first : first + count] @ held.root[:count]
-    if model.priors.fixes is not None:
-        place = place + model.priors.fixes.at_frames(fix)
+    if solution.normal.fixes is not None:
+        place = place + solution.normal.fixes.at_frames(fix)
     late_s = model.late_by(held.parameter) @ held.root[:count]
     late_s += model.late_by(model.names) @ moved[: len(model.names)]
     component = {"reading": slice(held.by_picks), ADJUSTED: slice(held.by_picks, None)}

@@ -7,7 +7,7 @@ whose (0, 0) is the centre of the first pixel, u right, v down.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from datetime import datetime
 from functools import cached_property
 from pathlib import Path
@@ -159,6 +159,27 @@ class LandmarkSet:
 
 
 @dataclass(frozen=True, eq=False)
+class TrackSlopes:
+    """Velocity and acceleration of F frames as sums over the fixes of a track.
+
+    An error of a fix is one of the velocity as well, and with it of the place of a camera whose
+    frames are later than they say.
+    """
+
+    first: Ints  # index of the first fix, (F,)
+    by_velocity: Floats  # (F, W) weights of that fix and those after it, 1/s
+    by_acceleration: Floats  # (F, W) likewise, 1/s^2
+    velocity_m_s: Floats  # (F, 3) north, east, down
+    acceleration_m_s2: Floats  # (F, 3) likewise
+    late_s: Floats  # (F,) by which the stated positions are already later
+
+    def of_frames(self, frames: Ints) -> TrackSlopes:
+        """Take some of the frames, by their indices."""
+        values = {one.name: getattr(self, one.name)[frames] for one in fields(self)}
+        return TrackSlopes(**values)
+
+
+@dataclass(frozen=True, eq=False)
 class TrackFixes:
     """The errors of J fixes of a track, and the part that each of F frames has in them."""
 
@@ -170,6 +191,35 @@ class TrackFixes:
     # those that are no fix but the shape of the path between two, its curvature, m/s^2, or the
     # change of that, m/s^3, (J,); None: there is none
     between: Bools | None = None
+    slopes: TrackSlopes | None = None  # of a short track without velocities; None: of any other
+
+    def later(self, late_s: Floats) -> TrackFixes:
+        """Write the parts of frames that are later than the stated positions.
+
+        Args:
+            late_s: of each frame, (F,)
+        """
+        slopes = self.slopes
+        if slopes is None:
+            return self
+        late = (slopes.late_s + late_s)[:, None]
+        weight = slopes.by_velocity * late + slopes.by_acceleration * (late**2 / 2.0)
+        slot = (self.first - slopes.first)[:, None] + np.arange(self.weight.shape[1])
+        inside = slot < weight.shape[1]  # behind the last there are none
+        weight[np.nonzero(inside)[0], slot[inside]] += self.weight[inside]
+        return replace(self, first=slopes.first, weight=weight, slopes=None)
+
+    def speeds(self, late_s: Floats) -> TrackFixes:
+        """Differentiate the parts of frames by how late they are.
+
+        Args:
+            late_s: of each frame, (F,)
+        """
+        slopes = self.slopes
+        assert slopes is not None
+        late = (slopes.late_s + late_s)[:, None]
+        weight = slopes.by_velocity + slopes.by_acceleration * late
+        return replace(self, first=slopes.first, weight=weight, slopes=None)
 
     @property
     def exact(self) -> bool:
@@ -178,7 +228,8 @@ class TrackFixes:
 
     def of_frames(self, frames: Ints) -> TrackFixes:
         """Take the parts that some of the frames have in the fixes, by their indices."""
-        return replace(self, first=self.first[frames], weight=self.weight[frames])
+        slopes = None if self.slopes is None else self.slopes.of_frames(frames)
+        return replace(self, first=self.first[frames], weight=self.weight[frames], slopes=slopes)
 
     def frames_of(self, fix: int) -> Ints:
         """List the frames that depend on a fix, by their indices."""
@@ -251,6 +302,22 @@ class CameraPath:
     NaN where no other frame is near enough; None before a first solve.
     """
     row_s: Floats | None = None  # (T,) a track's times on the frames' clock; None: it has none
+
+    def later(self, late_s: Floats) -> CameraPath:
+        """Take velocities of frames that are later than they say; the positions stay.
+
+        Args:
+            late_s: of each frame, (F,)
+        """
+        if not late_s.any():
+            return self
+        velocity, fixes = self.velocity_m_s, self.fixes
+        if velocity is not None and self.acceleration_m_s2 is not None:
+            velocity = velocity + self.acceleration_m_s2 * late_s[:, None]
+        if fixes is not None and fixes.slopes is not None:
+            slopes = replace(fixes.slopes, late_s=fixes.slopes.late_s + late_s)
+            fixes = replace(fixes, slopes=slopes)
+        return replace(self, velocity_m_s=velocity, fixes=fixes)
 
     @property
     def stands(self) -> bool:

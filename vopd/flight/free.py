@@ -207,10 +207,7 @@ def as_solved(flight: Flight, joint: JointSolution) -> Flight:
     path = flight.path
     moved = model.moved_m(given)
     position = path.position_m + np.einsum("fji,fj->fi", model.axes, moved)
-    velocity = path.velocity_m_s
-    late_s = model.late_s(given)[:, None]
-    if velocity is not None and path.acceleration_m_s2 is not None and late_s.any():
-        velocity = velocity + path.acceleration_m_s2 * late_s
+    path = path.later(model.late_s(given))
     bias = path.bias_sigma_m
     if set(SHIFT) & set(freed):
         bias = np.array([after.get(name, own) for name, own in zip(SHIFT, bias, strict=True)])
@@ -219,7 +216,7 @@ def as_solved(flight: Flight, joint: JointSolution) -> Flight:
     solved = replace(
         flight,
         lens=with_parameters(flight.lens, model.names, parameter),
-        path=replace(path, position_m=position, velocity_m_s=velocity, bias_sigma_m=bias),
+        path=replace(path, position_m=position, bias_sigma_m=bias),
         options=replace(flight.options, free=(), kept=(), parameter_sigma=sigma),
     )
     more_s = model.value(given, "readout")

@@ -18,7 +18,7 @@ from vopd.findings import VopdError
 from vopd.flight.equations import SHIFT, Model, Priors, Readout, State
 from vopd.flight.flight import Flight
 from vopd.flight.free import free_parameters
-from vopd.flight.normal import Factored, Normal, RightSide, pairs
+from vopd.flight.normal import NARROW, Factored, Normal, RightSide, frames_by_block, pairs
 from vopd.flight.solve import LOSSES, NOISE_AT_MOST_RAD, SolvedFlight, solve
 
 # Gauss and Newton with Levenberg's damping
@@ -135,8 +135,8 @@ class JointSolution:
         model, state = self.model, self.beside_free
         common = model.common_of(state)
         place = np.zeros((model.frames, 3, 1))
-        if model.priors.fixes is not None:
-            place = model.priors.fixes.at_frames(state.fix_m[..., None])
+        if self.normal.fixes is not None:
+            place = self.normal.fixes.at_frames(state.fix_m[..., None])
         moved = self.normal.seen(np.zeros_like(place), place, common[:, None])
         return np.asarray(self.normal.residual + moved[..., 0])
 
@@ -221,7 +221,7 @@ def _check_size(model: Model) -> None:
         raise VopdError(
             f"{model.flight.source}: {landmarks} landmarks with a standard deviation are seen, and "
             f"{most // 3} can be solved for with {model.frames} frames; call the best known ones "
-            'exact (sigma_m = 0 in their rows), or hold all by [solve] position = "fixed"'
+            'exact (sigma_m exact in their rows), or hold all by [solve] position = "fixed"'
         )
 
 
@@ -478,6 +478,16 @@ def places_by_fixes(factored: Factored) -> Array:
         return np.zeros((factored.model.frames, 3, 3))
     diagonal, beside = factored.chain.selected_inverse()
     out = np.zeros((len(fixes.block), 3, 3), diagonal.dtype)
+    if fixes.together > NARROW:
+        shape = fixes.together, 3, fixes.together, 3
+        for block, some in frames_by_block(fixes, np.arange(len(out))):
+            weight = fixes.by_block[some].reshape(-1, 2, fixes.together)
+            own = (diagonal[block], beside[block], diagonal[block + 1])
+            for (a, b), part in zip(((0, 0), (0, 1), (1, 1)), own, strict=True):
+                parts = weight[:, a], part.reshape(shape), weight[:, b]
+                both = np.einsum("fa,aibj,fb->fij", *parts, optimize=True)
+                out[some] += both if a == b else both + both.swapaxes(1, 2)
+        return out
     for one, other in pairs(fixes.by_block):
         (upper, row), (lower, column) = divmod(one, fixes.together), divmod(other, fixes.together)
         rows, columns = slice(3 * row, 3 * row + 3), slice(3 * column, 3 * column + 3)
@@ -519,13 +529,13 @@ def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats,
     turn, fix, common = solution.factored.solve(right)
     place = np.zeros_like(weight)
     found = {name: one[0] for name, one in _by_component(model, common.T[None]).items()}
-    if model.priors.fixes is not None:
-        place = model.priors.fixes.at_frames(fix)
-        scaled, between = fix / model.fix_sigma_m[..., None], model.priors.fixes.between
+    if normal.fixes is not None:
+        place = normal.fixes.at_frames(fix)
+        scaled, between = fix / model.fix_sigma_m[..., None], normal.fixes.between
         if between is not None:
             found["interpolation"] = np.einsum("jik,jil->kl", scaled[between], scaled[between])
             scaled = scaled[~between]
-        if not model.priors.fixes.exact:
+        if not normal.fixes.exact:
             found["position"] = np.einsum("jik,jil->kl", scaled, scaled)
     seen = normal.seen(turn, place, common) * normal.weight[:, None, None]
     by_readings = np.einsum("pik,pil->kl", seen, seen)

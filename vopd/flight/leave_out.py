@@ -291,7 +291,7 @@ def _known_frames(joint: JointSolution, every: Model) -> Iterator[_Frame]:
     model, factored = joint.model, joint.factored
     weight = np.zeros(len(model.flight.picks.frame))
     weight[model.pick] = joint.normal.weight
-    size, fixes = len(model.common_sigma), model.priors.fixes
+    size, fixes = len(model.common_sigma), factored.fixes
     common = np.zeros((size + 3, size + 3))  # landmarks that are exact are in the last three
     common[:size, :size] = factored.common
     if fixes is not None:
@@ -481,7 +481,7 @@ def _move(
     chosen = np.zeros(len(tests.kind), bool)
     chosen[every[np.argsort(-tests.evidence[every], kind="stable")[:most]]] = True
     together = max(MOVES_AT_ONCE // (3 * frames), 1)
-    factored, track = joint.factored, joint.model.priors.fixes
+    factored, track = joint.factored, joint.factored.fixes
     for one in steps:
         rows = np.flatnonzero(chosen[one.test])
         for start in range(0, len(rows), together):

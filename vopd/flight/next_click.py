@@ -139,8 +139,8 @@ def _covariances(joint: JointSolution, tried: Flight) -> tuple[Floats, Floats]:
     frame_of = np.repeat(tried.picks.frame, 2)
     own_turn = turn[frame_of, :, np.arange(2 * count)]
     between += np.einsum("ni,nik->nk", own_turn, turned[frame_of])
-    if model.priors.fixes is not None:
-        at_frames = model.priors.fixes.at_frames(fix)
+    if joint.normal.fixes is not None:
+        at_frames = joint.normal.fixes.at_frames(fix)
         own_place = place[frame_of, :, np.arange(2 * count)]
         between += np.einsum("ni,nik->nk", own_place, at_frames[frame_of])
     flat = turned.reshape(-1, 2 * count)

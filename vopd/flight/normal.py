@@ -7,7 +7,7 @@ between, which are coupled to their neighbours alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from vopd.arrays import Array, Floats, Ints
 from vopd.flight.equations import LinearisedPicks, Model, State
+from vopd.flight.flight import TrackFixes
 from vopd.flight.solve import LOSSES
 from vopd.geometry.banded import BlockTridiagonal
 
@@ -81,7 +82,7 @@ class Normal:
         self.plain = not (newton or carry) and self.damping is None
         self.size = len(model.common_sigma)
         self._wide = self.size + 3  # landmarks that are exact write into the last three
-        self.fixes = model.priors.fixes
+        self.fixes = model.fixes_at(state)
         self.residual, self.weight = np.zeros((len(model.pick), 2)), np.ones(len(model.pick))
         self.place = np.zeros((model.frames, 3, 3), kind)
         fixes = 0 if self.fixes is None else self.fixes.blocks * self.fixes.together
@@ -182,11 +183,25 @@ class Normal:
         self.place[frames] = left[..., :3]
         if self.size:
             weight, first = self.fixes.by_block[frames], self.fixes.block[frames]
+            if self.fixes.together > NARROW:
+                self._hand_on_wide(frames, left[..., 3:], index)
+                return
             for slot in np.flatnonzero(weight.any(axis=0)):
                 fix = first * self.fixes.together + slot
                 row = (3 * fix)[:, None, None] + np.arange(3)[:, None]
                 values = left[..., 3:] * weight[:, slot, None, None]
                 _add(self._border, row * self._wide + index[:, None], values)
+
+    def _hand_on_wide(self, frames: Ints, left: Array, index: Ints) -> None:
+        """Hand what frames say of their places and of what is common to blocks of many fixes."""
+        assert self.fixes is not None
+        full = np.zeros((len(frames), 3, self._wide), left.dtype)
+        full[np.arange(len(frames))[:, None], :, index] = left.swapaxes(1, 2)
+        rows = 3 * self.fixes.together
+        for block, some in frames_by_block(self.fixes, frames):
+            weight = self.fixes.by_block[frames[some]]
+            both = np.tensordot(weight, full[some], axes=(0, 0)).reshape(2 * rows, -1)
+            self._border[block * rows : (block + 2) * rows] += both
 
     def _rows(self) -> Iterable[LinearisedPicks]:
         """Iterate over the equations of all picks."""
@@ -322,7 +337,9 @@ class Factored:
         together, width = fixes.together, 3 * fixes.together
         kind = np.result_type(place, fix_scale)
         diagonal, coupling = (np.zeros((fixes.blocks, width, width), kind) for _ in range(2))
-        for one, other in pairs(fixes.by_block):
+        if together > NARROW:
+            _add_wide(fixes, place, diagonal, coupling)
+        for one, other in pairs(fixes.by_block) if together <= NARROW else ():
             upper = one // together, other // together
             if upper != (1, 0):  # the transposed one
                 values = place * (fixes.by_block[:, one] * fixes.by_block[:, other])[:, None, None]
@@ -416,6 +433,34 @@ class Factored:
             row = (3 * number)[:, None, None] + np.arange(3)[:, None]
             _add(out, row * k + np.arange(k), place * weight[:, None, None])
         return out
+
+
+NARROW = 4  # fixes in a block: of wider ones the frames of a block are added up together
+
+
+def _add_wide(fixes: TrackFixes, place: Array, diagonal: Array, coupling: Array) -> None:
+    """Add what frames say of their places (F, 3, 3) to the equations of blocks of many fixes."""
+    width = 3 * fixes.together
+    for block, some in frames_by_block(fixes, np.arange(len(fixes.block))):
+        weight = fixes.by_block[some]
+        both = np.einsum("fa,fij,fb->aibj", weight, place[some], weight, optimize=True)
+        both = both.reshape(2 * width, 2 * width)
+        diagonal[block] += both[:width, :width]
+        diagonal[block + 1] += both[width:, width:]
+        coupling[block] += both[:width, width:]
+
+
+def frames_by_block(fixes: TrackFixes, frames: Ints) -> Iterator[tuple[int, Ints]]:
+    """Iterate over the blocks of fixes, with the places among some frames of those of each.
+
+    Args:
+        fixes: of the track
+        frames: indices, (B,)
+    """
+    block = fixes.block[frames]
+    order = np.argsort(block, kind="stable")
+    found, first = np.unique(block[order], return_index=True)
+    return zip(found.tolist(), np.split(order, first[1:]), strict=True)
 
 
 def pairs(by_block: Floats) -> list[tuple[int, int]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import VopdError, count_text
 from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positions
 from vopd.flight.files import TIME, InputFile, frames_of_column, read_csv
-from vopd.flight.flight import CameraPath, TrackFixes
+from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import (
     TRACK_FORMATS,
@@ -27,6 +28,7 @@ from vopd.flight.velocity import (
     gap_curvature,
     gap_twist,
     off_chord,
+    path_slopes,
     roughness,
     track_velocity,
     with_gaps,
@@ -585,6 +587,8 @@ def path_by_time(
     unknown = ~inside[:, None]
     key_sigma(section, "sigma_t_s", "", notes)
     fixes = path_errors(at, inside, time_s, position, sigma_m, rough, way)
+    if rows.velocity_m_s is None and fixes is not None and not fixes.exact:
+        fixes = with_slopes(fixes, at, here, time_s, position, rough)
     return CameraPath(
         np.where(unknown, np.nan, here),
         fixes,
@@ -595,6 +599,47 @@ def path_by_time(
         lever_arm_m=lever_arm(section),
         row_s=time_s,
     )
+
+
+def with_slopes(
+    fixes: TrackFixes, at: Floats, here: Floats, time_s: Floats, position: Floats, rough: Roughness
+) -> TrackFixes:
+    """Add the fixes' parts in the frames' velocities to the errors of a short track.
+
+    Args:
+        fixes: the errors of the track
+        at: the frames' times, within the track, (F,)
+        here: positions there, Earth-centred, (F, 3)
+        time_s: of the track, (T,)
+        position: of the track, Earth-centred, (T, 3)
+        rough: its noise and curvature
+    """
+    if len(time_s) > MOST_SLOPED or np.isnan(rough.jerk).any():
+        return fixes
+    found = path_slopes(at, time_s, position, rough)
+    # the shape of the path in each gap stands between two fixes
+    each = 1 if fixes.between is None else int(np.flatnonzero(~fixes.between)[1])
+    slots = each * found.by_velocity.shape[1]
+    width = max(slots - each + 1, fixes.weight.shape[1])
+    if len(at) * width**2 > MOST_PARTS:
+        return fixes
+    by_velocity, by_acceleration = np.zeros((2, len(at), width))
+    by_velocity[:, :slots:each] = found.by_velocity
+    by_acceleration[:, :slots:each] = found.by_acceleration
+    to_ned = NED_FROM_ENU @ local_axes(here)
+    slopes = TrackSlopes(
+        each * found.first,
+        by_velocity,
+        by_acceleration,
+        np.einsum("fij,fj->fi", to_ned, found.velocity_m_s),
+        np.einsum("fij,fj->fi", to_ned, found.acceleration_m_s2),
+        found.late_s,
+    )
+    return replace(fixes, slopes=slopes)
+
+
+MOST_SLOPED = 300  # of a longer track the ends, where a fit is uncertain, are a small part
+MOST_PARTS = 2_000_000  # frames times squares of fixes: some hundredths of a second each pass
 
 
 def path_errors(

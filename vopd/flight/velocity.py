@@ -9,12 +9,13 @@ Loader, Smoothing by local regression, 1996, for the windows).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.flight.flight import TrackFixes
+from vopd.flight.flight import TrackFixes, TrackSlopes
 from vopd.geometry.linear import inverse
 
 # Noise and curvature of a track by its third differences
@@ -228,34 +229,91 @@ def track_velocity(
     """
     moments, fixes = len(at_s), len(time_s)
     last = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, fixes - 2)
+    velocity, acceleration, noises, curvature, with_position = np.full((5, moments, 3), np.nan)
+    gap_s, count = np.diff(time_s), np.zeros(moments, np.int64)
+    for some, index, tau, weights in _fitted(at_s, last, time_s, rough):
+        noise, before = rough.noise_m[index], last[some, None]
+        by_velocity, by_acceleration = weights[:, 1], weights[:, 2]
+        away = position_m[index] - position_m[before]
+        velocity[some] = np.einsum("fw,fwi->fi", by_velocity, away)
+        acceleration[some] = np.einsum("fw,fwi->fi", by_acceleration, away)
+        noises[some] = (by_velocity[..., None] ** 2 * noise**2).sum(axis=1)
+        missed = missed_curvature(tau, by_velocity)[:, None]
+        curvature[some] = missed * rough.jerk[last[some]]
+        a = (at_s[some] - time_s[last[some]]) / gap_s[last[some]]
+        in_position = np.where(index == before, 1.0 - a[:, None], 0.0)
+        in_position += np.where(index == before + 1, a[:, None], 0.0)
+        both = (in_position * by_velocity)[..., None] * noise**2
+        with_position[some] = both.sum(axis=1)
+        count[some] = index.shape[1]
+    return TrackVelocity(velocity, acceleration, noises, curvature, with_position, count)
+
+
+def _fitted(
+    at_s: Floats, last: Ints, time_s: Floats, rough: Roughness, bent: float = 1.0
+) -> Iterator[tuple[Ints, Ints, Floats, Floats]]:
+    """Choose a fit for each moment, and weigh its fixes.
+
+    Args:
+        at_s: the moments, (F,)
+        last: the fix before each, (F,)
+        time_s: of the fixes, (T,)
+        rough: noise and curvature of the track
+        bent: times the variance by missed curvature beside that by noise
+
+    Yields:
+        Moments, by their indices (B,); their fixes, and the times of these after them, (B, n); the
+        weights of `polynomial_weights`.
+    """
     gaps, own = np.unique(last, return_inverse=True)
     every = len(gaps) // AT_ONCE + 1  # of very many gaps some are enough
-    best = np.repeat(_best_fits(gaps[::every], time_s, rough), every)[: len(gaps)]
-    velocity, acceleration, noises, curvature, with_position = np.full((5, moments, 3), np.nan)
-    fit, gap_s = best[own], np.diff(time_s)
+    best = np.repeat(_best_fits(gaps[::every], time_s, rough, bent), every)[: len(gaps)]
+    fit = best[own]
     for which in np.unique(best).tolist():
-        (degree, n), these = _fits(fixes)[which], np.flatnonzero(fit == which)
+        (degree, n), these = _fits(len(time_s))[which], np.flatnonzero(fit == which)
         for k in range(0, len(these), AT_ONCE):
             some = these[k : k + AT_ONCE]
             index, tau = _window(n, at_s[some], time_s)
-            noise, before = rough.noise_m[index], last[some, None]
-            weights = polynomial_weights(tau, (noise**2).mean(axis=2), degree)
+            weights = polynomial_weights(tau, (rough.noise_m[index] ** 2).mean(axis=2), degree)
             alike = np.isnan(weights).any(axis=(1, 2))
             weights[alike] = polynomial_weights(tau[alike], np.ones_like(tau[alike]), 1)
-            by_velocity, by_acceleration = weights[:, 1], weights[:, 2]
-            away = position_m[index] - position_m[before]
-            velocity[some] = np.einsum("fw,fwi->fi", by_velocity, away)
-            acceleration[some] = np.einsum("fw,fwi->fi", by_acceleration, away)
-            noises[some] = (by_velocity[..., None] ** 2 * noise**2).sum(axis=1)
-            missed = missed_curvature(tau, by_velocity)[:, None]
-            curvature[some] = missed * rough.jerk[last[some]]
-            a = (at_s[some] - time_s[last[some]]) / gap_s[last[some]]
-            in_position = np.where(index == before, 1.0 - a[:, None], 0.0)
-            in_position += np.where(index == before + 1, a[:, None], 0.0)
-            both = (in_position * by_velocity)[..., None] * noise**2
-            with_position[some] = both.sum(axis=1)
-    count = np.array([n for _, n in _fits(fixes)])[fit]
-    return TrackVelocity(velocity, acceleration, noises, curvature, with_position, count)
+            yield some, index, tau, weights
+
+
+FAITHFUL = 10.0  # times the variance by curvature, which is no unknown as the noise is
+
+
+def path_slopes(at_s: Floats, time_s: Floats, position_m: Floats, rough: Roughness) -> TrackSlopes:
+    """Weigh the fixes in velocity and acceleration at some moments.
+
+    Where the errors of fixes are solved for, those of the velocity by the same fixes are as well,
+    and the path's curvature is what is not known of it: windows are shorter than those of
+    `track_velocity`.
+
+    Args:
+        at_s: the moments, within the track, (F,)
+        time_s: of the fixes, ascending, (T,)
+        position_m: of the fixes, in any axes, (T, 3)
+        rough: noise and curvature of the track
+    """
+    moments, fixes = len(at_s), len(time_s)
+    last = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, fixes - 2)
+    found = list(_fitted(at_s, last, time_s, rough, FAITHFUL))
+    first, behind = last.copy(), last + 2
+    for some, index, _, _ in found:
+        first[some] = np.minimum(first[some], index[:, 0])
+        behind[some] = np.maximum(behind[some], index[:, -1] + 1)
+    width = int((behind - first).max(initial=1))
+    slopes = np.zeros((2, moments, width))
+    for some, index, _, weights in found:
+        slot = index - first[some, None]
+        for which in (0, 1):
+            slopes[which][some[:, None], slot] = weights[:, 1 + which]
+    index = np.minimum(first[:, None] + np.arange(width), fixes - 1)
+    away = position_m[index] - position_m[last, None]
+    velocity, acceleration = np.einsum("kfw,fwi->kfi", slopes, away)
+    on_time = np.zeros(moments)
+    return TrackSlopes(first, slopes[0], slopes[1], velocity, acceleration, on_time)
 
 
 def _window(count: int, at_s: Floats, time_s: Floats) -> tuple[Ints, Floats]:
@@ -276,7 +334,7 @@ def _fits(fixes: int) -> list[tuple[int, int]]:
     return [one for one in FITS if one[1] <= fixes] or [(fixes - 1, fixes)]
 
 
-def _best_fits(gaps: Ints, time_s: Floats, rough: Roughness) -> Ints:
+def _best_fits(gaps: Ints, time_s: Floats, rough: Roughness, bent: float) -> Ints:
     """Find the fit for each gap, an index; the search for it ends where more is worse."""
     best, least = np.zeros(len(gaps), np.int64), np.full(len(gaps), np.inf)
     jerk = np.nan_to_num(rough.jerk[gaps])
@@ -290,8 +348,8 @@ def _best_fits(gaps: Ints, time_s: Floats, rough: Roughness) -> Ints:
             index, tau = _window(n, at_s, time_s)
             noise = rough.noise_m[index] ** 2
             weight = polynomial_weights(tau, noise.mean(axis=2), degree)[:, 1]
-            bent = jerk[left] * missed_curvature(tau, weight)[:, None]
-            cost += ((weight[..., None] ** 2 * noise).sum(axis=1) + bent).sum(axis=1)
+            missed = bent * jerk[left] * missed_curvature(tau, weight)[:, None]
+            cost += ((weight[..., None] ** 2 * noise).sum(axis=1) + missed).sum(axis=1)
         best[left] = np.where(cost < least[left], which, best[left])
         least[left] = np.minimum(cost, least[left])
         of_degree[left] = np.minimum(cost, of_degree[left])
