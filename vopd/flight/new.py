@@ -611,9 +611,8 @@ def look_at_files(
         named = {"picks": gcp, "landmarks": gcp} | named
     images = named.pop("images", None)
     fixed = "position" in {section for section, _ in values}
-    tagged = images is not None and bool(images_in(Path(images)))  # others have no positions
-    if "track" not in named and images is not None and tagged and not fixed:
-        named["track"] = images
+    if "track" not in named and images is not None and not fixed and images_in(Path(images)):
+        named["track"] = images  # images of other kinds have no positions
     if ("camera", "lens") not in values or "lens" in named:
         look_at_lens(new, values, folder, named.get("lens"))
         tagged = Path(images or named.get("track") or "")

@@ -104,8 +104,7 @@ def shifts_of_frames(joint: JointSolution) -> Shifts:
     if model.readout is not None:
         others.append(turn * model.readout.part[model.pick][:, None, None])
     evidence = [
-        freedom * float(np.log(_changing(joint, some, other, common)[2] / rest))
-        for other in others
+        freedom * float(np.log(_changing(joint, some, other, common)[2] / rest)) for other in others
     ]
     return Shifts(size_px, chance, evidence[0], min(evidence[1:], default=np.inf), rest)
 

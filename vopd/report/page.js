@@ -527,9 +527,9 @@ function work(data) {
     if (photograph) svg.append(node("image", { href: `data:image/jpeg;base64,${photograph.textContent}`, width: round(width), height: round(height), preserveAspectRatio: "none" }));
     svg.classList.toggle("photo", Boolean(photograph));
     const scale = arrowScale(job, across);
-    const toward = horizon(svg, job, x, y, width, height);
     const points = [];
     const arrows = [];
+    const toward = horizon(svg, job, x, y, width, height, list.map((pick) => [x(pick.u), y(pick.v)]), arrows);
     for (const n of some(job.others, job)) {
       const [u, v] = [x(job.others.u[n]), y(job.others.v[n])];
       svg.append(path(`M${round(u)} ${round(v - 5)}l5 9h-10z`, "other"));
@@ -564,7 +564,7 @@ function work(data) {
 
   const WINDS = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"];
 
-  function horizon(svg, job, x, y, width, height) { // with azimuths, or the way north; says which
+  function horizon(svg, job, x, y, width, height, marks, arrows) { // with azimuths, or the way north; says which
     if (!job.horizon) return "";
     const k = now - job.first;
     const own = some(job.horizon, job).map((n) => [job.horizon.u[n], job.horizon.v[n]]);
@@ -583,7 +583,9 @@ function work(data) {
     }
     const [u, v] = [job.north.u[k], job.north.v[k]];
     if (u === null) return "";
-    const [a, b] = [width - 34, 34];
+    const away = ([a, b]) => Math.min(...marks.map(([c, d]) => Math.hypot(a - c, b - d)), Infinity);
+    const [a, b] = [[width - 34, 34], [34, 34], [34, height - 34]].reduce((one, other) => (Math.min(away(one), 80) < Math.min(away(other), 80) ? other : one));
+    for (let n = -16; n <= 28; n += 4) arrows.push([a + n * u, b + n * v]);
     svg.append(arrow(a - 16 * u, b - 16 * v, a + 16 * u, b + 16 * v, "toward"), label(a + 25 * u, b + 25 * v + 4, "N", "name toward", "middle"));
     return "; N: the way north in the picture's middle";
   }
