@@ -83,6 +83,20 @@ def moved(one: ClickedFlight, which: np.ndarray, by_px: list[float], carried: bo
     return solve_flight_read(with_rows(one.flight, replace(one.rows, pixel=pixel)))
 
 
+def test_hidden_landmarks_are_not_asked_for() -> None:
+    """The first click that would tell most is marked as hidden there: another one is told."""
+    one = clicked_flight(np.random.default_rng(3), 30, 5, every=15, reach=30)
+    joint = solve_jointly(one.flight, priors_of(one.flight))
+    first = next_clicks(joint)[0]
+    clicks = one.flight.picks.clicks
+    assert clicks is not None
+    hidden = replace(clicks, hidden=frozenset({(str(first.frame), first.landmark)}))
+    flight = replace(one.flight, picks=replace(one.flight.picks, clicks=hidden))
+    again = next_clicks(solve_jointly(flight, priors_of(flight)))
+    assert (first.frame, first.landmark) not in [(each.frame, each.landmark) for each in again]
+    assert again
+
+
 def test_a_click_on_another_mast_is_named_once_and_not_its_tracks() -> None:
     one = clicked_flight(np.random.default_rng(12))
     marks = np.array(one.rows.landmark)

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
+from scipy.ndimage import map_coordinates
 
 from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
@@ -86,6 +88,9 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     assert not list(flight.glob("*.part"))
     asked = vopd("attitude", "flight.toml", "-o", "a.csv").stderr.splitlines()[-3:]
     assert all("flight.toml: click next: L" in line for line in asked)
+    solved = solve_flight("flight.toml")
+    title = " ".join(text.get_text() for text in solved.plot("image").findobj(Text))
+    assert "frame " in title and "frame 0," not in title  # whose clicks fit by their own errors
     drawn = vopd("plot", "flight.toml", "--figure", "map", "-o", "a.svg")
     assert drawn.stderr.splitlines()[-3:] == asked
     assert vopd("track", "flight.toml", "--every", "5", "--to", ".5").status == 0
@@ -171,6 +176,42 @@ def test_hidden_frames_and_a_hidden_landmark(flight: Path, monkeypatch: pytest.M
     assert [status[12, mark] for mark in sorted(marks)].count("tracked") >= 3
     assert {status[k, "L1"] for k in range(14, 20)} == {"occluded"}
     assert {status[k, "L2"] for k in range(14, 20)} == {"tracked"}
+
+
+@pytest.mark.parametrize("how", ["waves", "shadow"])
+def test_a_landmark_that_moves(flight: Path, monkeypatch: pytest.MonkeyPatch, how: str) -> None:
+    """Waves of 3 px, and a shadow that creeps .03 px a frame: by gates, or joint residuals."""
+    true = truth()
+
+    def move(k: int, grey: Any) -> Any:
+        u, v = true[k, "L4"]
+        off = (3.0 * np.sin(2.1 * k), 3.0 * np.cos(1.7 * k)) if how == "waves" else (0.03 * k, 0.0)
+        rows, columns = np.mgrid[: grey.shape[0], : grey.shape[1]]
+        near = np.exp(-((((columns - u) ** 2 + (rows - v) ** 2) / 22.0**2) ** 2))
+        places = [rows - near * off[1], columns - near * off[0]]
+        return map_coordinates(grey.astype(float), places, order=1, mode="nearest").astype(np.uint8)
+
+    monkeypatch.setattr(rooms, "grey_frames", frames_where(move))
+    done = follow(read_project("flight.toml"), TrackOptions())
+    if how == "waves":
+        assert_approved("".join(f"{one.message}\n" for one in done.findings))
+        return
+    result = solve_flight("flight.toml")
+    assert any("the coordinates of L4" in one.message for one in result.findings)
+    assert result.mistaken and not done.findings
+
+
+def test_a_focal_length_4_percent_off(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The example's 520 px, stated as 540.8: named, and no click is accused."""
+    monkeypatch.chdir(tmp_path)
+    vopd("new", "example")
+    monkeypatch.chdir(tmp_path / "example")
+    lens = Path("lens.json").read_text(encoding="utf-8")
+    assert lens.count("520.0") == 2
+    Path("lens.json").write_text(lens.replace("520.0", "540.8"), encoding="utf-8")
+    vopd("track", "flight.toml")
+    done = vopd("attitude", "flight.toml", "-o", "a.csv")
+    assert_approved("".join(f"{one}\n" for one in done.stderr.splitlines() if "warning" in one))
 
 
 def test_a_cut(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -157,7 +157,8 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 @click.option(
     "--frame",
     metavar="N",
-    help="The frame of image and map; by default the one with the most landmarks.",
+    help="The frame of image and map; by default the one with the most landmarks, of a tracked "
+    "video the one of them that fits worst.",
 )
 @click.option(
     "--images",

@@ -363,7 +363,8 @@ def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[Histo
     Args:
         histories: the jobs
         frame: its number or name, in the first job that has it; None takes the
-            frame with the most landmarks, the first of several
+            frame with the most landmarks, the first of several; of clicks tracked through a video
+            the one of those without clicks that fits worst, as clicks fit by their own errors
 
     Raises:
         VopdError: where no job has that frame, or it has no attitude
@@ -371,7 +372,8 @@ def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[Histo
     have = [(h, int(k)) for h in histories for k in np.flatnonzero(h.has_attitude)]
     if frame is None:
         counts = np.concatenate([h.landmarks[h.has_attitude] for h in histories])
-        return have[int(counts.argmax())]
+        first = have[int(counts.argmax())]
+        return first[0], _worst_tracked(first[0], first[1])
     asked = str(frame).strip()
     for history, k in have:
         if history.estimate.frame_label(k) == asked:
@@ -380,6 +382,18 @@ def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[Histo
         raise VopdError(f"frame {asked} has no attitude: it is ignored, or the run stopped there")
     labels = [h.estimate.frame_label(k) for h, k in have]
     raise VopdError(f"no frame {asked}: there are {labels[0]} to {labels[-1]}")
+
+
+def _worst_tracked(history: History, k: int) -> int:
+    """Choose the tracked frame that fits worst, of those with as many landmarks as frame k."""
+    estimate = history.estimate
+    scene = estimate.scene() if estimate.scene is not None else None
+    if scene is None or scene.clicks is None:
+        return k
+    tracked = history.has_attitude & (history.landmarks == history.landmarks[k])
+    tracked[scene.clicks()[0]] = False
+    rms = np.where(tracked, history.residual_rms, np.nan)
+    return k if np.isnan(rms).all() else int(np.nanargmax(rms))
 
 
 def arrow_scale(residual: Floats, width: float) -> float:

@@ -44,6 +44,8 @@ class Clicks:
     lost: Ints  # numbers of frames in which fewer than two landmarks are found
     root: Floats | None = None
     """Times its transpose the covariance of u, v of all clicks, (2C, C'); None: by `sigma_px`."""
+    hidden: frozenset[tuple[str, int]] = frozenset()
+    """Frames, by number or image, and indices of landmarks that a person has marked as hidden."""
     wrong: Floats = field(default_factory=lambda: np.zeros((0, 4)))
     """Clicks that do not fit and are left out: index of frame, of landmark, u, v, (W, 4)."""
 

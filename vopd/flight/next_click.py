@@ -39,7 +39,8 @@ def next_clicks(joint: JointSolution, count: int = 3) -> list[NextClick]:
     """Find the clicks that would lower the stated sigmas most, the best one first.
 
     Each is the best beside those before it, and of another landmark. Frames are tried that are
-    spread over the flight, and in each the landmarks that would be in the picture.
+    spread over the flight, and in each the landmarks that would be in the picture and are not
+    marked as hidden.
 
     Args:
         joint: the solution of a flight with clicks
@@ -98,6 +99,8 @@ def _candidates(joint: JointSolution, sigma_px: float) -> Flight:
     inside = np.isfinite(pixel).all(axis=1) & (ray[:, 2] > 0.0)
     inside &= ((pixel > 0.0) & (pixel < np.array(flight.lens.size_px) - 1.0)).all(axis=1)
     inside &= ~np.isin(frame * len(marks_m) + mark, clicks.frame * len(marks_m) + clicks.landmark)
+    for k in np.flatnonzero(inside):
+        inside[k] = (frame_name(flight, int(frame[k])), int(mark[k])) not in clicks.hidden
     some = np.flatnonzero(inside)[:most]
     picks = Picks(frame[some], mark[some], pixel[some], np.full(len(some), sigma_px))
     return replace(flight, picks=picks)
@@ -147,6 +150,11 @@ def _covariances(joint: JointSolution, tried: Flight) -> tuple[Floats, Floats]:
     return (between + between.T) / 2.0, flat.T @ flat
 
 
+def frame_name(flight: Flight, frame: int) -> str:
+    """Name a frame by its index, as picks do: by its number or its image."""
+    return flight.image_name[frame] if flight.image_name else str(flight.frame[frame])
+
+
 class NextPlace(NamedTuple):
     """A frame in which to click next, and why."""
 
@@ -179,8 +187,7 @@ def next_places(joint: JointSolution, count: int = 3) -> list[NextPlace]:
             f"{name} in {frame_label(flight, one.frame)}, near {u:.0f}, {v:.0f}: the sigma of a "
             f"typical frame falls from {one.before_deg:.3g} to {one.after_deg:.3g} degree"
         )
-        own = flight.image_name[one.frame] if flight.image_name else str(flight.frame[one.frame])
-        found.append(NextPlace(own, name, text, (float(u), float(v))))
+        found.append(NextPlace(frame_name(flight, one.frame), name, text, (float(u), float(v))))
     return found
 
 

@@ -614,9 +614,10 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         if one:
             message = '"one" is for picks of a camera that does not turn, not for tracked ones'
             raise project.section("solve").error("frames", message)
-        from vopd.flight.tracked_picks import join_tracks  # likewise
+        from vopd.flight.tracked_picks import hidden_marks, join_tracks  # likewise
 
-        joined, findings = join_tracks(picks, number, landmarks.name, name)
+        hidden = hidden_marks(project, landmarks.name)
+        joined, findings = join_tracks(picks, number, landmarks.name, name, hidden)
     else:
         joined, findings = join_picks(picks, label, landmarks.name, name)
     camera, wind_said = add_wind(project, path.path)

@@ -9,7 +9,7 @@ import numpy as np
 from vopd.arrays import Ints
 from vopd.findings import Finding, count_text
 from vopd.flight.flight import Clicks, Picks
-from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows
+from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows, read_hidden
 from vopd.flight.formats.tracked import (
     AGAIN,
     CLICKED,
@@ -88,8 +88,22 @@ def _with_stated_sigma(rows: TrackedRows, project: Project) -> TrackedRows:
     return replace(rows, sigma_px=np.where(rows.status == CLICKED, stated_px, rows.sigma_px))
 
 
+def hidden_marks(project: Project, landmarks: tuple[str, ...]) -> frozenset[tuple[str, int]]:
+    """Read which landmarks a person has marked as hidden, by frame and index of the landmark."""
+    section = project.section("picks")
+    if not section.has("file") or not (project.folder / section.text("file")).is_file():
+        return frozenset()
+    place = {name: k for k, name in enumerate(landmarks)}
+    marked = read_hidden(project.open("picks", "file"))
+    return frozenset((frame, place[name]) for frame, name in marked if name in place)
+
+
 def join_tracks(
-    read: PickRows, number: Ints, landmarks: tuple[str, ...], project: str
+    read: PickRows,
+    number: Ints,
+    landmarks: tuple[str, ...],
+    project: str,
+    hidden: frozenset[tuple[str, int]] = frozenset(),
 ) -> tuple[Picks, list[Finding]]:
     """Join the places of each landmark in each frame by the clicks that they were tracked from.
 
@@ -98,6 +112,7 @@ def join_tracks(
         number: of the frames, (F,)
         landmarks: the names of the landmarks
         project: the project's name, for findings
+        hidden: frames and landmarks that a person has marked as hidden
     """
     tracks, frame = read.tracks, np.asarray(read.frame)
     assert tracks is not None
@@ -121,7 +136,7 @@ def join_tracks(
     pixel /= total[:, None]
     clicks = Clicks(
         np.searchsorted(number, keys[1]), keys[0], click_px, pick, click,
-        tracks.pixel[rows] - pixel[pick], tracks.by_click[rows], own_px, tracks.lost,
+        tracks.pixel[rows] - pixel[pick], tracks.by_click[rows], own_px, tracks.lost, hidden=hidden,
     )  # fmt: skip
     at = rows[first[:-1]]
     picks = Picks(

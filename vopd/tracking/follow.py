@@ -310,8 +310,14 @@ def follow(
     if elsewhere:
         message = (
             f"{', '.join(elsewhere)}: hidden, or not where the others have it, in more frames than "
-            "found: do clicks, lens, track and video belong together? vopd check tells more"
+            "found: "
         )
+        few = 2 * len(elsewhere) < len(set(clicks.landmark.tolist()))
+        message += (
+            "is it water, a shadow, something that moves, or a click on another point? leave its "
+            "clicks out if it is" if few
+            else "do clicks, lens, track and video belong together? vopd check tells more"
+        )  # fmt: skip
         findings.append(Finding(message, project.name, severity="warning"))
     beside = (
         (block["status"] == FOUND) & ~np.isin(block["frame"], clicks.frame)
