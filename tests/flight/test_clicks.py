@@ -85,7 +85,7 @@ def moved(one: ClickedFlight, which: np.ndarray, by_px: list[float], carried: bo
 
 def test_hidden_landmarks_are_not_asked_for() -> None:
     """The first click that would tell most is marked as hidden there: another one is told."""
-    one = clicked_flight(np.random.default_rng(3), 30, 5, every=15, reach=30)
+    one = clicked_flight(np.random.default_rng(1), 30, 3, every=30, reach=30)
     joint = solve_jointly(one.flight, priors_of(one.flight))
     first = next_clicks(joint)[0]
     clicks = one.flight.picks.clicks
