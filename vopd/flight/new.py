@@ -611,8 +611,10 @@ def look_at_files(
         named = {"picks": gcp, "landmarks": gcp} | named
     images = named.pop("images", None)
     fixed = "position" in {section for section, _ in values}
-    if "track" not in named and images is not None and not fixed and images_in(Path(images)):
-        named["track"] = images  # images of other kinds have no positions
+    # images of kinds that have no tags bring no positions
+    bare = images is not None and bool(stills_in(Path(images))) and not images_in(Path(images))
+    if "track" not in named and images is not None and not bare and not fixed:
+        named["track"] = images
     if ("camera", "lens") not in values or "lens" in named:
         look_at_lens(new, values, folder, named.get("lens"))
         tagged = Path(images or named.get("track") or "")
