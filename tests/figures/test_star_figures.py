@@ -266,6 +266,28 @@ def test_a_misidentified_star_is_marked(tmp_path: Path) -> None:
         assert [one for one in shown if one.startswith("5h")]  # meridians
 
 
+DAMAGED: dict[str, dict[str, Any]] = {
+    "a centre far away": {"centre": [1e308, 0.0]},
+    "no lens": {"distortion": 1.0},
+    "no focal length": {"focal": 1e-300},
+    "no size": {"size_px": [1e300, 1e-300]},
+    "no number": {"odd": ["x"]},
+    "a star nowhere": {
+        "left_out": [{"star": 1, "name": "", "image": [1e200, 0], "residual": [0, 0]}]
+    },
+    "no stars": {"left_out": {"a": 1}},
+}
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_a_damaged_picture_is_refused(tmp_path: Path, solved: Path, name: str) -> None:
+    rows = json.loads(solved.read_text(encoding="utf-8"))
+    rows[0]["picture"].update(DAMAGED[name])
+    solved.write_text(json.dumps(rows), encoding="utf-8")
+    result = plot(solved, "-o", tmp_path / "x.png")
+    assert result.status == 1 and result.stderr.startswith(f"{solved}: ")
+
+
 def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     """It is beside the star file, under the name of column image, or where --images says."""
     pillow = pytest.importorskip("PIL.Image")

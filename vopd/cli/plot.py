@@ -95,6 +95,8 @@ def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
     if not in_file:
         return drawn
     at, computed = about.in_file(measured), about.in_file(measured - residual)
+    if not (np.isfinite(at).all() and np.isfinite(computed).all()):
+        return drawn  # a star lies outside the field in which the lens can be inverted
     drawn = drawn._replace(
         images=at, residuals=at - computed, centre=tuple(about.centre.tolist()), in_file=True,
         y_down=about.y_down,

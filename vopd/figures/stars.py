@@ -235,6 +235,8 @@ def _draw_sky(
         (around, MERIDIANS_DEG, _hours, middle),
         (dec, PARALLELS_DEG, _degrees, 0.0),
     ):
+        if not np.isfinite(values).any():
+            continue
         low, high = np.nanmin(values) + first, np.nanmax(values) + first
         if not high > low:
             continue

@@ -14,6 +14,7 @@ from vopd.stellar.methods.calibration import LensOfStars, without_lens
 from vopd.stellar.methods.run import SolvedStars
 
 STEPS = 30  # of the search for the image of a point through a lens
+LEAST, MOST = 1e-6, 1e9  # of coordinates and a principal distance, image units
 
 
 class RejectedStar(NamedTuple):
@@ -49,6 +50,7 @@ class StarCamera(NamedTuple):
         found = found * [1.0, -1.0 if self.y_down else 1.0]
         return without_lens(found, LensOfStars(self.focal, k1=self.k1)) if self.k1 else found
 
+    @np.errstate(all="ignore")
     def in_file(self, images: Floats) -> Floats:
         """Find the file's coordinates of images from the principal point, (n, 2)."""
         upward = np.array([1.0, -1.0 if self.y_down else 1.0])
@@ -57,6 +59,7 @@ class StarCamera(NamedTuple):
             found = found + (images - self.centred(found)) * upward
         return found
 
+    @np.errstate(all="ignore")
     def sky_at(self, points: Floats, in_file: bool) -> Floats:
         """Find right ascension and declination at points, degrees, (n, 2).
 
@@ -115,7 +118,7 @@ def read_picture(row: dict[str, Any]) -> StarCamera:
     found = row["picture"]
     numbers = [float(found[name]) for name in ("focal", "k1", "distortion", "first_centre_px")]
     matrix = np.array(row["matrix"], dtype=np.float64)
-    if not (np.isfinite(numbers).all() and numbers[0] > 0.0):
+    if not (LEAST < numbers[0] < MOST and np.abs(numbers).max() < MOST and abs(numbers[2]) < 0.9):
         raise ValueError("a number of the picture is not one that a camera has")
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
         raise ValueError("the matrix is not 3 by 3 finite numbers")
@@ -141,8 +144,8 @@ def read_picture(row: dict[str, Any]) -> StarCamera:
 
 
 def _pair(values: Any) -> Floats:
-    """Read two finite numbers."""
+    """Read two numbers that coordinates can be."""
     found = np.array(values, dtype=np.float64)
-    if found.shape != (2,) or not np.isfinite(found).all():
-        raise ValueError("a point of the picture is not two finite numbers")
+    if found.shape != (2,) or not (np.abs(found) < MOST).all():
+        raise ValueError("a point of the picture is not two numbers that coordinates can be")
     return found
