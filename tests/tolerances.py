@@ -263,6 +263,9 @@ TOLERANCES = {
     "velocity of a manoeuvre": Tolerance(
         "m/s", 0.25, "four standard deviations; plain differences of .1 m over .4 s have .35"
     ),
+    "turning rate of shake": Tolerance(
+        "rad/s", 2e-4, "17 frames of 7.5 Hz leave 1.2E-4 of .08; the two beside leave .03"
+    ),
     "turn of a readout": Tolerance(
         "deg", 2e-3, "two rounds leave a 500th of .9 degree, by rates of frames at the end"
     ),

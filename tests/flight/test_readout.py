@@ -10,6 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import refused
+from tests.kit.clicked_flights import clicked_flight
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
@@ -142,17 +143,40 @@ def test_turning_rates_by_hand() -> None:
     rotation[5] = np.nan
     flight, _ = seen_by_rows(RATE, np.zeros(3), Shutter(0.016, "down", False), 6)
     flight = replace(flight, frame=number, time_s=time_s)
-    found = turning_rates(flight, rotation)
+    found, changes = turning_rates(flight, rotation)
+    assert changes is None
     assert_close("flight turn", found[:4], np.tile(RATE, (4, 1)))
     assert np.isnan(found[4:]).all()
+
+
+def test_a_tracked_flight_follows_shake() -> None:
+    """A tenth of a degree at 7.5 Hz, thirty frames a second; a frame is missing in the middle."""
+    flight = clicked_flight(np.random.default_rng(1), frames=40).flight
+    axis, wave = np.array([0.6, 0.0, 0.8]) * np.radians(0.1), 2.0 * np.pi * 7.5
+    angle = np.sin(wave * flight.time_s)[:, None] * axis
+    rotation = Rotation.from_rotvec(angle).as_matrix()
+    rates, changes = turning_rates(flight, rotation)
+    assert changes is not None
+    true = wave * np.cos(wave * flight.time_s)[:, None] * axis
+    inner = slice(8, -8)
+    assert_close("turning rate of shake", rates[inner], true[inner])
+    assert_close("turning rate of shake", 0.008 * changes[inner], -0.008 * wave**2 * angle[inner])
+    assert not changes[[0, -1]].any()
+    rotation[20] = np.nan
+    rates, changes = turning_rates(flight, rotation)
+    assert changes is not None
+    assert np.isnan(rates[20]).all()
+    assert_close("turning rate of shake", rates[[9, 30]], true[[9, 30]])
+    assert not changes[[19, 21]].any()  # two frames apart are not even
 
 
 def test_frames_half_a_second_apart_say_nothing_of_their_turning() -> None:
     flight, _ = seen_by_rows(RATE, np.zeros(3), Shutter(0.016, "down", False), 3)
     rotation = solve(flight).attitudes.rotation
     named = replace(flight, image_name=("a", "b", "c"), time_s=np.array([0.0, 2.0, 4.0]))
-    assert np.isnan(turning_rates(named, rotation)).all()
-    assert np.isnan(turning_rates(replace(flight, time_s=np.full(3, np.nan)), rotation)).all()
+    assert np.isnan(turning_rates(named, rotation)[0]).all()
+    unknown = replace(flight, time_s=np.full(3, np.nan))
+    assert np.isnan(turning_rates(unknown, rotation)[0]).all()
     shifted = picks_at_frame_times(named, solve(named))
     assert shifted.path.turning_rad_s is not None
     assert np.isnan(shifted.path.turning_rad_s).all()

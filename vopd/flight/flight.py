@@ -303,6 +303,9 @@ class CameraPath:
 
     NaN where no other frame is near enough; None before a first solve.
     """
+    turning_rad_s2: Floats | None = (
+        None  # (F, 3) how that changes, of tracked flights; 0: not known
+    )
     row_s: Floats | None = None  # (T,) a track's times on the frames' clock; None: it has none
 
     def later(self, late_s: Floats) -> CameraPath:

@@ -223,7 +223,7 @@ def as_solved(flight: Flight, joint: JointSolution) -> Flight:
     if more_s and flight.shutter is not None and path.turning_rad_s is not None:
         later = replace(solved, shutter=replace(flight.shutter, readout_s=more_s))
         distance_m = _distances_m(flight, position)
-        shift = row_shifts_px(later, state.rotation, path.turning_rad_s, distance_m)
+        shift = row_shifts_px(later, state.rotation, distance_m)
         total = replace(flight.shutter, readout_s=flight.shutter.readout_s + more_s)
         picks = replace(solved.picks, pixel=solved.picks.pixel - shift)
         solved = replace(solved, picks=picks, shutter=total)

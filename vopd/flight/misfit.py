@@ -542,7 +542,7 @@ def _readout_text(flight: Flight) -> Callable[[Floats, Floats], str]:
 def _readout(joint: JointSolution) -> Readout | None:
     """Take the readout of the flight, or of rows downward; None if no turning rate is known."""
     model, flight = joint.model, joint.model.flight
-    turning = np.nan_to_num(turning_rates(flight, joint.state.rotation))
+    turning = np.nan_to_num(turning_rates(flight, joint.state.rotation)[0])
     if not turning.any():
         return None
     rows = flight.shutter or Shutter(0.0, "down", False)

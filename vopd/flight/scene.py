@@ -152,11 +152,11 @@ class FlightScene:
     @cached_property
     def _row_shift_px(self) -> Floats:
         """How far each pick of a rolling shutter was moved to its frame's time, (P, 2)."""
-        flight, rates = self._flight, self._flight.path.turning_rad_s
-        if rates is None or flight.picks.part is None:
+        flight = self._flight
+        if flight.path.turning_rad_s is None or flight.picks.part is None:
             return np.zeros_like(flight.picks.pixel)
-        lines = self._solved.lines
-        return row_shifts_px(flight, self._solved.attitudes.rotation, rates, lines.distance_m)
+        solved = self._solved
+        return row_shifts_px(flight, solved.attitudes.rotation, solved.lines.distance_m)
 
     def _on_grid(self, position_m: Floats) -> tuple[Floats, Floats]:
         from vopd.flight.coordinates import map_grid
