@@ -82,7 +82,7 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     one = count(flight)
     assert len(one.track_px[0]) > 160
     assert np.sqrt(np.mean(one.track_px[0])) < within("tracked pick")
-    assert one.inside
+    assert one.turned.inside
     seen = {int(row["frame"]) for row in found}
     assert seen == set(range(FRAMES))
     assert not list(flight.glob("*.part"))

@@ -406,9 +406,7 @@ def input_errors(joint: JointSolution, path: CameraPath) -> tuple[list[TriedErro
     for k, mark in enumerate(marks):
         first = len(names) + 3 * k
         columns = (first, first + 1, first + 2)
-        errors.append(
-            TriedError(columns, _landmark_text(flight.landmarks.name[mark]), (), int(mark))
-        )
+        errors.append(TriedError(columns, _landmark_text(flight, int(mark)), (), int(mark)))
     return errors, out
 
 
@@ -506,8 +504,11 @@ def _metres_text(value: Floats, sigma: Floats) -> str:
     )
 
 
-def _landmark_text(name: str) -> Callable[[Floats, Floats], str]:
-    return lambda v, s: f"the coordinates of {name}, {_metres_text(v, s)} ([landmarks])"
+def _landmark_text(flight: Flight, mark: int) -> Callable[[Floats, Floats], str]:
+    name, more = flight.landmarks.name[mark], ""
+    if flight.picks.clicks is not None:
+        more = ", or for a patch that is no level ground: a slope (terrain), a mast (patch_px)"
+    return lambda v, s: f"the coordinates of {name}, {_metres_text(v, s)} ([landmarks]){more}"
 
 
 def _rate_text(flight: Flight) -> Callable[[Floats, Floats], str]:

@@ -157,10 +157,11 @@ def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> Flight:
     """
     rotation = solved.attitudes.rotation
     rates, changes = turning_rates(flight, rotation)
-    turning = {"turning_rad_s": rates, "turning_rad_s2": changes}
+    path = replace(solved.flight.path, turning_rad_s=rates, turning_rad_s2=changes)
     # the lens and, by the clock, the velocity may have been solved for
-    now = replace(flight, lens=solved.flight.lens, path=replace(solved.flight.path, **turning))
+    now = replace(flight, lens=solved.flight.lens, path=path)
     shift = row_shifts_px(now, rotation, solved.lines.distance_m)
     part = row_parts(flight)
     picks = replace(flight.picks, pixel=flight.picks.pixel - shift, part=part)
-    return replace(flight, picks=picks, path=replace(flight.path, **turning))
+    path = replace(flight.path, turning_rad_s=rates, turning_rad_s2=changes)
+    return replace(flight, picks=picks, path=path)
