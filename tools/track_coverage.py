@@ -6,8 +6,8 @@
 Each folder is tracked, unless it has its `tracked.csv`, solved, and compared with its truth. A row
 is a flight: "track" is the error of matches less that of their clicks, all of them and those 10 and
 60 frames from their click, and the largest of all; "turn" the error of the whole attitude, and the
-largest of a frame without a flag; a flight is doubtful if `vopd attitude` ends with status 3. The
-last line is all of them.
+largest of a frame without a flag; a flight is doubtful if it misfits, or its residuals speak
+for an error of its inputs. The last line is all of them.
 
 With --six only the clicks of the first frame are taken (`tracked_six.csv`). With --again the errors
 of the clicks are drawn anew so many times: the places tracked from a click move with it, by the
