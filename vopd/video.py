@@ -300,10 +300,14 @@ def presentation(path: Path) -> tuple[Ints, float, int]:
     lost = 0
     if has_pyav():
         with opened(path) as (container, stream):
-            packets = [one for one in container.demux(stream) if one.pts is not None]
-            shown = [one.pts for one in packets if not one.is_discard]
+            # the packets themselves are the whole file, and are not kept
+            shown, packets = [], 0
+            for one in container.demux(stream):
+                if one.pts is not None:
+                    packets += 1
+                    shown += [] if one.is_discard else [one.pts]
             unit_s = float(stream.time_base)
-            lost = max(stream.frames - len(packets), 0)
+            lost = max(stream.frames - packets, 0)
     else:
         shown, unit_s = _packets_by_ffmpeg(path)
     if not shown:
