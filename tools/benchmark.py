@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
@@ -68,8 +69,13 @@ class Bench:
     def __init__(self, directory: Path, repeat: int) -> None:
         self.directory = directory
         self.repeat = repeat
-        self.original = directory / "original"
-        compile_plain(self.original)
+
+    @cached_property
+    def original(self) -> Path:
+        """The compiled original: only decks and small decks need gfortran."""
+        compiled = self.directory / "original"
+        compile_plain(compiled)
+        return compiled
 
     def rows(self, only: str) -> Iterator[Row]:
         """All measurements, or those of one kind."""

@@ -475,6 +475,15 @@ def altitudes(job: Job, locations: CardLocations) -> Iterator[Finding]:
         yield locations.warning(7, int(row), "H", message)
 
 
+def focal_length(job: Job, locations: CardLocations) -> Iterator[Finding]:
+    """Warn of a focal length that is not positive: no image has one."""
+    if not job.camera.focal_length_mm > 0.0:
+        message = (
+            f"a focal length of {job.camera.focal_length_mm:g} mm: that of a camera is above 0"
+        )
+        yield locations.warning(8, 0, "CC", message)
+
+
 def ignored_all(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn where group 12 names every landmark, because the program then does not ignore all."""
     everywhere = job.ignored.everywhere[job.ignored.everywhere > 0]
@@ -619,6 +628,7 @@ CARD_RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
     (unused_landmarks, (9,)),
     (signs, (9,)),
     (altitudes, (7, 8)),
+    (focal_length, (8,)),
     (ignored_all, (12,)),
 )
 """Rules about cards, beside `reading_spread`, and the groups that must have been read to ask

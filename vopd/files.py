@@ -358,7 +358,15 @@ def _plain(text: str) -> str:
 
 # Terminals
 
-CONTROL = r"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f]"
+TURNING = "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # what follows reads right to left
+CONTROL = rf"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f{TURNING}]"
+
+
+def _escape(found: re.Match[str]) -> str:
+    code = ord(found[0])
+    return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}"
+
+
 """Control characters, but for tabs, ends of lines, and the return of a line of progress."""
 
 
@@ -385,7 +393,7 @@ class Terminal(io.RawIOBase):
             self._terminal.close()
 
     def write(self, data: Any, /) -> int:
-        text = re.sub(CONTROL, lambda one: f"\\x{ord(one[0]):02x}", self._text.decode(bytes(data)))
+        text = re.sub(CONTROL, _escape, self._text.decode(bytes(data)))
         self._terminal.write(text.encode(self._encoding, "backslashreplace"))
         self._terminal.flush()
         return len(data)

@@ -13,7 +13,7 @@ import stat
 import tomllib
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, Protocol
 
 from vopd.findings import count_text
 
@@ -43,6 +43,13 @@ DOTTED = re.compile(
 # Files
 
 
+class Readable(Protocol):
+    """Something that bytes are read from."""
+
+    def read(self, size: int, /) -> bytes:
+        """Read at most `size` bytes; none at the end."""
+
+
 def no_file(path: str | os.PathLike[str], pipes: bool = False) -> str:
     """Say why a path is not to be read: it is a device, a pipe or a socket; empty if it may be."""
     try:
@@ -69,7 +76,7 @@ def _ends(path: str | os.PathLike[str]) -> bool:
         os.close(descriptor)
 
 
-def read_limited(file: BinaryIO, most: int = MOST_BYTES) -> bytes:
+def read_limited(file: Readable, most: int = MOST_BYTES) -> bytes:
     """Read a file to its end.
 
     Raises:

@@ -243,9 +243,12 @@ def open_frames(names: Iterable[str]) -> VideoFrames:
     return _of_chapters(paths)
 
 
+ENDING = re.compile(r"(\d{1,15})\D*$", re.ASCII)
+
+
 def image_numbers(image: Sequence[str]) -> list[int]:
     """Find the numbers at the ends of images' names, before the suffix; -1 where there is none."""
-    found = [re.search(r"(\d{1,15})\D*$", name.rpartition(".")[0] or name) for name in image]
+    found = [ENDING.search(name.rpartition(".")[0] or name) for name in image]
     return [-1 if one is None else int(one[1]) for one in found]
 
 

@@ -13,7 +13,7 @@ import pytest
 import vopd
 from tests.approved.texts import assert_approved
 from tests.kit.cards import CardLines, edited, landmarks_again, punch, punch_all, said, two_frames
-from tests.kit.command import CASE_1
+from tests.kit.command import CASE_1, CASE_4
 from vopd.cards.deck import CardBlock
 from vopd.cards.read import read_jobs
 from vopd.cards.write import write_deck
@@ -334,3 +334,23 @@ def test_the_first_number_of_each_card_of_a_list(group: int, card: int, field: s
     found = caught.value.finding
     assert (found.card, found.group, found.columns, found.field) == (at + 1, group, (1, 5), field)
     assert found.message == "not a whole number: 'x1'"
+
+
+@pytest.mark.parametrize(
+    ("number", "change"),
+    [
+        (33, "twice"), (36, "twice"), (37, "twice"), (40, "twice"), (44, "twice"),
+        (39, "out"), (40, "out"), (44, "out"), (38, "blank"), (29, "blank"),
+        (30, "    2"), (30, "    4"), (30, "3    "), (30, "99999"),
+    ],
+)  # fmt: skip
+def test_a_card_too_many_or_too_few_in_a_deck_with_group_11(number: int, change: str) -> None:
+    """Landmarks ignored in one frame stand behind the card that is wrong; its count is card 30."""
+    cards = CASE_4.read_text().splitlines()
+    card = cards[number - 1]
+    changed = {"twice": [card, card], "out": [], "blank": ["", card]}
+    cards[number - 1 : number] = changed.get(change, [change + card[5:]])
+    found = check_deck(io.BytesIO("\n".join(cards).encode()), "deck")
+    (error,) = (one for one in found if one.severity == "error")
+    assert error.card == number + (change == "twice") or change not in changed or number == 39
+    assert_approved(str(error))

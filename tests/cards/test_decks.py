@@ -512,8 +512,8 @@ def test_a_deck_in_another_code_or_in_records(content: tuple[str, bytes]) -> Non
 def test_a_record_without_its_descriptor_is_a_bad_card() -> None:
     """Everything after it is passed on as it is: no card is lost without a word."""
     cut = described(80)
-    whole = CardText(io.BytesIO(cut[: 84 * 9])).all()
-    damaged = CardText(io.BytesIO(cut[: 84 * 9] + cut[84 * 9 + 1 :])).all()
+    whole = CardText(io.BytesIO(cut[: 84 * 9])).all("deck")
+    damaged = CardText(io.BytesIO(cut[: 84 * 9] + cut[84 * 9 + 1 :])).all("deck")
     assert whole.decode() == "".join(f"{card:80}\n" for card in TEXT.splitlines()[:9])
     assert damaged.startswith(whole) and len(damaged) == 9 * 81 + len(cut) - 84 * 9 - 1
 

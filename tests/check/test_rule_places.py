@@ -222,7 +222,8 @@ ANEW = {  # the rule: the groups whose cards it looks at
     "copied_readings": {0}, "fiducials": {0}, "frame_order": {0},
     "too_few_landmarks": {0, 5, 12}, "lens_reach": {0, 1}, "unused_landmarks": {9},
     "signs": {9}, "tables_in_order": {1, 4, 6, 7, 11, 12}, "tables_span": {4, 6, 7},
-    "altitudes": {7, 8}, "ignored_all": {12},
+    "altitudes": {7, 8},
+    "focal_length": {8}, "ignored_all": {12},
 }  # fmt: skip
 
 

@@ -188,3 +188,9 @@ def test_cards_that_are_held_back_are_counted(basic: int, monkeypatch: pytest.Mo
     ran = vopd("cards", CASE_1, "--card", f"{basic}-{basic + 1}")
     assert ran.status == 1
     assert_approved(ran.stderr, parts=[CASE_1, basic + 1, basic])
+
+
+@pytest.mark.parametrize("option", ["--card", "--group"])
+def test_a_number_of_thousands_of_digits(option: str) -> None:
+    """Python refuses to read more than 4,300."""
+    assert vopd("cards", CASE_1, option, "9" * 5000).status == 2

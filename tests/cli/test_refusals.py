@@ -6,6 +6,7 @@ import json
 import os
 import re
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
 from itertools import permutations
@@ -20,7 +21,7 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.command import CASE_1, handed, vopd
 from vopd.attitude.history import HistoryOptions
 from vopd.batch import workers as runs
-from vopd.cli import batch, diff, plot
+from vopd.cli import batch, cli, diff, plot
 from vopd.cli.attitude import _request
 from vopd.cli.batch import _shard
 from vopd.cli.cards import SHOWN, CardChoice
@@ -633,3 +634,31 @@ def test_a_date_of_making_is_read_before_any_library_stops_at_it(
         assert_approved(ran.stderr)
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "")
     assert vopd("cards", CASE_1).status == 0 and "SOURCE_DATE_EPOCH" not in os.environ
+
+
+def leaves(command: click.Command) -> Iterator[click.Command]:
+    """List the commands below a group."""
+    if not isinstance(command, click.Group):
+        yield command
+        return
+    context = click.Context(command)
+    for name in command.list_commands(context):
+        below = command.get_command(context, name)
+        assert below is not None
+        yield from leaves(below)
+
+
+@pytest.mark.parametrize("text", ["\u0663", "1_0"])
+def test_options_take_plain_digits_alone(text: str) -> None:
+    """Python's numbers have those of other scripts, and separators."""
+    kinds = (click.types.IntParamType, click.types.FloatParamType)
+    numbers = [
+        option
+        for command in leaves(cli)
+        for option in command.params
+        if isinstance(option.type, kinds)
+    ]
+    assert len(numbers) > 40
+    for option in numbers:
+        with pytest.raises(click.BadParameter):
+            option.type.convert(text, option, None)

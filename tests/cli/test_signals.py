@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import PROCESSOR, ROOT
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
@@ -122,3 +124,32 @@ def test_a_machine_without_hangups(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr(__main__.signal, "SIGHUP")
     __main__.stop_at_signals()
     assert set(kept) == {signal.SIGINT, signal.SIGTERM}
+
+
+INTERRUPTED = """
+import os, signal
+from vopd import __main__ as program
+from vopd.cli import console
+console.PATIENCE_S = -1.0  # as if the work had lasted
+plain = console.Progress.add
+def add(self, count):
+    plain(self, count)
+    if count:
+        os.kill(os.getpid(), signal.SIGINT)
+console.Progress.add = add
+program.main()
+"""
+
+
+@pytest.mark.parametrize(
+    "command", ["batch in -d out", "attitude in -o table.csv", "attitude in --format csv"]
+)
+def test_what_is_done_and_how_it_goes_on(command: str, tmp_path: Path) -> None:
+    """The first part of the work is done when Ctrl-C is pressed."""
+    for name in ("in", "in/later"):
+        shutil.copytree(ROOT / "examples" / "hill", tmp_path / name)
+    with start("-c", INTERRUPTED, *command.split(), place=tmp_path) as process:
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == 128 + signal.SIGINT
+    assert_approved(errors)
+    assert not (tmp_path / "table.csv").exists()

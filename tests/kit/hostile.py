@@ -97,6 +97,11 @@ def sparse(path: Path) -> None:
         file.truncate(4 << 30)
 
 
+def itself(path: Path) -> None:
+    """A link that leads to itself."""
+    path.symlink_to(path.name)
+
+
 def cut_ephemeris(path: Path) -> None:
     """The ephemeris of skyfield-data, whose last nine tenths are missing."""
     import skyfield_data
@@ -220,6 +225,8 @@ TABLE = (
     Hostile("opensfm true", lens("json", OPENSFM.format("true"))),
     Hostile("cvat pixel of 1e308", other("picks", "p.xml", CVAT.format("0").replace("1,2",
             "1e308,2"))),
+    Hostile("mrcal separator", lens("cameramodel", "{'lensmodel': 'LENSMODEL_PINHOLE', "
+            "'intrinsics': ['1_000', 1000, 960, 540], 'imagersize': [1920, 1080]}")),
     Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe}),
     Hostile("matlab damaged", lens("mat", "") | {"lens.mat": damaged_matlab}),
     # picks
@@ -231,6 +238,8 @@ TABLE = (
     Hostile("labelme lists", other("picks", "p.json", SHAPES.format(DEEP))),
     Hostile("labelme 400 digits", other("picks", "p.json", SHAPES.format(
             f'[{{"label": "a", "shape_type": "point", "points": [[{LARGE}, 1]]}}]'))),
+    Hostile("labelme arabic", other("picks", "p.json", SHAPES.format(
+            '[{"label": "a", "shape_type": "point", "points": [["٣", 1]]}]'))),
     Hostile("labelme null", other("picks", "p.json", SHAPES.format(
             '[{"label": null, "shape_type": "point", "points": [[1, 2]]}]'))),
     Hostile("picks separator", project(picks__csv=first_number("2_95.684"))),
@@ -249,6 +258,8 @@ TABLE = (
     Hostile("geojson lists", other("landmarks", "l.json", f'{{"type": "Feature", "a": {DEEP}}}')),
     Hostile("geojson escape", other("landmarks", "l.json", '{"type": "Feature", "geometry": '
             '{"type": "Point", "coordinates": [1, 2, 3]}, "properties": {"name": "\\u001b[2J"}}'),
+            ("check flight.toml",)),
+    Hostile("name that turns the line", project(landmarks__csv=cell("landmarks", 0, "\u202eeht")),
             ("check flight.toml",)),
     Hostile("geojson name of two lines", other("landmarks", "l.json", '{"type": "Feature", '
             '"geometry": {"type": "Point", "coordinates": [1, 2, 3]}, "properties": {"name": '
@@ -281,9 +292,16 @@ TABLE = (
     Hostile("image 4 gigapixels", {"img/a.jpg": pixels(65_000, 65_000)}, IMAGES),
     Hostile("image damaged", {"img/a.jpg": damaged}, IMAGES),
     Hostile("image pipe", {"img/a.jpg": pipe}, IMAGES),
+    Hostile("image beside the picks", {"p.csv": PICKS, "a.jpg": b"\xff\xd8\xff"},
+            ("new made --picks p.csv",)),
+    Hostile("folder that leads to itself", {"made": itself}, ("new made",)),
     # decks, stars, listings, manifests, folders
     Hostile("deck device", {"x.dat": zeros},
             ("run x.dat", "check x.dat", "attitude x.dat", "cards x.dat")),
+    Hostile("deck of 4 GB without line ends", {"x.dat": sparse},
+            ("run x.dat", "check x.dat", "attitude x.dat")),
+    Hostile("deck of 4 GB to be stripped", {"x.dat": sparse}, ("cards x.dat --strip-sequence",),
+            megabytes=500.0, seconds=3.0),
     Hostile("deck escape", {"x.dat": CASE_4.read_bytes().replace(b"1", b"\x9b", 1)},
             ("run x.dat", "check x.dat")),
     Hostile("folder with a pipe", {"in/x.dat": pipe, "in/y.dat": CASE_4.read_bytes()},
@@ -294,6 +312,9 @@ TABLE = (
     Hostile("manifest device", {"m": zeros}, ("batch --manifest m -d out",)),
     Hostile("stars device", {"s.csv": zeros}, STAR),
     Hostile("stars separator", {"s.csv": re.sub(r"(?m)^-?[\d.]+,", "1_0.5,", STARS)}, STAR),
+    Hostile("stars columns", {"s.csv": "x_mm,y_mm" + ",a" * 1_000_000 + "\n1,2\n"},
+            (*STAR, "stars radec s.csv --focal 76 --attitude 1,2,3")),
+    Hostile("stars arabic", {"s.csv": NAMED.replace("27989", "٢٧٩٨٩")}, (SKY,)),
     Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'},
             ("stars solve s.json --focal 76",)),
     Hostile("ephemeris cut short", {"s.csv": NAMED, "e.bsp": cut_ephemeris},

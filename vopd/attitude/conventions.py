@@ -92,7 +92,8 @@ SIGMAS = (
 )
 INTERVALS = (
     "95 %, with Student's factor; half_width_95 is half the width of an angle's interval; that of "
-    "eta, which cannot be below 0, goes from eta_low_95 to eta_high_95"
+    "eta, which cannot be below 0, goes from eta_low_95 to eta_high_95; those of a frame with the "
+    "flag misfit are contradicted by its residuals"
 )
 COVARIANCE = (
     "of small turns of the vehicle about its forward, right and down axes, degrees squared, "

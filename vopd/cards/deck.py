@@ -111,6 +111,7 @@ def byte_matrix(images: Iterable[bytes]) -> Bytes:
 
 NEWLINE = 10
 BLOCK_BYTES = 1 << 20  # read from the file at a time, at least
+LONGEST_AHEAD = 256  # bytes of a line that is looked at ahead, on average: other lines are no cards
 MOST_BYTES = 1 << 24  # ... however many cards are asked for
 NO_CARDS = np.zeros((0, 0), np.uint8)
 LONGEST_LINE = 1 << 14  # characters of a line of a deck: a longer one is no card, however it ends
@@ -182,7 +183,11 @@ class CardDeck:
 
     def following(self, most: int) -> Bytes:
         """Look at the next cards as bytes (cards, at most 80), which stay in the deck."""
-        while self._buffer.count(b"\n", self._at) < most and self._fill():
+        while (
+            self._buffer.count(b"\n", self._at) < most
+            and len(self._buffer) - self._at < most * LONGEST_AHEAD
+            and self._fill()
+        ):
             pass
         lines = self._buffer[self._at :].split(b"\n", most)
         return byte_matrix([_image(line) for line in lines[:most]])

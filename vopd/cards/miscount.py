@@ -24,8 +24,9 @@ FIDUCIAL_CARDS = 12
 _LANDMARK, _X, _Y, _FRAME = format_items(BASIC_DATA.format)
 COUNTED_BY = {4: (3, "IWV"), 6: (5, "NTFR"), 7: (3, "III"), 9: (5, "NT"), 11: (10, "NOUT")}
 """The group whose card counts the cards of a group, and the field that does."""
-FEWER, MORE = 300, 100  # cards than counted that a group is tried with
+FEWER, MORE = 300, 100  # cards than counted that a group is tried with; and up to FEWER cards
 CLEARLY = 2.0  # fields that fit better: less is no proof of a wrong number of cards
+CLEARLY_EXTRA = 1.0  # the same where the card too many is blank, or repeats the one before it
 MOST_ODD = 4.0  # fields that fit nowhere, with the right number of cards
 
 
@@ -55,7 +56,9 @@ def find_miscount(text: Bytes, first_card: int, start: int, name: str) -> Findin
         for number in _other_numbers(as_counted.counted.get(group, 0))
     ]
     best = min(trials, key=lambda one: one.odd)
-    if best.odd > MOST_ODD or as_counted.odd - best.odd < CLEARLY:
+    extra = cards.extra(best)
+    clearly = CLEARLY_EXTRA if len(extra) == 1 else CLEARLY
+    if best.odd > MOST_ODD or as_counted.odd - best.odd < clearly:
         return None
     return _finding(cards, best, first_card, name)
 
@@ -107,7 +110,7 @@ class _Cards:
         counted: dict[int, int] = {}
         for one in range(self.start, 13):
             first[one] = at
-            counted[one] = self._counted(one, at, first, absent=group if number == 0 else 0)
+            counted[one] = self._counted(one, at, first, group, number)
             end = at + (number if one == group else counted[one])
             if end > len(self.text):
                 return _Deal(np.inf, group, number, first, counted)
@@ -118,19 +121,31 @@ class _Cards:
         odd += self._not_film[after] - self._not_film[at] + FIDUCIAL_CARDS - (after - at)
         return _Deal(odd, group, number, first, counted)
 
-    def _counted(self, group: int, at: int, first: dict[int, int], absent: int) -> int:
-        """Count the cards of a group by the card that counts them; if it is absent, by looks."""
+    def _counted(self, group: int, at: int, first: dict[int, int], dealt: int, number: int) -> int:
+        """Count the cards of a group by the card that counts them; if it is absent, by looks.
+
+        Args:
+            group: whose cards are counted
+            at: its first card
+            first: the first cards of the groups before it
+            dealt: the group that is dealt another number of cards
+            number: that number
+        """
+        absent = dealt if number == 0 else 0
+        landmarks = number if dealt == 9 else self.value(5, "NT", first[5]) if group > 9 else 0
         if group == 1:
             return LENS_CARDS
         if group in COUNTED_BY:
             by, name = COUNTED_BY[group]
-            if by == absent:
-                return 0 if group == 11 else int(np.argmax(np.append(self.odd[group][at:] > 0, 1)))
-            return self.value(by, name, first[by])
+            if by != absent:
+                return self.value(by, name, first[by])
+            like = int(np.argmax(np.append(self.odd[group][at:] > 0, 1)))
+            film = int(np.argmax(np.append(np.diff(self._not_film[at:]) == 0, 1)))
+            return max(0, min(like, film + (1 + landmarks) // -16)) if group == 11 else like
         if group == 5:
             return -(-(3 + self.value(5, "NFR", at)) // 16)
         if group == 12 and absent != 5:
-            return -(-(1 + self.value(5, "NT", first[5])) // 16)
+            return -(-(1 + landmarks) // 16)
         return 1
 
     def value(self, group: int, name: str, row: int) -> int:
@@ -142,6 +157,14 @@ class _Cards:
         read = read_field(self.text[row : row + 1, item.first - 1 : item.last], item)
         return 0 if read.unreadable[0] else max(0, int(min(read.value[0], 1e6)))
 
+    def extra(self, deal: _Deal) -> list[int]:
+        """List the cards too many of a group, if they are blank or repeat those before them."""
+        many = deal.number - deal.counted.get(deal.group, 0)
+        rows = range(deal.first.get(deal.group, 0), deal.first.get(deal.group, 0) + deal.number)
+        blank = [row for row in rows if self.blank[row]]
+        twice = [row for row in rows[1:] if (self.text[row] == self.text[row - 1]).all()]
+        return next((found for found in (blank, twice) if len(found) == many > 0), [])
+
     def _first_card(self, group: int, row: int) -> float:
         """Count odd fields of the first card of a list, which its further cards do not have."""
         if group == 5:
@@ -150,7 +173,8 @@ class _Cards:
 
 
 def _other_numbers(counted: int) -> list[int]:
-    return [n for n in range(max(0, counted - FEWER), counted + MORE + 1) if n != counted]
+    near = range(max(0, counted - FEWER), counted + MORE + 1)
+    return [n for n in (*range(min(near.start, FEWER)), *near) if n != counted]
 
 
 def _padded(text: Bytes) -> Bytes:
@@ -175,7 +199,8 @@ def _odd(text: Bytes, group: CardGroup) -> Floats:
         if not field.name:  # where group 7, of the same FORMAT, has an altitude
             odd += np.where(blank, 0.0, 0.5)
             continue
-        odd += np.where(blank, 0.0 if group.is_list else 0.25, 1.0 - _well_formed(part, item))
+        fills = group.is_list or k >= len(group.fields)  # a list of numbers may end before its card
+        odd += np.where(blank, 0.0 if fills else 0.25, 1.0 - _well_formed(part, item))
     return np.asarray(odd + (text[:, free] != BLANK).any(axis=1))
 
 
@@ -211,13 +236,9 @@ def _finding(cards: _Cards, best: _Deal, first_card: int, name: str) -> Finding:
     if by := COUNTED_BY.get(group):
         count = f"{by[1]} of group {by[0]} (card {first_card + best.first[by[0]]}) counts {counted}"
     if number > counted:
-        rows = range(at, at + number)
-        blank = [row for row in rows if cards.blank[row]]
-        twice = [row for row in rows[1:] if (cards.text[row] == cards.text[row - 1]).all()]
-        if len(blank) == number - counted:
-            return finding(blank[0], "a blank card; take it out")
-        if len(twice) == number - counted:
-            return finding(twice[0], _repeats(first_card + twice[0] - 1))
+        if extra := cards.extra(best):
+            blank = "a blank card; take it out" if cards.blank[extra[0]] else ""
+            return finding(extra[0], blank or _repeats(first_card + extra[0] - 1))
         message = f"{count_text(number - counted, 'card')} too many: {count}, and card "
         message += f"{first_card + at + counted} looks like this group too; "
         out = "take out what is too many"

@@ -7,6 +7,9 @@ from typing import BinaryIO
 
 import numpy as np
 
+from vopd.findings import VopdError
+from vopd.inputs import read_limited
+
 COLUMNS = 80
 NUMBERS = r"[\d .+\-EeDd]*"  # what the two fields of a deck's first card can hold, columns 1 to 20
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -55,9 +58,19 @@ class CardText:
             block = self._lines(self._rest + block, ended=not block)
         return block
 
-    def all(self) -> bytes:
-        """Read the whole text."""
-        return b"".join(iter(lambda: self.read(START), b""))
+    def all(self, name: str) -> bytes:
+        """Read the whole text.
+
+        Args:
+            name: the deck's name, for an error
+
+        Raises:
+            VopdError: if it has more than `MOST_BYTES`
+        """
+        try:
+            return read_limited(self)
+        except ValueError as error:
+            raise VopdError(f"{name}: {error}") from error
 
     def _recognise(self, start: bytes) -> None:
         if is_ebcdic(start):

@@ -76,9 +76,8 @@ class Commands(click.Group):
         return commands + click.Command.shell_complete(self, ctx, incomplete)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the commands by groups, without blank lines: the help fits 24 lines of 80."""
+        """Write the commands by groups, without blank lines: help and a prompt fit 24 lines."""
         width = max(map(len, COMMANDS)) + 2
-        formatter.write_paragraph()
         for title, commands in GROUPS.items():
             formatter.write(f"{title}:\n")
             formatter.write("".join(f"  {n:{width}}{text}\n" for n, text in commands.items()))

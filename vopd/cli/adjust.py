@@ -14,7 +14,15 @@ from vopd.cards.deck import refuse_other_file
 from vopd.cli.adjust_deck import adjusted_deck, searched_deck
 from vopd.cli.console import Messages, Progress
 from vopd.cli.new import refuse_existing, write_project
-from vopd.cli.options import FILE_NAME, SOURCE_NAME, above_zero, fix_options, quiet_option
+from vopd.cli.options import (
+    FILE_NAME,
+    NUMBER,
+    SOURCE_NAME,
+    WholeRange,
+    above_zero,
+    fix_options,
+    quiet_option,
+)
 from vopd.cli.output import refuse_to_overwrite
 from vopd.errata import Fixes
 from vopd.files import whole_file
@@ -71,13 +79,13 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--landmark-sigma",
-    type=float,
+    type=NUMBER,
     metavar="FT",
     callback=above_zero,
     help="Of a deck: standard deviation of the landmark's coordinates in group 9, along each "
     "axis.  [default: none]",
 )
-@click.option("--job", type=click.IntRange(min=1), metavar="N", help="Which job of a deck.")
+@click.option("--job", type=WholeRange(min=1), metavar="N", help="Which job of a deck.")
 @fix_options
 @quiet_option
 @click.pass_context

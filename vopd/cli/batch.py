@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from vopd.cli.console import Progress
-from vopd.cli.options import FILE_NAME, SharedOptions, history_options
+from vopd.cli.options import FILE_NAME, SharedOptions, WholeRange, history_options
 from vopd.export import FORMATS
 from vopd.findings import count_text
 
@@ -26,7 +26,7 @@ NO_DATES = tuple(one.name for one in FORMATS.values() if not one.needs_epoch)
 def _shard(ctx: click.Context, option: click.Parameter, text: str | None) -> tuple[int, int]:
     if text is None:
         return 1, 1
-    parts = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text)
+    parts = re.fullmatch(r"(\d{1,9})/(\d{1,9})", text, re.ASCII)
     if parts is None or not 1 <= int(parts[1]) <= int(parts[2]):
         raise click.BadParameter(f"{text!r} is not I/N with I from 1 to N, for instance 2/10.")
     return int(parts[1]), int(parts[2])
@@ -73,7 +73,7 @@ def _jobs(ctx: click.Context, option: click.Parameter, jobs: int) -> int:
 @click.option("--report-all", is_flag=True, help="The same, with a page for every source.")
 @click.option(
     "--jobs",
-    type=click.IntRange(1, 1024),
+    type=WholeRange(1, 1024),
     default=1,
     show_default=True,
     metavar="N",

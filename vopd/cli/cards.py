@@ -16,7 +16,8 @@ from vopd.cards.text import CardText
 from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
-from vopd.findings import VopdError, count_text, group_text
+from vopd.findings import VopdError, count_text, group_text, shortened
+from vopd.inputs import whole_number
 
 SHOWN = 21  # cards of basic data that are explained unasked: a frame of three landmarks
 
@@ -75,7 +76,7 @@ def command(
 def _strip_sequence(deck: str, output: str) -> None:
     """Write a deck without its sequence numbers, and name what they have overwritten."""
     with open_deck(deck) as source:
-        text = CardText(source).all()
+        text = CardText(source).all(deck)
     bare, stripped = sequence.strip_sequence(text, deck)
     with whole_file(output) as file:
         file.write(bare)
@@ -150,16 +151,20 @@ class CardChoice:
 def _group(group: str) -> int:
     if group == "basic":
         return BASIC_DATA.number
-    if group.isascii() and group.isdigit() and 1 <= int(group) <= 12:
+    if group in map(str, range(1, 13)):
         return int(group)
-    raise click.UsageError(f"--group {group}: a group is 1 to 12, or basic.")
+    raise click.UsageError(f"--group {shortened(group)}: a group is 1 to 12, or basic.")
 
 
 def _range(card: str) -> tuple[int, int]:
     first, dash, last = card.partition("-")
     parts = (first, last) if dash else (first, first)
-    if not all(part.isascii() and part.isdigit() and int(part) > 0 for part in parts):
-        raise click.UsageError(f"--card {card}: give a card number from 1, or A-B.")
-    if int(parts[0]) > int(parts[1]):
+    try:
+        begin, end = map(whole_number, parts)
+    except ValueError:
+        begin = end = 0
+    if begin < 1 or end < 1:
+        raise click.UsageError(f"--card {shortened(card)}: give a card number from 1, or A-B.")
+    if begin > end:
         raise click.UsageError(f"--card {card}: the first card comes after the last.")
-    return int(parts[0]), int(parts[1])
+    return begin, end

@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, replace
-from math import isnan
 
 import click
 
 from vopd.cards.read import open_deck
 from vopd.check import check_deck
-from vopd.cli.options import output_option, sources_argument, text_or_json_option
+from vopd.cli.options import NumberRange, output_option, sources_argument, text_or_json_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import Finding, VopdError, first_of_each_kind
@@ -27,7 +26,7 @@ Reports = dict[str, list[Finding]]  # the findings of each deck, by the deck's n
 @click.option(
     "--spread",
     metavar="INCHES",
-    type=click.FloatRange(min=0.0),
+    type=NumberRange(min=0.0),
     help="How far three readings of one point may differ.  [default: by the deck's own noise]",
 )
 @click.option(
@@ -75,8 +74,6 @@ def command(
     Exit status: 0 no error (there may be warnings); 1 an error; 2 wrong usage;
     3 no error but a warning, with --strict.
     """
-    if spread is not None and isnan(spread):
-        raise click.UsageError("--spread: nan is not a number of inches.")
     if quiet and output != "-":
         raise click.UsageError("-q writes nothing: leave out -q or -o.")
     refuse_to_overwrite(sources, output)

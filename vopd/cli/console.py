@@ -151,6 +151,9 @@ class Progress:
 # Turn exceptions into messages on standard error and an exit status, for all commands.
 
 
+NOT_LOADED = "failed to map segment"  # what the system says of a library and too little memory
+
+
 class ReaderGone(Exception):
     """The program that reads standard output has closed it, so nothing more can be written."""
 
@@ -176,6 +179,11 @@ def at_the_boundary(command: Callable[[], object]) -> int:
         return 1
     except MemoryError:
         click.echo("there is not enough memory for this input", err=True)
+        return 1
+    except ImportError as error:
+        if NOT_LOADED not in str(error):
+            raise
+        click.echo("there is not enough memory to load numpy and scipy (ulimit -v)", err=True)
         return 1
     return returned
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from vopd.cli.options import FILE_NAME, output_option
+from vopd.cli.options import FILE_NAME, NUMBER, WHOLE, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import VopdError
@@ -24,7 +24,7 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
     return click.option(
         flag,
         part,
-        type=type(first),
+        type=WHOLE if isinstance(first, int) else NUMBER,
         nargs=nargs,
         default=default,
         metavar=metavar,

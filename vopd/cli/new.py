@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from vopd.cli.options import FILE_NAME
+from vopd.cli.options import FILE_NAME, WholeRange
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError, count_text
 
@@ -68,7 +68,7 @@ _ANSWERS = (
     help="The video that is picked in; again for each next file of a camera that wrote several.",
 )
 @click.option("--deck", type=FILE_NAME, metavar="DECK", help="A card deck, to be made a project.")
-@click.option("--job", type=click.IntRange(min=1), metavar="N", help="Which job of the deck.")
+@click.option("--job", type=WholeRange(min=1), metavar="N", help="Which job of the deck.")
 @click.option(
     "--position",
     metavar="LAT,LON,H",

@@ -14,10 +14,45 @@ import click
 from vopd.errata import Fix, Fixes, fixes
 from vopd.findings import VopdError
 from vopd.geometry.ellipsoids import ELLIPSOIDS
+from vopd.inputs import plain_digits
 
 if TYPE_CHECKING:
     from vopd.attitude.history import HistoryOptions
     from vopd.pipeline import SolveOptions
+
+
+# Numbers on the command line.
+
+
+class _Plain(click.ParamType[Any]):
+    """A number in the digits 0 to 9: Python's also takes 2_0 and ٢٠. It is never `nan`."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if isinstance(value, str) and not plain_digits([value]):
+            self.fail(f"{value!r} is not written in the digits 0 to 9.", param, ctx)
+        number = super().convert(value, param, ctx)
+        if isnan(number):
+            self.fail("nan is not a number.", param, ctx)
+        return number
+
+
+class _Number(_Plain, click.types.FloatParamType):
+    """Any number."""
+
+
+class _Whole(_Plain, click.types.IntParamType):
+    """Any whole number."""
+
+
+class NumberRange(_Plain, click.FloatRange):
+    """A range of numbers."""
+
+
+class WholeRange(_Plain, click.IntRange):
+    """A range of whole numbers."""
+
+
+NUMBER, WHOLE = _Number(), _Whole()
 
 
 # The options that several commands share, each with one meaning everywhere.
@@ -124,7 +159,7 @@ _OF_HISTORY = {
     "max_rate_deg_s": click.option(
         "--max-rate",
         "max_rate_deg_s",
-        type=float,
+        type=NUMBER,
         metavar="DEG/S",
         callback=above_zero,
         help="Flag frames that turn faster than this.",
@@ -235,7 +270,7 @@ def history_options(function: AnyCommand) -> AnyCommand:
         *(
             click.option(
                 name,
-                type=float,
+                type=NUMBER,
                 metavar="SIGMA",
                 hidden=field == "fiducial",
                 help=f"Standard deviation {text}",
@@ -269,16 +304,6 @@ FILE_NAME = click.Path(readable=False)
 
 decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", nargs=-1, required=True)
 """One deck or several; `-` is standard input."""
-
-
-class NumberRange(click.FloatRange):
-    """A range of numbers, in which `nan` is not."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        number = super().convert(value, param, ctx)
-        if isnan(number):
-            self.fail("nan is not a number.", param, ctx)
-        return number
 
 
 class _SourceName(click.Path):

@@ -15,6 +15,7 @@ from vopd.cli.histories import collect_histories
 from vopd.cli.options import (
     FILE_NAME,
     SharedOptions,
+    WholeRange,
     history_options,
     output_option,
     sources_argument,
@@ -170,7 +171,7 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 )
 @click.option(
     "--job",
-    type=int,
+    type=WholeRange(min=1),
     metavar="N",
     help="Only this job of each deck, from 1; without it, of more than "
     f"{MOST_DRAWN} jobs the worst are drawn.",
@@ -178,7 +179,7 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
 @click.option("--size", metavar="WxH", help="Width and height in inches, for instance 9x6.")
 @click.option(
     "--dpi",
-    type=click.IntRange(20, 1200),
+    type=WholeRange(20, 1200),
     help="Resolution of a .png, dots per inch.  [default: 150]",
 )
 @history_options

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from vopd.cli.console import Messages, Progress
-from vopd.cli.options import SOURCE_NAME, NumberRange, quiet_option
+from vopd.cli.options import NUMBER, SOURCE_NAME, NumberRange, WholeRange, quiet_option
 from vopd.cli.output import refuse_to_overwrite
 
 GOES_ON = "the same command goes on"
@@ -13,14 +13,16 @@ GOES_ON = "the same command goes on"
 
 @click.command("track")
 @click.argument("project", type=SOURCE_NAME, metavar="PROJECT")
-@click.option("--from", "from_s", type=float, metavar="T", help="Time of the first frame, seconds.")
-@click.option("--to", "to_s", type=float, metavar="T", help="Time of the last frame, seconds.")
 @click.option(
-    "--every", type=click.IntRange(1), default=1, metavar="N", help="Write only each Nth frame."
+    "--from", "from_s", type=NUMBER, metavar="T", help="Time of the first frame, seconds."
+)
+@click.option("--to", "to_s", type=NUMBER, metavar="T", help="Time of the last frame, seconds.")
+@click.option(
+    "--every", type=WholeRange(1), default=1, metavar="N", help="Write only each Nth frame."
 )
 @click.option(
     "--reach",
-    type=click.IntRange(1, 10_000),
+    type=WholeRange(1, 10_000),
     default=70,
     show_default=True,
     metavar="N",
@@ -29,7 +31,7 @@ GOES_ON = "the same command goes on"
 @click.option(
     "--patch",
     "patch_px",
-    type=click.IntRange(7, 101),
+    type=WholeRange(7, 101),
     default=25,
     show_default=True,
     metavar="PX",

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from os import PathLike
+from typing import Any
 
 import numpy as np
 
@@ -98,6 +99,10 @@ class Adjustment:
 
     def _repr_html_(self) -> str:
         return f"<pre>{escape(str(self))}</pre>"
+
+    def plot(self, name: str = "attitude", frame: int | str | None = None) -> Any:
+        """Draw a figure of the flight as it is solved: see `FlightResult.plot`."""
+        return self.result.plot(name, frame)
 
 
 def adjust(

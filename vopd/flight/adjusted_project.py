@@ -109,7 +109,7 @@ def _from_folder(path: Path, folder: Path) -> str:
     try:
         return Path(os.path.relpath(path, folder)).as_posix()
     except ValueError:  # on another drive
-        return path.resolve().as_posix()
+        return Path(os.path.abspath(path)).as_posix()  # noqa: PTH100
 
 
 def toml_value(value: Any) -> str:

@@ -205,7 +205,7 @@ def clock_of_tags(exif: dict[int, Any]) -> tuple[float, float, bool]:
 def zone_of_tags(exif: dict[int, Any]) -> float:
     """Read how far the camera's zone is ahead of UTC, seconds; NaN if no tag says it."""
     for tag in ZONES:
-        found = re.fullmatch(r"([+-])(\d\d):(\d\d)", _text(exif.get(tag, "")))
+        found = re.fullmatch(r"([+-])(\d\d):(\d\d)", _text(exif.get(tag, "")), re.ASCII)
         if found:
             size = 3600.0 * int(found[2]) + 60.0 * int(found[3])
             return -size if found[1] == "-" else size

@@ -521,7 +521,7 @@ def project_of_files(
         VopdError: where a file cannot be read, or is not of a known format
     """
     new, values = NewProject(), KeyValues()
-    values["flight", "name"] = toml_text(folder.resolve().name)
+    values["flight", "name"] = toml_text(Path(os.path.abspath(folder)).name)  # noqa: PTH100
     for one in [one for one in answers if one.at_once]:
         for section, key in one.keys:
             values[section, key] = one.value
@@ -617,9 +617,9 @@ def look_at_files(
         named["track"] = images
     if ("camera", "lens") not in values or "lens" in named:
         look_at_lens(new, values, folder, named.get("lens"))
-        tagged = Path(images or named.get("track") or "")
-        if "lens" not in named and images_in(tagged):
-            look_at_focal(new, values, tagged)
+        tagged = images or named.get("track")  # and not whatever images the working folder has
+        if "lens" not in named and tagged and images_in(Path(tagged)):
+            look_at_focal(new, values, Path(tagged))
     elif values["camera", "lens"].startswith("{"):
         look_at_numbers(new, values)
     if video:

@@ -263,7 +263,7 @@ def read_within(text: str) -> Within:
     """
     found: dict[str, Decimal] = {}
     for one in text.split(","):
-        parts = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*([a-z]+)\s*", one)
+        parts = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*([a-z]+)\s*", one, re.ASCII)
         if parts is None or parts[2] not in WITHIN_UNITS:
             units = f"{', '.join(WITHIN_UNITS[:-1])} or {WITHIN_UNITS[-1]}"
             raise VopdError(f"{one.strip()!r} is not a number with its unit, {units}")

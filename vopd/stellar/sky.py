@@ -51,7 +51,7 @@ class SkyRequest:
 HIPPARCOS_EPOCH = 1991.25  # Julian year of the positions in both editions of the catalogue
 MOST_CATALOGUE = 100_000_000  # bytes of a star catalogue: both editions have some 55 MB
 
-NUMBER = re.compile(r"(?:hip\s*)?(\d{1,6})", re.IGNORECASE)
+NUMBER = re.compile(r"(?:hip\s*)?(\d{1,6})", re.IGNORECASE | re.ASCII)
 
 
 def star_number(text: str) -> int | None:

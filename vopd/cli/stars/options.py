@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from vopd.cli.options import FILE_NAME
+from vopd.cli.options import FILE_NAME, WholeRange
 from vopd.findings import VopdError
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ _METHOD_OPTIONS = (
     ),
     click.option(
         "--corrections",
-        type=click.IntRange(1, 1000),
+        type=WholeRange(1, 1000),
         metavar="N",
         help="Make exactly this many corrections of collinearity (STARS makes 4). "
         "Default: to convergence.",

@@ -133,8 +133,8 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
             .removeprefix("DISTORTION_")
             .replace("NONE", "PINHOLE")
         )
-        values = [float(value) for value in found["intrinsics"]]
-        width, height = (int(value) for value in found["imagersize"])
+        values = [plain_number(str(value)) for value in found["intrinsics"]]
+        width, height = (int(plain_number(str(value))) for value in found["imagersize"])
     except (*UNEXPECTED, SyntaxError, MemoryError) as error:  # the last by deep nesting
         raise file.error(f"not a mrcal camera model: {reason(error)}") from error
     if kind not in COUNTS_MRCAL:
@@ -356,7 +356,8 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
         )
     size_px = question.size_px
     if "image_width" in values and "image_height" in values:
-        size_px = int(float(values["image_width"])), int(float(values["image_height"]))
+        width, height = (plain_number(str(values[f"image_{k}"])) for k in ("width", "height"))
+        size_px = int(width), int(height)
     if size_px is None:
         raise file.error("the image's size is not in the file: give [camera] image_size_px")
     lens = make_lens(model, size_px, (matrix[0], matrix[4]), (matrix[2], matrix[5]), k)

@@ -304,9 +304,15 @@ def read_labelme(file: InputFile) -> PickRows:
         try:
             label = parse_json(open_input(path.name, path.parent).text)
             image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
-            sizes[image] = (int(label["imageWidth"]), int(label["imageHeight"]))
+            width, height = (plain_number(str(label[f"image{one}"])) for one in ("Width", "Height"))
+            sizes[image] = (int(width), int(height))
             found += [
-                (image, _label(shape["label"]), float(point[0]), float(point[1]))
+                (
+                    image,
+                    _label(shape["label"]),
+                    plain_number(str(point[0])),
+                    plain_number(str(point[1])),
+                )
                 for shape in label["shapes"]
                 if shape.get("shape_type") == "point"
                 for point in shape["points"]

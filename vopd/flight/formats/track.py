@@ -210,7 +210,7 @@ def read_mrk(file: InputFile) -> TrackRows:
 def photo_number(name: str) -> str:
     """Find the number of a photo in its name: 29 of MAX_0029.JPG, DJI_20230101120000_0029_V.JPG."""
     stem = name.rpartition("/")[2].rpartition(".")[0]
-    found = re.search(r"_\d{14}_(\d{4})(?!\d)", stem) or re.search(r"(\d+)(?:_\D*)?$", stem)
+    found = re.search(r"(?a)_\d{14}_(\d{4})(?!\d)", stem) or re.search(r"(?a)(\d+)(?:_\D*)?$", stem)
     return str(int(found[1])) if found else name
 
 

@@ -182,7 +182,7 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
 # block a second, longitude first, with the number of satellites behind the place, and the height
 # above the take-off. A Matrice 300 has latitude first, and metres in the place of satellites.
 
-BLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->")
+BLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->", re.ASCII)
 FIELDS = tuple(
     re.compile(rf"\b(?:{names})\s*:\s*(-?[\d.]+)")
     for names in ("latitude", "longitude|longtitude", "abs_alt|altitude")

@@ -20,7 +20,7 @@ from vopd.files import kind_by_first_bytes, reason
 from vopd.findings import Finding, InputError, Report, count_text, input_error, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
-from vopd.inputs import no_file, read_limited
+from vopd.inputs import MOST_COLUMNS, no_file, read_limited
 from vopd.stellar.field import ground_directions, star_directions
 
 # Columns, and their cells
@@ -405,6 +405,9 @@ def read_star_csv(
     header, cells = next(rows, (0, []))
     if not cells:
         raise input_error("the file has no header: x_mm,y_mm,ra_deg,dec_deg", source)
+    if len(cells) > MOST_COLUMNS:
+        message = f"line {header}: {count_text(len(cells), 'column')}, {MOST_COLUMNS} at most"
+        raise input_error(message, source)
     names = tuple(name.strip().lower() for name in cells)
     try:
         first = next(rows, None)
