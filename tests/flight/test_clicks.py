@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.approved.texts import assert_approved
 from tests.kit.clicked_flights import ClickedFlight, clicked_flight, dense_solution, with_rows
 from tests.kit.flight_project import TOML, pixels, write_project
 from tests.tolerances import assert_close
@@ -130,6 +131,27 @@ def test_a_landmark_with_wrong_coordinates_is_no_wrong_click() -> None:
         f.message for f in solve_flight_read(replace(one.flight, landmarks=marks)).findings
     )
     assert "coordinates of P3" in said and "the click of" not in said
+
+
+def test_the_clicks_alone_name_an_error_that_the_tracks_were_led_astray_by() -> None:
+    """A lens 3 % off, and tracks that leave their landmarks by 2.5 px in 40 frames, each its way.
+
+    All readings together have no explanation; the clicks have. No click is rejected.
+    """
+    one = clicked_flight(np.random.default_rng(0), 40, 8, every=20, apart=0, match_px=0.05)
+    rows, centre = one.rows, one.flight.lens.centre_px
+    way = 2.4 * np.array([int(name[1:]) for name in rows.landmark])
+    away_px = (rows.frame - rows.from_frame)[:, None] / 16.0
+    astray = away_px * np.column_stack([np.cos(way), np.sin(way)])
+    pixel = centre + 1.03 * (rows.pixel - centre) + astray
+    result = solve_flight_read(with_rows(one.flight, replace(rows, pixel=pixel)))
+    assert result.misfits
+    said = [f.message for f in result.findings]
+    (told,) = [message for message in said if "clicks alone" in message]
+    assert not any("the click of" in message for message in said)
+    assert_approved(told.partition("a focal length of")[2].partition("px")[2])
+    focal_px, _, sigma_px = told.partition("a focal length of ")[2].split(" px")[0].split(" ")
+    assert abs(float(focal_px) - 3090.0) < 3.0 * float(sigma_px)
 
 
 # A project with a tracked file

@@ -34,7 +34,7 @@ class ClickedFlight(NamedTuple):
 
 def clicked_flight(
     rng: np.random.Generator, frames: int = 60, landmarks: int = 6, *,
-    every: int = 30, reach: int = 45, click_px: float = 0.5, match_px: float = 0.08,
+    every: int = 30, apart: int = 3, reach: int = 45, click_px: float = 0.5, match_px: float = 0.08,
     stated_px: float | None = None, landmark_m: float = 0.0,
 ) -> ClickedFlight:  # fmt: skip
     """A drone whose landmarks are clicked in every n-th frame, and tracked from each click.
@@ -43,7 +43,8 @@ def clicked_flight(
         rng: the source of what is random
         frames: how many there are
         landmarks: how many there are
-        every: frames between clicks of one landmark; those of different landmarks are staggered
+        every: frames between clicks of one landmark
+        apart: frames between those of one landmark and of the next
         reach: frames over which a click is tracked
         click_px: standard deviation of a click
         match_px: of a landmark's matches in a frame
@@ -58,7 +59,7 @@ def clicked_flight(
     noise = rng.spawn(1)[0].normal(0.0, match_px, (frames, landmarks, 2))
     rows, errors = [], []
     for mark in range(landmarks):
-        for source in range(min(mark * 3, frames - 1), frames, every):
+        for source in range(min(mark * apart, frames - 1), frames, every):
             error = rng.normal(0.0, click_px, 2)
             errors.append(error)
             for frame in range(max(source - reach, 0), min(source + reach + 1, frames)):

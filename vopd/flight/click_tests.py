@@ -104,7 +104,8 @@ def _without(flight: Flight) -> FlightOfClicks:
 def _is_of_all(joint: JointSolution) -> bool:
     """Tell whether one error of lens, clock, positions or picture explains several clicks.
 
-    It is then named by the tests of the flight, and no click is wrong.
+    It is then named by the tests of the flight, and no click is wrong. Places that were tracked
+    with such an error may be off by themselves, so that it explains the clicks alone better.
     """
     chance = chdtrc(2.0, _squares(joint))
     tested = int(np.isfinite(chance).sum())
@@ -115,8 +116,26 @@ def _is_of_all(joint: JointSolution) -> bool:
             return True
     if wrong < SEVERAL:
         return False
+    clicks = solve_clicks_alone(joint.model.flight)
+    return any(_one_error_explains(one) for one in (joint, clicks))
+
+
+def _one_error_explains(joint: JointSolution) -> bool:
     found = significant_errors(joint, True)
     return bool(found) and found[0].error.landmark < 0 and found[0].rest < REJECTED**2
+
+
+def solve_clicks_alone(flight: Flight) -> JointSolution:
+    """Solve a flight by its clicks, without the places that are tracked from them.
+
+    Args:
+        flight: of clicks and tracks
+    """
+    clicks = flight.picks.clicks
+    assert clicks is not None
+    tracked = flight.picks.frame[clicks.pick] != clicks.frame[clicks.click]
+    alone = without_readings(flight, tracked)
+    return solve_jointly(alone, priors_of(alone))
 
 
 def _exchanged_texts(joint: JointSolution, read: Flight, wrong: list[int]) -> dict[int, str]:

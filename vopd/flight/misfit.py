@@ -760,12 +760,15 @@ def _explanations(
     if not causes:
         without_px = expected_px if misfit and reading.source != "stated" else None
         found = significant_errors(joint, reading.source == "stated", without_px)
+        again = ""
+        if misfit and flight.picks.clicks is not None:
+            found, again = _rather_by_clicks(flight, found)
         marks = [one.error.landmark for one in found]
         own = max(marks, default=-1 if not wrong.any() else 0) >= 0
         if found and not np.append(wrong, False)[marks].any():
             names = ", or ".join(one.error.text(one.value, one.sigma) for one in found)
             chance = chance_text(max(one.chance for one in found))
-            causes = [f"{SPEAK_FOR} {names} (chance {chance})"]
+            causes = [f"{SPEAK_FOR} {names} (chance {chance}){again}"]
         if misfit and not own:
             whole = bool(causes) and min(one.rest for one in found) < REJECTED**2
             more = usual(whole)
@@ -778,3 +781,27 @@ def _explanations(
     own |= any(OF_LANDMARK in one for one in left)
     explained = any(words in one for one in left for words in (SPEAK_FOR, TYPICAL))
     return causes, explained and not own
+
+
+def _rather_by_clicks(flight: Flight, found: list[Significant]) -> tuple[list[Significant], str]:
+    """Take the errors that the clicks alone speak for where they are others.
+
+    Places that were tracked with a wrong clock, lens or position are off by themselves, and seem
+    to speak for another error.
+
+    Args:
+        flight: of clicks and tracks, which misfits
+        found: what all picks together speak for
+
+    Returns:
+        The errors, and what to do beyond mending them.
+    """
+    from vopd.flight.click_tests import solve_clicks_alone  # which takes results
+
+    alone = significant_errors(solve_clicks_alone(flight), True)
+    named = {one.error.parameters for one in found}
+    if not alone or alone[0].error.landmark >= 0 or alone[0].rest >= REJECTED**2:
+        return found, ""
+    if named & {one.error.parameters for one in alone}:
+        return found, ""
+    return alone, ", by the clicks alone: the others were tracked with it, run vopd track again"
