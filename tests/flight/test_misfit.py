@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,15 @@ from tests.kit.command import ROOT
 from tests.kit.command import vopd as command
 from tests.kit.flight_mistakes import MistakeRow
 from tests.kit.flight_project import TOML, long_track, write_project
+from tests.kit.joint_flights import drone, flight_of
 from tests.kit.simulated_flights import write_flight
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import misfit
+from vopd.flight.equations import Priors
 from vopd.flight.joint import JointSolution, weighed
 from vopd.flight.misfit import SPEAK_FOR, even_path, input_errors, sampled, significant_errors
+from vopd.flight.result import solve_flight_read
 
 SEED = 5
 
@@ -209,6 +213,25 @@ def test_landmarks_of_one_frame_each_do_not_make_picks_look_better(tmp_path: Pat
     plan = plan._replace(own=True, errors=plan.errors._replace(landmark_m=(2.0,)))
     write_flight(tmp_path, plan, np.random.default_rng(SEED))
     assert said(vopd.solve_flight(tmp_path / "flight.toml")) == []
+
+
+@pytest.mark.parametrize(("wrong", "misfits"), [(1, False), (3, True)])
+def test_a_flight_of_which_many_picks_do_not_fit_misfits(wrong: int, misfits: bool) -> None:
+    """One pick of 8 in each frame is a blunder of it; of three in each, nothing tells who is right.
+
+    The others fit each other in both: their residuals alone say nothing.
+    """
+    scene = drone(np.random.default_rng(3), 12, 8)
+    flight = flight_of(np.random.default_rng(4), scene, 0.5, Priors())
+    picks = flight.picks
+    rank = (picks.landmark + picks.frame) % 8
+    off = np.random.default_rng(5).uniform(200.0, 400.0, (len(rank), 2))
+    pixel = picks.pixel + np.where((rank < wrong)[:, None], off, 0.0)
+    options = replace(flight.options, drop_blunders=True)
+    read = replace(flight, picks=replace(picks, pixel=pixel), options=options)
+    result = solve_flight_read(read)
+    assert result.misfits == misfits
+    assert_approved([f.message for f in result.findings if "of its" in f.message])
 
 
 def test_angles_stand_where_no_explanation_has_a_solution(

@@ -39,6 +39,7 @@ from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.lenses import Lenses
 
 REJECTED = 1.5  # times the stated standard deviation of a pick
+MOST_BLUNDERS = 0.25  # of the picks: more of them are the flight's misfit
 FEW = 0.1  # of the frames: more of them that misfit are the flight's misfit
 USUAL_PX = 3.0  # of a pick whose standard deviation is not stated
 ALIKE = 6.0  # in chi-square: errors that explain the residuals as well
@@ -109,6 +110,14 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
     return (
         f"the flight misfits: its residuals speak for picks of {sigma_px:.2g} px, "
         f"{ratio:.1f} times {of} (chance below {SIGNIFICANCE:g})"
+    )
+
+
+def many_blunders_text(count: int, picks: int) -> str:
+    """Say that so many picks do not fit the others that no solution with the rest is believed."""
+    return (
+        f"the flight misfits: {count} of its {picks} picks do not fit the others of their frames, "
+        "and nothing says that the others are right"
     )
 
 
@@ -695,6 +704,7 @@ def flight_findings(
     left_out: Bools,
     wrong: Bools,
     usual: Callable[[bool], list[str]] = lambda _: [],
+    blunders: Bools | None = None,
 ) -> Doubts:
     """Warn of a flight that misfits, and name errors of its inputs that explain it.
 
@@ -705,12 +715,16 @@ def flight_findings(
         wrong: landmarks that are named, which are not named again, (N,)
         usual: names mistakes that take another reading of the files, if the flight misfits; is
             given whether an error is named already
+        blunders: picks that do not fit the others of their frames, (P,); None: none
     """
     joint, reading = estimates.joint, estimates.reading
     if joint is None or reading is None:
         return Doubts([], False, False)
-    stated = stated_sigma_px(flight)
-    misfit = misfit_text(joint, reading, stated) if flight.options.may_misfit else ""
+    stated, misfit = stated_sigma_px(flight), ""
+    if flight.options.may_misfit:
+        misfit = misfit_text(joint, reading, stated)
+        if blunders is not None and blunders.mean() > MOST_BLUNDERS:
+            misfit = misfit or many_blunders_text(int(blunders.sum()), len(blunders))
     texts = [misfit, too_wide_text(joint, reading)]
     try:
         causes, explained = _explanations(flight, estimates, left_out, wrong, usual, bool(misfit))

@@ -375,7 +375,8 @@ def solve_flight_read(
             [] if project is None else usual_mistakes(project(), FlightResult(without, ()), named)
         )
 
-    doubts = flight_findings(flight, without, apart, found.landmark, usual)
+    blunders = found.pick | swapped
+    doubts = flight_findings(flight, without, apart, found.landmark, usual, blunders)
     if doubts.misfits:  # of a flight as a whole it is not said which frames are not searched
         swaps = swaps._replace(not_searched=0)
     findings = [*doubts.findings, *not_held_findings(flight), *solved_findings(without.joint)]
