@@ -22,8 +22,8 @@ from vopd.tracking.patches import (
     search,
     warp,
 )
-from vopd.tracking.run import RESIDUAL_PX, agreement
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
+from vopd.tracking.tracker import RESIDUAL_PX, agreement
 
 EARTH_M = 6378137.0
 SIZE = (201, 161)

@@ -31,7 +31,9 @@ from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
 from vopd.tracking.patches import LEAST_CORRELATION, PATCH_PX, SIGMA_FACTOR
-from vopd.tracking.run import (
+from vopd.tracking.scene import Scene
+from vopd.tracking.terrain import read_terrain, relief_text
+from vopd.tracking.tracker import (
     AMBIGUOUS,
     CLICKED,
     FOUND,
@@ -42,8 +44,6 @@ from vopd.tracking.run import (
     ClickedPixels,
     Tracker,
 )
-from vopd.tracking.scene import Scene
-from vopd.tracking.terrain import read_terrain, relief_text
 from vopd.version import __version__
 from vopd.video import (
     VideoFrames,
