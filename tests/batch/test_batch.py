@@ -72,6 +72,13 @@ def test_the_summary_has_a_row_for_each_source(inputs: Path, undisturbed: dict[s
     assert all(json.loads(line)["seconds"] > 0.0 for line in times)
 
 
+def test_errata_that_matter_are_counted_by_job(tmp_path: Path) -> None:
+    """They move the angles of all five frames of the one job."""
+    vopd("demo", "--frames", "5", "--seed", "5", "-o", tmp_path / "a.dat")
+    vopd("batch", tmp_path / "a.dat", "-d", tmp_path / "out")
+    assert rows(tmp_path / "out")["a"]["errata"] == 1
+
+
 def test_the_summary_as_parquet(inputs: Path, undisturbed: dict[str, bytes]) -> None:
     table = pytest.importorskip("pyarrow.parquet").read_table(
         inputs.parent / "one" / "summary.parquet"
