@@ -213,6 +213,8 @@ def test_the_size_in_an_opencv_file_is_the_calibration_s(tmp_path: Path) -> None
     without = json.dumps({"camera_matrix": OPENCV["camera_matrix"]})
     assert read(tmp_path, without, size_px=(45, 35)).lens.size_px == (45, 35)
     assert_approved(told(tmp_path, without))
+    mtx = {"mtx": OPENCV["camera_matrix"], "dist": [[0.1, 0.2, 0.3, 0.4, 0.5]]}
+    assert numbers(read(tmp_path, json.dumps(mtx), size_px=(90, 70)))[4] == 0.1
     for name in ("cameraMatrix", "M1", "K", "intrinsic_matrix"):
         other = text.replace("camera_matrix", name) + " " * ("camera" not in name.lower())
         if "camera" in name.lower():

@@ -698,7 +698,7 @@ def test_a_principal_distance_in_other_units_is_named_and_solved(focal: float) -
     assert_close("rae principal distance", float(line.split()[1]), 76.0)
 
 
-MIRROR_NAMED, HOURS_NAMED = "--y-down (or x and y", "seems to be in hours"
+MIRROR_NAMED, HOURS_NAMED = "--y-down (or x", "seems to be in hours"
 CHANGES: dict[str, tuple[Callable[[Star], Star], float, tuple[str, ...]]] = {
     "mirror, hours": (
         lambda s: (s[0], -s[1], s[2] / 15.0, s[3]),

@@ -673,7 +673,8 @@ def test_stars_by_name(tmp_path: Path) -> None:
 
 
 REFUSED = (
-    ("7", "Vulcan", "x"),
+    ("7", "Vulcan", "8"),
+    ("Vulcan", "7", "x", *(f"x{k}" for k in range(7))),
     ("", "7", "8"),
     ("7", "HIP 8", "99"),
     ("99", "7", "98"),

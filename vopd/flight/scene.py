@@ -246,7 +246,10 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
     beside = (image_file(one, name) for one in (*of_video, flight.folder))
     found = next(filter(None, beside), None)
     if found is None:
-        raise VopdError(f"{name} is not in the project's folder; --images names its folder")
+        raise VopdError(
+            f"{name} is not in the project's folder; [picks] video, or --images of vopd plot, "
+            "names its folder"
+        )
     (picture,) = open_frames([str(found)]).pictures([0])
     return picture
 

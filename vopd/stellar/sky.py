@@ -423,6 +423,7 @@ IDENTIFIED = "identified"
 """The kind of a file whose stars were looked up by the patterns of their images."""
 
 EQUATORIAL = ("ra_deg,dec_deg", "ra_hours,dec_deg", NAMES, IDENTIFIED)
+MOST_NAMED = 8  # stars of unknown names
 LOWEST_DEG = -1.0  # altitude below which a star cannot have been photographed
 
 
@@ -494,13 +495,18 @@ def _below_horizon(file: StarFile, altitude_deg: Floats) -> Finding:
 
 def _from_catalogue(file: StarFile, sky: SkyRequest) -> PlacesOfStars:
     """Look up the named stars of a file in the catalogue."""
-    numbers = []
+    numbers, unknown = list[int](), list[int]()
     for k, name in enumerate(file.names):
         number = star_number(name) if name else None
-        if number is None:
-            text = f"{name!r} is no star's name or Hipparcos number (Betelgeuse, HIP 27989)"
-            raise file.error(text, k)
-        numbers.append(number)
+        numbers.append(number or 0)
+        unknown += [k] * (number is None)
+    if unknown:
+        names = ", ".join(repr(file.names[k]) for k in unknown[:MOST_NAMED])
+        more = len(unknown) - MOST_NAMED
+        what = f"{names} is no star's name or Hipparcos number"
+        if len(unknown) > 1:
+            what = f"{names}{f' and {more} more' * (more > 0)} are no stars' names or numbers"
+        raise file.error(f"{what} (Betelgeuse, HIP 27989)", unknown[0])
     stars = read_stars(sky.catalogue, numbers)
     missing = np.flatnonzero(np.isnan(stars.ra_deg))
     if missing.size:

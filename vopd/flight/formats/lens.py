@@ -320,8 +320,16 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
 #
 # Also ROS camera_info, which has the same keys and names its model.
 
-MATRIX = ("camera_matrix", "cameramatrix", "k", "m1", "m", "intrinsic_matrix")
-COEFFICIENTS = ("distortion_coefficients", "distcoeffs", "dist_coeffs", "dist_coeff", "d", "d1")
+MATRIX = ("camera_matrix", "cameramatrix", "mtx", "k", "m1", "m", "intrinsic_matrix")
+COEFFICIENTS = (
+    "distortion_coefficients",
+    "distcoeffs",
+    "dist_coeffs",
+    "dist_coeff",
+    "dist",
+    "d",
+    "d1",
+)
 MODELS_OPENCV = {
     "plumb_bob": "brown",
     "rational_polynomial": "brown",
@@ -336,7 +344,9 @@ MOST = 100  # elements of a camera matrix or of a list of coefficients
 
 def recognises_opencv(file: InputFile) -> bool:
     """Tell whether the text names a camera matrix."""
-    return bool(re.search(r"camera_?matrix|opencv[-_](?:matrix|storage)", file.text, re.I))
+    return bool(
+        re.search(r"camera_?matrix|opencv[-_](?:matrix|storage)|\bmtx\b[\"']?\s*:", file.text, re.I)
+    )
 
 
 def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:

@@ -339,7 +339,7 @@ IMAGE_MISTAKES: tuple[Mistake[Corrected], ...] = (
         "a mirror image",
         _mirrored,
         "the photograph is a mirror image of the sky: y seems to point {} "
-        "(or x and y are exchanged; only the swing tells which)",
+        "(or x to point left, or x and y are exchanged; only the swing tells which)",
     ),
     Mistake("x and y exchanged", _exchanged, "x_px and y_px seem to be exchanged"),
 )
