@@ -133,7 +133,7 @@ def test_the_picture_of_a_photograph(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plot, "draw_star_residuals", lambda *one: given.append(one))
     one = SimpleNamespace(
         image="late", images=[(1.0, 2.0)] * 3, residuals="residuals", labels=["a"], unit="px",
-        pointing=(10.123456, -20.5, 359.999996), method="church",
+        pointing=(10.123456, -20.5, 359.999996), method="church", picture=None,
     )  # fmt: skip
     held = {"a.json": [one]}
     monkeypatch.setattr("vopd.stellar.files.table.read_solutions", held.__getitem__)
@@ -143,7 +143,7 @@ def test_the_picture_of_a_photograph(monkeypatch: pytest.MonkeyPatch) -> None:
     assert picture.title == (
         "a.json, late: church, 3 stars\nalpha 10.12346, delta -20.50000, swing 360.00000 degrees"
     )
-    assert picture[1:] == (one.images, "residuals", ["a"], "px")
+    assert picture[1:5] == (one.images, "residuals", ["a"], "px")
     held["a.json"] = [one, one]
     with refused(VopdError):
         plot.plot_stars(["a.json"], "x", None)

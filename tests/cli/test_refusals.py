@@ -321,7 +321,7 @@ def test_the_help_of_demo_has_every_default_and_both_limits() -> None:
 def photograph(image: str, stars: int) -> Any:
     return SimpleNamespace(
         image=image, images=[None] * stars, pointing=(1.0, 2.0, 3.0), method="svd", residuals=None,
-        labels=None, unit="mm",
+        labels=None, unit="mm", picture=None,
     )  # fmt: skip
 
 
@@ -350,7 +350,7 @@ OF_DECKS = [
     for option in plot.command.params
     if isinstance(option, click.Option)
     and option.opts[0]
-    not in ("-o", "--format", "--frame", "--size", "--dpi", "--help", "--help-decks")
+    not in ("-o", "--format", "--frame", "--size", "--dpi", "--images", "--help", "--help-decks")
 ]
 
 
