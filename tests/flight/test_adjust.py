@@ -17,6 +17,7 @@ from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, Parameter, adjust
 from vopd.flight.equations import Priors
 from vopd.flight.flight import CameraPath, FlightOptions
+from vopd.flight.free import names_of
 from vopd.flight.result import solve_flight_read
 
 
@@ -167,6 +168,23 @@ def test_the_library_takes_a_project() -> None:
     made = vopd.adjust("examples/summits/flight.toml", ["focal"])
     (row,) = made.parameters
     assert row.held and abs(row.after - 3900.0) < FOCAL * 1e-3
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("focal", ["focal"]),
+        ("focal, k1 clock,", ["focal", "k1", "clock"]),
+        ("focal,landmark:old mill", ["focal", "landmark:old mill"]),
+    ],
+)
+def test_names_of_one_text(text: str, names: list[str]) -> None:
+    assert names_of(text) == names
+
+
+def test_one_text_frees_the_same_as_a_list() -> None:
+    path = "examples/summits/flight.toml"
+    assert str(adjust(path, "focal,k1")) == str(adjust(path, ["focal", "k1"]))
 
 
 def test_an_adjustment_shows_the_table_of_the_command() -> None:

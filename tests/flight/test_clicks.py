@@ -14,7 +14,10 @@ from tests.kit.clicked_flights import ClickedFlight, clicked_flight, dense_solut
 from tests.kit.flight_project import TOML, pixels, write_project
 from tests.tolerances import assert_close
 from vopd.attitude.included import left_out_text
+from vopd.cli.new import write_project as write_adjusted
 from vopd.findings import VopdError
+from vopd.flight.adjust import adjust
+from vopd.flight.adjusted_project import adjusted_project
 from vopd.flight.errors import priors_of
 from vopd.flight.followed import followed_findings
 from vopd.flight.formats.picks import Names
@@ -22,6 +25,7 @@ from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_line
 from vopd.flight.joint import covariance_of_sums, solve_jointly
 from vopd.flight.next_click import next_clicks
 from vopd.flight.project import read_project
+from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult, solve_flight, solve_flight_read
 from vopd.flight.solve import SolvedFlight
 
@@ -160,10 +164,16 @@ KEYS = 'pixel_grid = "centre"\ntracked = "tracked.csv"\n'
 CLICKED_TOML = TOML.replace('pixel_grid = "centre"\nframe_rate', KEYS + "frame_rate")
 
 
-def clicked_project(folder: Path) -> Path:
-    """A project of five frames: six landmarks clicked in frame 0 and tracked to the others."""
+def clicked_project(folder: Path, church_px: float = 0.0) -> Path:
+    """A project of five frames: six landmarks clicked in frame 0 and tracked to the others.
+
+    Args:
+        folder: where it is written
+        church_px: error of the first one's click along u, which its tracks have, too
+    """
     path = write_project(folder, CLICKED_TOML)
     seen = pixels(0.05)
+    seen[:, 0, 0] += church_px
     rows = (folder / "picks.csv").read_text().splitlines(keepends=True)
     (folder / "picks.csv").write_text("".join(rows[:7]))
     frame, mark = np.divmod(np.arange(30), 6)
@@ -199,6 +209,19 @@ def test_the_sigma_of_clicks_is_the_one_that_is_stated_now(tmp_path: Path) -> No
     path.write_text(path.read_text().replace(KEYS, KEYS + "sigma_px = 1.0\n"))
     after = solve_flight(path).history().uncertainty.components["click"]
     assert (after[:, :3] > 1.5 * before[:, :3]).all()
+
+
+def test_residuals_of_an_adjusted_project_are_those_of_the_joint_solution(tmp_path: Path) -> None:
+    """The errors of clicks, which the project does not hold, are solved for again and taken off."""
+    path, new = clicked_project(tmp_path, church_px=1.0), tmp_path / "new"
+    project = read_project(str(path))
+    joint = adjust(flight_of(project), "focal")
+    write_adjusted(new, adjusted_project(project, joint, new))
+    held = solve_flight(new / "flight.toml")
+    for name in ("residual", "test_residual"):
+        first, again = (getattr(one.estimates.whole(), name) for one in (joint.result, held))
+        assert_close("residual as solved", again, first)
+    assert joint.result.next_clicks and not held.next_clicks
 
 
 def test_another_lens_is_said_and_the_picks_serve(tmp_path: Path) -> None:

@@ -152,9 +152,10 @@ def command(
     trials do not stand.
     """
     from vopd.flight.adjusted_table import as_csv, as_json, as_text
+    from vopd.flight.free import names_of
 
     suffix = "" if figure is None else figure_suffix(figure, source)
-    names = [name for some in free for name in some.replace(",", " ").split()]
+    names = names_of(",".join(free))
     if free and not names:
         raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
     deck = not is_flight(source)

@@ -21,6 +21,7 @@ from vopd.flight.free import (
     UNIT,
     check_free,
     free_landmarks,
+    names_of,
     prior_sigma,
     shown_name,
     stated_value,
@@ -107,7 +108,7 @@ class Adjustment:
 
 def adjust(
     source: Flight | str | PathLike[str],
-    free: Sequence[str],
+    free: str | Sequence[str],
     tell: Callable[[], object] = lambda: None,
 ) -> Adjustment:
     """Solve a flight with some of its parameters free.
@@ -115,7 +116,7 @@ def adjust(
     Args:
         source: the path of the project file, `flight.toml`, or the flight as it was read
         free: names of parameters: `focal`, `k1`, `clock`, ... (`vopd help adjust`), `landmarks` or
-            `landmark:NAME`
+            `landmark:NAME`; a sequence, or one text with commas between them
         tell: is called before each solve of all frames
 
     Raises:
@@ -123,7 +124,7 @@ def adjust(
             parameter
     """
     flight = source if isinstance(source, Flight) else flight_to_adjust(str(source))[0]
-    names = tuple(dict.fromkeys(free))
+    names = tuple(dict.fromkeys(names_of(free) if isinstance(free, str) else free))
     freed = replace(flight, options=replace(flight.options, free=names, kept=()))
     check_free(freed)
     return adjustment_of(solve_flight_read(freed, tell))

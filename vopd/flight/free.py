@@ -60,6 +60,13 @@ FACTOR = {"clock_rate": 1e6, "readout": 1e3}
 """Values in a table over those of `vopd.flight.equations`."""
 
 
+def names_of(text: str) -> list[str]:
+    """Split a list of names at commas; at spaces too, but for names of landmarks."""
+    parts = [part.strip() for part in text.split(",")]
+    each = ([part] if part.startswith(LANDMARK) else part.split() for part in parts)
+    return [name for names in each for name in names]
+
+
 def free_parameters(flight: Flight) -> tuple[str, ...]:
     """List the parameters that a flight is solved for by `options.free`, in the order of `FREE`."""
     options = flight.options

@@ -229,9 +229,12 @@ class FlightResult(Shown):
 
     @property
     def next_clicks(self) -> list[str]:
-        """Where to click next in a flight that is tracked from clicks, three lines at most."""
+        """Where to click next in a flight that is tracked from clicks, three lines at most.
+
+        None in an adjusted project, which takes no other clicks: its source is to be asked.
+        """
         joint = self.estimates.joint
-        if joint is None or joint.model.clicks is None:
+        if joint is None or joint.model.clicks is None or self.flight.options.held is not None:
             return []
         from vopd.flight.next_click import next_click_texts  # of few flights
 
@@ -537,7 +540,7 @@ def _settled_before(
     start = before.state if before is not None and before.passes else None
     scaled = replace(flight, picks=flight.picks.with_sigma(held.sigma_px))
     joint = solve_jointly(scaled, priors_of(flight), ~left_out, start)
-    estimates = FlightEstimates(replace(joint.solved, flight=flight), joint)
+    estimates = FlightEstimates(replace(joint.solved, flight=as_solved(flight, joint)), joint)
     sigmas = Sigmas(reading=held.sigma_px)
     found = sampled_reading_sigma(estimates.layout, estimates.of, sigmas)
     reading = replace(found, sigma=held.reading_sigma_px, freedom=held.freedom, source=held.source)
