@@ -97,7 +97,7 @@ def test_files_are_recognised_and_what_they_leave_open_is_asked(tmp_path: Path) 
     assert all(one.rpartition(" ")[2] + " = " in asked for one in needed)
     text = path.read_text()
     for line in text.splitlines():  # what a user does who takes every example as it is
-        if "# NEEDED, " in line:
+        if "# NEEDED (" in line:
             text = text.replace(line, line.removeprefix("# "))
     path.write_text(text.replace("frame_rate_hz = 25.0", "frame_rate_hz = 10.0")
                     .replace("first_frame_t_s = 0.0", "first_frame_t_s = 2.0"))  # fmt: skip

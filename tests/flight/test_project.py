@@ -287,7 +287,7 @@ def test_every_line_of_a_new_project() -> None:
     for key, line in zip([key for key in KEYS if key.example], found, strict=True):
         known = values.get((key.section, key.name))
         text = f"# {key.name} = {key.example}" if known is None else f"{key.name} = {known}"
-        mark = "NEEDED, " * ((key.section, key.name) in marked)
+        mark = f"NEEDED ({key.new_option}), " * ((key.section, key.name) in marked)
         assert line == f"{text:43} # {mark}{key.comment}"
 
 

@@ -36,26 +36,24 @@ _FILES = (
 )
 
 _ANSWERS = (
-    ("--height", "NAME", "ellipsoid, egm96, egm2008, navd88, same, or metres of the geoid.",
-     ("landmarks.height", "track.height", "position.height")),
-    ("--crs", "CODE", "Coordinate reference system of x and y, such as EPSG:32633.",
-     ("landmarks.crs", "track.crs", "position.crs")),
-    ("--clock", "NAME", "Clock of the track's dates: utc or gps.", ("track.clock",)),
-    ("--fps", "HZ", "Frames a second; with --epoch, the moment of frame 0.",
-     ("picks.frame_rate_hz",)),
-    ("--epoch", "TIME", "The moment of t = 0, such as 2026-05-01T11:58:42Z.", ("flight.epoch",)),
-    ("--first-frame", "SECONDS", "Time of frame 0, after the epoch.", ("picks.first_frame_t_s",)),
-    ("--pixel-grid", "NAME", "Where picks count from: centre, corner, one-based.",
-     ("picks.pixel_grid", "camera.pixel_grid")),
-    ("--image-size", "W,H", "Width and height of the images, pixels.", ("camera.image_size_px",)),
-    ("--sigma-position", "METRES", "Standard deviation of track or position: 3, or 2,2,4. Of a "
-     "track, from .3 on, it is sigma_bias_m, and sigma_m half of it.",
-     ("track.sigma_m", "position.sigma_m")),
-    ("--sigma-landmarks", "METRES", "Standard deviation of the landmarks.",
-     ("landmarks.sigma_m",)),
-    ("--sigma-time", "SECONDS", "Standard deviation of the frames' times.", ("track.sigma_t_s",)),
-)  # fmt: skip
-"""Options for what no file says: name, value, help, and the keys that they answer."""
+    ("--height", "NAME", "ellipsoid, egm96, egm2008, navd88, same, or metres of the geoid."),
+    ("--crs", "CODE", "Coordinate reference system of x and y, such as EPSG:32633."),
+    ("--clock", "NAME", "Clock of the track's dates: utc or gps."),
+    ("--fps", "HZ", "Frames a second; with --epoch, the moment of frame 0."),
+    ("--epoch", "TIME", "The moment of t = 0, such as 2026-05-01T11:58:42Z."),
+    ("--first-frame", "SECONDS", "Time of frame 0, after the epoch."),
+    ("--pixel-grid", "NAME", "Where picks count from: centre, corner, one-based."),
+    ("--image-size", "W,H", "Width and height of the images, pixels."),
+    (
+        "--sigma-position",
+        "METRES",
+        "Standard deviation of track or position: 3, or 2,2,4. Of a track, from .3 on, it is "
+        "sigma_bias_m, and sigma_m half of it.",
+    ),
+    ("--sigma-landmarks", "METRES", "Standard deviation of the landmarks."),
+    ("--sigma-time", "SECONDS", "Standard deviation of the frames' times."),
+)
+"""Options for what no file says: name, value, help. `KEYS` has the keys that they answer."""
 
 
 @click.command("new")
@@ -72,7 +70,7 @@ _ANSWERS = (
 @click.option(
     "--position",
     metavar="LAT,LON,H",
-    help="Place of a camera that does not move; X,Y,Z with --crs.",
+    help="Place of a camera that does not move; or X,Y,Z of --crs.",
 )
 @click.option(
     "--columns",
@@ -123,11 +121,13 @@ def command(
         vopd new flight --video flight.mp4 --landmarks l.csv --track t.gpx --lens lens.yml
         vopd new case1 --deck decks/appendix_h/case1.dat
 
-    A flight.toml that is there already is not touched: that is an error.
+    A flight.toml that vopd new has written and nobody has edited is completed by
+    further options: its other values stay. Any other is not touched: an error.
 
     Exit status: 0 the project is written; 1 a file could not be read, or one that
     would be written is there already; 2 wrong usage.
     """
+    from vopd.flight.earlier import earlier_project
     from vopd.flight.new import (
         NAME,
         Answer,
@@ -141,23 +141,26 @@ def command(
     if "lens" in files and (table := lens_of_numbers(files["lens"])):
         del files["lens"]
         answers.append(Answer("--lens", [("camera", "lens")], table, at_once=True))
-    if answers and not files and not video:
+    again = deck is None and bool(answers or files or video) and (Path(folder) / NAME).exists()
+    if answers and not files and not video and not again:
         raise click.UsageError(f"{answers[0].option} is for a project of files: give --picks, ...")
     if deck is not None and (files or video):
         raise click.UsageError("--deck has everything: leave the other files out.")
     if job is not None and deck is None:
         raise click.UsageError("--job is for --deck.")
-    refuse_existing(Path(folder), [NAME])
-    if deck is not None:
-        new = _of_deck(deck, job)
+    if again:
+        before = earlier_project(Path(folder), files, video, answers)
+        files, video = before.files | files, video or before.video
+        new = project_of_files(Path(folder), files, answers, _ask, video, before.values)
     else:
-        own = bool(files or video)
-        new = (
-            project_of_files(Path(folder), files, answers, _ask, video)
-            if own
-            else example_project()
-        )
-    write_project(Path(folder), new)
+        refuse_existing(Path(folder), [NAME])
+        if deck is not None:
+            new = _of_deck(deck, job)
+        elif files or video:
+            new = project_of_files(Path(folder), files, answers, _ask, video)
+        else:
+            new = example_project()
+    write_project(Path(folder), new, again=again)
     ctx.exit(0)
 
 
@@ -174,24 +177,17 @@ def _answers(
     """
     from vopd.flight.files import did_you_mean
     from vopd.flight.new import Answer, answer_value
-    from vopd.flight.project import ROWS
+    from vopd.flight.project import KEYS, ROWS
 
     found = []
     try:
-        for option, _, _, names in _ANSWERS:
+        for option, _, _ in _ANSWERS:
             text = given[option[2:].replace("-", "_")]
             if text is not None:
-                targets = [(one.partition(".")[0], one.partition(".")[2]) for one in names]
+                targets = [(row.section, row.name) for row in KEYS if row.option == option]
                 found.append(Answer(option, targets, answer_value(option, targets[0], text)))
         if position is not None:
-            three = ("x_m", "y_m", "z_m") if given["crs"] else ("lat_deg", "lon_deg", "h_m")
-            parts = position.split(",")
-            if len(parts) != len(three):
-                raise click.UsageError(f"--position: {position} is not three numbers with commas.")
-            for name, text in zip(three, parts, strict=True):
-                key = "position", name
-                value = answer_value("--position", key, text)
-                found.append(Answer("--position", [key], value, at_once=True))
+            found += _position(position, given["crs"])
         found += [_columns(one) for one in columns]
         for one in keys:
             name, _, text = one.partition("=")
@@ -207,6 +203,32 @@ def _answers(
     except VopdError as error:
         raise click.UsageError(str(error)) from error
     return found
+
+
+def _position(text: str, crs: str | None) -> list[Answer]:
+    """Read the place of a camera: degrees, or metres of the grid of `--crs`.
+
+    Numbers that only fit the other kind are taken for it: degrees beside a `--crs` of the
+    landmarks, or metres without one, whose grid is asked for.
+    """
+    from vopd.flight.new import Answer, answer_value
+
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 3:
+        raise click.UsageError(f"--position: {text} is not three numbers with commas.")
+    degrees, metres = ("lat_deg", "lon_deg", "h_m"), ("x_m", "y_m", "z_m")
+    values = [
+        answer_value("--position", ("position", name), part)
+        for name, part in zip(degrees, parts, strict=True)
+    ]
+    largest = max(abs(float(one)) for one in values[:2])
+    of_a_code = crs is not None and crs.strip().upper().startswith("EPSG:")
+    is_degrees = largest <= 360.0 if crs is None or of_a_code else False
+    names = degrees if is_degrees else metres
+    return [
+        Answer("--position", [("position", name)], value, at_once=True)
+        for name, value in zip(names, values, strict=True)
+    ]
 
 
 def _columns(text: str) -> Answer:
@@ -243,7 +265,10 @@ def _ask(new: NewProject, values: KeyValues) -> None:
     for section, key in asked:
         row = ROWS[section, key]
         choices = f" ({', '.join(row.choices)})" if row.choices else f", such as {row.example}"
-        click.echo(f"[{section}] {key}: {row.comment}{choices if key != 'height' else ''}")
+        about = row.comment + (choices if key != "height" else "")
+        click.echo(
+            f"[{section}] {key}: {new.needed[section, key] if row.kind == 'sigma' else about}"
+        )
         while (section, key) not in values:
             usual = height if key == "height" else ""
             text = click.prompt("  " + key, usual, show_default=bool(usual), prompt_suffix=" = ")
@@ -276,12 +301,16 @@ for _option, _key, _help in _FILES:
     command = click.option(_option, _key, type=FILE_NAME, metavar=_metavar, help=_help)(command)
 
 
-for _option, _metavar, _help, _ in _ANSWERS:
+for _option, _metavar, _help in _ANSWERS:
     command = click.option(_option, metavar=_metavar, help=_help)(command)
 
 
 def write_project(
-    folder: Path, new: NewProject, to_errors: bool = False, quiet: bool = False
+    folder: Path,
+    new: NewProject,
+    to_errors: bool = False,
+    quiet: bool = False,
+    again: bool = False,
 ) -> None:
     """Write the files of a project, all of them or none, and say what is in them.
 
@@ -290,11 +319,13 @@ def write_project(
         new: what to write
         to_errors: whether it is said on standard error
         quiet: whether nothing is said
+        again: whether it takes the place of a project that was written before
 
     Raises:
-        OutputError: where a file is there already, or cannot be written
+        OutputError: where a file is there already and is not to be replaced, or cannot be written
     """
-    refuse_existing(folder, list(new.contents))
+    if not again:
+        refuse_existing(folder, list(new.contents))
     made: list[Path] = []
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -308,10 +339,16 @@ def write_project(
         if len(made) < len(new.contents):
             for path in made:
                 path.unlink()
+    from vopd.flight.project import ROWS
+
     project = (folder / "flight.toml").as_posix()
-    said = [*new.said, f"{project}: written"]
+    said = [*new.said, f"{project}: written{' again; its other values are kept' * again}"]
     said += [f"needed: [{section}] {key} ({why})" for (section, key), why in new.needed.items()]
     usual = "check {}" if new.needed else "attitude {}"
+    if new.needed:
+        options = dict.fromkeys(ROWS[key].new_option for key in new.needed)
+        values = " ".join(one + ("=..." if "." in one else " ...") for one in options)
+        said.append(f"to give them: vopd new {folder.as_posix()} {values}")
     said.append(f"next: vopd {(new.then or usual).format(project)}")
     for sentence in [] if quiet else said:
         click.echo(sentence, err=to_errors)

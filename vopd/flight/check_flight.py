@@ -105,7 +105,15 @@ def far_landmarks(flight: Flight) -> Iterator[str]:
             whose = " or of ".join(what for what, *_ in inside or near)
             why = f"; {said.format(whose)}"
             break
-    yield f"landmarks are more than 300 km from the camera{why}"
+    places = f"landmarks at {_place(marks)}, camera at {_place(camera)}"
+    yield f"landmarks are more than 300 km from the camera{why} ({places})"
+
+
+def _place(position_m: Floats) -> str:
+    """Name the first known position by tenths of a degree."""
+    known = position_m[np.isfinite(position_m).all(axis=1)][:1]
+    where = geodetic(known)
+    return f"latitude {where.latitude_deg[0]:.1f}, longitude {where.longitude_deg[0]:.1f}"
 
 
 def _exchanged(flight: Flight, position_m: Floats) -> Floats:

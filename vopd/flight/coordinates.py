@@ -75,6 +75,11 @@ def earth_centred_positions(
         raise VopdError(f"{where}: crs has more than {LONGEST_CRS} characters: write a code")
     if name in WGS84_NAMES:
         longitude, latitude, h = coordinate.T
+        if (np.abs(latitude) > 360.0).any() and (np.abs(longitude) > 360.0).any():
+            raise VopdError(
+                f"{where}: {longitude[0]:g}, {latitude[0]:g} are metres of a grid and no degrees: "
+                "give them as x_m and y_m, and the grid as crs"
+            )
         if (np.abs(latitude) > 90.0).any():
             raise VopdError(f"{where}: latitude {np.abs(latitude).max():g}: x is the longitude")
         if (np.abs(longitude) > 360.0).any():
@@ -89,9 +94,25 @@ def earth_centred_positions(
     if vertical != (height is None):
         message = "the CRS has heights of its own: leave `height` out" if vertical else MISSING
         raise (VopdError if vertical else NeededError)(f"{where}: {message}")
+    if name not in WGS84_NAMES and not geodetic:
+        _refuse_degrees(name, coordinate, (latitude, longitude), where)
     if height is not None:
         h = _ellipsoidal(longitude, latitude, h, height, where)
     return earth_centred_m(latitude, longitude, h)
+
+
+def _refuse_degrees(
+    name: str, coordinate: Floats, found_deg: tuple[Floats, Floats], where: str
+) -> None:
+    """Refuse degrees in the place of metres of a grid: they are far outside the grid's area."""
+    x, y = np.abs(coordinate[:, :2]).T
+    if not ((x <= 360.0) & (y <= 360.0)).all() or crs_is_geographic(name, where):
+        return
+    if outside_area(name, earth_centred_m(*found_deg, np.zeros(len(x)))) is not None:
+        raise VopdError(
+            f"{where}: {coordinate[0, 0]:g}, {coordinate[0, 1]:g} are degrees and no metres of "
+            f"{name}: give them as lat_deg and lon_deg, without crs"
+        )
 
 
 LONGEST_CRS = 20_000  # characters of a `crs`: a definition as WKT has some thousand

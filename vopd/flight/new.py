@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -40,6 +40,7 @@ from vopd.flight.project import (
     project_text,
     toml_numbers,
     toml_text,
+    with_common_error,
 )
 from vopd.inputs import is_number
 from vopd.video import open_frames, stills_in
@@ -58,6 +59,7 @@ class NewProject:
     needed: dict[tuple[str, str], str] = field(default_factory=dict)  # keys, and why
     columns: dict[str, Columns] = field(default_factory=dict)  # of CSV files, by section
     crs: dict[str, str] = field(default_factory=dict)  # that the user gives, by section
+    answered: set[tuple[str, str]] = field(default_factory=set)  # keys that options answer
     then: str = ""  # the command to go on with, {} for the project; empty for the usual one
 
 
@@ -279,6 +281,12 @@ def _sigma(new: NewProject, section: str, key: str) -> None:
     new.needed[section, key] = f'{ROWS[section, key].comment}; or "{EXACT}"'
 
 
+POSITION_ERROR = (
+    f'metres, or [east, north, up]: 2, 2, 4 by GPS, 0.02, 0.02, 0.04 by RTK; or "{EXACT}"'
+)
+"""Of a position of a track as a whole; `share_receiver_error` divides it."""
+
+
 def look_at_track(
     new: NewProject, values: KeyValues, folder: Path, name: str | None
 ) -> TrackRows | None:
@@ -297,7 +305,7 @@ def look_at_track(
         new.said.append("no track: give [track], or [position] for a camera that does not move")
         new.needed["track", "file"] = "or [position] for a camera that does not move"
         ask_height(new, "track", None)
-        _sigma(new, "track", "sigma_m")
+        new.needed["track", "sigma_m"] = POSITION_ERROR
         return None
     file, rows = _read(new, values, folder, "track", name, TRACK_FORMATS)
     if rows.time_s is not None and not rows.image and (wrong := row_out_of_order(rows)):
@@ -313,9 +321,9 @@ def look_at_track(
         ask_height(new, "track", rows.crs)
     if not _in_every_row(rows.sigma_m):
         if rows.usual_sigma_m is None:
-            _sigma(new, "track", "sigma_m")
+            new.needed["track", "sigma_m"] = POSITION_ERROR
         else:
-            values["track", "sigma_m"] = toml_numbers(*rows.usual_sigma_m)
+            values.setdefault(("track", "sigma_m"), toml_numbers(*rows.usual_sigma_m))
     if rows.velocity_m_s is not None and not _in_every_row(rows.velocity_sigma_m_s):
         _sigma(new, "track", "velocity_sigma_m_s")
     if rows.clock == "utc-column":
@@ -401,9 +409,10 @@ def look_at_times(
     if rows.time_s is None or (rows.image and not by_number):
         return
     _sigma(new, "track", "sigma_t_s")
+    if rows.by_video and images is None:
+        values.setdefault(("picks", "first_frame_t_s"), "0.0")
     if values.get(("picks", "times")) == toml_text(VIDEO):
         if rows.by_video:
-            values.setdefault(("picks", "first_frame_t_s"), "0.0")
             return
         new.needed["picks", "first_frame_t_s"] = "the track has a clock of its own"
         if rows.clock != "seconds":
@@ -420,14 +429,15 @@ def look_at_times(
         )
         if not zone:
             new.needed["picks", "utc_offset_h"] = "the images' times do not say their zone"
-    elif by_number:
+    elif by_number or ("picks", "frame_rate_hz") in {*new.answered, *values}:
         new.needed["picks", "frame_rate_hz"] = "the track is by time"
         new.needed["picks", "first_frame_t_s"] = "the track is by time"
         if rows.clock != "seconds":
             new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"
     else:
+        where = "--video names the video" if rows.by_video else "--images names the folder"
         new.needed["picks", "times"] = (
-            "the track is by time; --images names the folder, --fps serves numbers in names"
+            f"the track is by time; {where}, --fps serves numbers in names"
         )
 
 
@@ -484,8 +494,9 @@ are keys that are not used here, each with an example."""
 OWN_HEAD = (
     HEAD
     + """\
-Lines that begin with # are keys that are not used, each with an example. Remove the #
-from those that are marked NEEDED, and give their values; then run vopd check."""
+Lines that begin with # are keys that are not used, each with an example. Those that are
+marked NEEDED lack a value: remove their # and give it, or repeat vopd new with the option
+that stands beside NEEDED, which writes this file again as long as it is not edited."""
 )
 
 
@@ -505,6 +516,7 @@ def project_of_files(
     answers: Sequence[Answer] = (),
     ask: Callable[[NewProject, KeyValues], None] = lambda new, values: None,
     video: Sequence[str] = (),
+    before: Mapping[tuple[str, str], str] | None = None,
 ) -> NewProject:
     """Build a project from files of the user, which stay where they are.
 
@@ -516,20 +528,27 @@ def project_of_files(
         answers: what the user says that no file does
         ask: asks for what is needed still, and adds it to the values
         video: the files of the video
+        before: values of a project that this one takes the place of
 
     Raises:
         VopdError: where a file cannot be read, or is not of a known format
     """
-    new, values = NewProject(), KeyValues()
-    values["flight", "name"] = toml_text(Path(os.path.abspath(folder)).name)  # noqa: PTH100
+    new, values = NewProject(), KeyValues(before or {})
+    own_name = toml_text(Path(os.path.abspath(folder)).name)  # noqa: PTH100
+    values.setdefault(("flight", "name"), own_name)
     for one in [one for one in answers if one.at_once]:
         for section, key in one.keys:
             values[section, key] = one.value
             if key == "columns":
                 new.columns[section] = tomllib.loads(f"x = {one.value}")["x"]
+    for (section, key), value in (before or {}).items():
+        if key in ("columns", "crs"):
+            known: dict[str, Any] = new.columns if key == "columns" else new.crs
+            known.setdefault(section, tomllib.loads(f"x = {value}")["x"])
     for one in answers:
         given_crs = [section for section, key in one.keys if key == "crs"]
         new.crs |= dict.fromkeys(given_crs, str(tomllib.loads(f"x = {one.value}")["x"]))
+    new.answered = {key for one in answers for key in one.keys}
     look_at_files(new, values, folder, given, video)
     for one in [one for one in answers if one.at_once]:
         for section, key in one.keys:
@@ -538,17 +557,13 @@ def project_of_files(
                     f"{one.option}: [{section}] {key} = {one.value}, and by a file or option it is "
                     f"{other}: leave one out"
                 )
-    rate, times = ("picks", "frame_rate_hz"), ("picks", "times")
-    if times in new.needed and any(rate in one.keys for one in answers):  # numbers in names
-        why = new.needed.pop(times)
-        new.needed |= dict.fromkeys([rate, ("picks", "first_frame_t_s"), ("flight", "epoch")], why)
     for one in [one for one in answers if not one.at_once]:
         keys = [key for key in one.keys if key in new.needed or key in values]
         values |= dict.fromkeys(keys, one.value)
         if not keys:
             new.said.append(f"{one.option}: not used, as no file leaves it open")
     first = "picks", "first_frame_t_s"
-    timed = rate in values or times in values
+    timed = bool({("picks", "frame_rate_hz"), ("picks", "times")} & {*values})
     if first in new.needed and first not in values and timed and ("flight", "epoch") in values:
         values[first] = "0.0"
         new.said.append("frame 0 is at the epoch: first_frame_t_s = 0.0")
@@ -558,7 +573,7 @@ def project_of_files(
     share_receiver_error(new, values)
     if ("landmarks", "file") in new.needed:  # nothing to click yet
         new.then = ""
-    new.contents[NAME] = project_text(values, new.needed, OWN_HEAD).encode()
+    new.contents[NAME] = project_text(values, with_common_error(new.needed), OWN_HEAD).encode()
     return new
 
 
@@ -674,8 +689,7 @@ def open_keys(project: Project) -> dict[tuple[str, str], str]:
         look_at_files(new, values, project.folder, given)
     except VopdError:  # the error that there is says more
         return {}
-    stated = {(name, key) for name, one in project.sections.items() for key in one.values}
-    return {key: why for key, why in new.needed.items() if key not in stated}
+    return project.lacking(with_common_error(project.lacking(new.needed)))
 
 
 # What a user says: options, and answers on a terminal

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -65,6 +66,7 @@ class Key(NamedTuple):
         choices: the texts that are known; empty for any
         above: the limit that a number exceeds
         size: how many numbers there are, 0 for any; one standard deviation stands for all
+        option: the option of `vopd new` that gives it; empty for `--set SECTION.NAME=VALUE`
     """
 
     section: str
@@ -77,17 +79,23 @@ class Key(NamedTuple):
     choices: tuple[str, ...] = ()
     above: float | None = None
     size: int = 1
+    option: str = ""
+
+    @property
+    def new_option(self) -> str:
+        """The option of `vopd new` that gives the key."""
+        return self.option or f"--set {self.section}.{self.name}"
 
 
 KEYS: tuple[Key, ...] = (
     Key("flight", "name", "text", '"my flight"', "a title", default=""),
     Key("flight", "epoch", "date", "2026-05-01T11:58:42Z", "the moment of t = 0",
         "the moment of t = 0, with its zone. Needed where frames are in seconds and the track is "
-        "in UTC"),
+        "in UTC", option="--epoch"),
     Key("camera", "lens", "file", '"lens.yml"',
         'or a table: { model = "brown", fx_px = 1500.0 }', "the calibration, or a table: "
         '`{ model = "brown", fx_px = 1500, fy_px = 1490, cx_px = 959.5, cy_px = 539.5, '
-        "k = [-0.1, 0.02] }`"),
+        "k = [-0.1, 0.02] }`", option="--lens"),
     Key("camera.lens", "model", "text", "", "the family of the model, see below",
         choices=tuple(kind.value for kind in LensKind)),
     Key("camera.lens", "fx_px", "number", "", "focal length along u", above=1.0),
@@ -111,12 +119,12 @@ KEYS: tuple[Key, ...] = (
         "reconstruction.json"),
     Key("camera", "image_size_px", "numbers", "[1920, 1080]", "width and height of the images",
         "width and height of the images; needed where the lens file has none, and compared with it "
-        "where it has one", size=2),
+        "where it has one", size=2, option="--image-size"),
     Key("camera", "lens_size_px", "numbers", "[3840, 2160]", "of the calibration, if another",
         "width and height of the images that the calibration was made of, where it was the same "
         "picture in another size: it is scaled to `image_size_px`", size=2),
     Key("camera", "pixel_grid", "text", '"centre"', f"of cx_px, cy_px; {_GRID}",
-        "for `cx_px` and `cy_px` of a table", choices=_GRIDS),
+        "for `cx_px` and `cy_px` of a table", choices=_GRIDS, option="--pixel-grid"),
     Key("camera", "readout_ms", "number", "", "of a rolling shutter: from first row to last",
         "of a rolling shutter: milliseconds from the first row to the last. Without it all rows "
         "are of one time", above=0.0),
@@ -127,26 +135,28 @@ KEYS: tuple[Key, ...] = (
         "what a frame's time is: that of its first row, or of the middle of the readout; needed "
         "with `readout_ms`", choices=("first-row", "middle")),
     Key("picks", "file", "file", '"picks.csv"',
-        "columns frame,landmark,u_px,v_px, or another format", "the picks"),
+        "columns frame,landmark,u_px,v_px, or another format", "the picks", option="--picks"),
     Key("picks", "columns", "other", "", "names of the columns of a CSV",
         "of a CSV whose header has other names: `{ landmark = \"target\" }`; of one without a "
         "header the names of all its columns: `[\"frame\", \"landmark\", \"u_px\", \"v_px\"]`"),
     Key("picks", "pixel_grid", "text", '"centre"', _GRID,
         "for a CSV: `centre` where (0, 0) is the centre of the first pixel, `corner` where it is "
-        "the corner of the image, `one-based` where the first pixel is (1, 1)", choices=_GRIDS),
+        "the corner of the image, `one-based` where the first pixel is (1, 1)", choices=_GRIDS,
+        option="--pixel-grid"),
     Key("picks", "v", "text", '"down"', "down or up", "the way in which v counts",
         default="down", choices=("down", "up")),
     Key("picks", "sigma_px", "number", "1.0", "standard deviation of a pick",
         "standard deviation of u and of v; a column `sigma_px` has precedence", default=1.0,
         above=0.0),
     Key("picks", "frame_rate_hz", "number", "25.0", "frames a second, for numbered frames",
-        above=0.0),
-    Key("picks", "first_frame_t_s", "number", "0.0", "time of frame 0, seconds after the epoch"),
+        above=0.0, option="--fps"),
+    Key("picks", "first_frame_t_s", "number", "0.0", "time of frame 0, seconds after the epoch",
+        option="--first-frame"),
     Key("picks", "times", "file", '"times.csv"',
         "instead: frame or image, t_s or t_utc; or the images", "in the place of both a CSV with "
         "`frame` or `image`, and `t_s` or `t_utc`; or the folder of the images, whose EXIF tags "
         "have the times; or `video`: those at which the frames of `video` are shown, after "
-        "`first_frame_t_s`"),
+        "`first_frame_t_s`", option="--images"),
     Key("picks", "video", "files", '"flight.mp4"', "the video that was picked in",
         "the video that was picked in, for `times = \"video\"` and for `vopd pick`; the list of "
         "its files where the camera began a new one: `[\"GH010042.MP4\", \"GH020042.MP4\"]`, "
@@ -166,40 +176,44 @@ KEYS: tuple[Key, ...] = (
         "`drop` leaves out points that CVAT has interpolated between those that were clicked",
         default="use", choices=("use", "drop")),
     Key("landmarks", "file", "file", '"landmarks.csv"',
-        "landmark,lat_deg,lon_deg,h_m, or another format", "the landmarks"),
+        "landmark,lat_deg,lon_deg,h_m, or another format", "the landmarks", option="--landmarks"),
     Key("landmarks", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
     Key("landmarks", "crs", "text", '"EPSG:32633"', _CRS, "their coordinate reference system; "
-        "needed with `x_m`, `y_m` where the file has none"),
-    Key("landmarks", "height", "text", '"ellipsoid"', _DATUM, _COUNTED, choices=HEIGHTS),
+        "needed with `x_m`, `y_m` where the file has none", option="--crs"),
+    Key("landmarks", "height", "text", '"ellipsoid"', _DATUM, _COUNTED, choices=HEIGHTS,
+        option="--height"),
     Key("landmarks.height", "undulation_m", "number", "", _UNDULATION),
     Key("landmarks", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 1 to 5 from a map",
-        _ROWS, size=3),
+        _ROWS, size=3, option="--sigma-landmarks"),
     Key("landmarks", "terrain", "file", "", "a GeoTIFF of heights, for vopd track",
         "a GeoTIFF of heights, by which `vopd track` lays patches on the ground where it is not "
         "level. Its heights are counted as the landmarks' are, unless its coordinate reference "
         "system says otherwise; it is laid through each landmark"),
     Key("track", "file", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format",
-        "the track of a camera that moves"),
+        "the track of a camera that moves", option="--track"),
     Key("track", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
-    Key("track", "crs", "text", '"EPSG:32633"', _CRS, "as for landmarks"),
-    Key("track", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS),
+    Key("track", "crs", "text", '"EPSG:32633"', _CRS, "as for landmarks", option="--crs"),
+    Key("track", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS,
+        option="--height"),
     Key("track.height", "undulation_m", "number", "", _UNDULATION),
     Key("track", "clock", "text", '"utc"', "utc, or gps, which is 18 s ahead",
         "for a column `t_utc`: utc, or gps, which is 18 s ahead since 2017. Files that say it "
         "themselves need none; `seconds` is the clock of a column `t_s`",
-        choices=("utc", "gps", "seconds")),
+        choices=("utc", "gps", "seconds"), option="--clock"),
     Key("track", "offset_s", "number", "0.0", "added to the track's times", default=0.0),
-    Key("track", "sigma_m", "sigma", "[2.0, 2.0, 4.0]",
-        f"{_SIGMA}2, 2, 4 by GPS, 0.02, 0.02, 0.04 by RTK",
-        f"{_ROWS}. Of each position by itself, besides `sigma_bias_m`", size=3),
-    Key("track", "sigma_bias_m", "sigma", "[1.0, 1.0, 2.0]",
-        "what all positions are off together: 2, 2, 4 by GPS alone, and sigma_m half of it",
+    Key("track", "sigma_m", "sigma", "[1.0, 1.0, 2.0]",
+        f"{_SIGMA}of each by itself: 1, 1, 2 by GPS, 0.02, 0.02, 0.04 by RTK",
+        f"{_ROWS}. Of each position by itself, besides `sigma_bias_m`", size=3,
+        option="--sigma-position"),
+    Key("track", "sigma_bias_m", "sigma", "[2.0, 2.0, 4.0]",
+        "what all are off together: 2, 2, 4 by GPS, 0.01 by RTK; --sigma-position 2,2,4 gives both",
         "standard deviations of the error that all positions have in common, as that of a receiver "
-        "without corrections within some minutes, or of a base station; likewise", size=3),
+        "without corrections within some minutes, or of a base station; likewise", size=3,
+        option="--sigma-position"),
     Key("track", "sigma_t_s", "sigma", "0.02",
         "seconds: 0.02 half a frame of a video, 0.3 whole seconds",
         "standard deviation of a frame's time against the track, seconds, or `\"exact\"`. Needed "
-        "for a track by time"),
+        "for a track by time", option="--sigma-time"),
     Key("track", "velocity_sigma_m_s", "sigma", "0.1",
         "m/s, or [north, east, down]: of the track's velocities",
         "standard deviations of the velocities. Needed if the track has them itself, unless the "
@@ -210,18 +224,21 @@ KEYS: tuple[Key, ...] = (
     Key("track", "interpolate", "text", '"linear"', "linear or cubic",
         "the position between those of the track", default="linear", choices=("linear", "cubic")),
     Key("position", "lat_deg", "number", "48.0", "or x_m, y_m, z_m with crs",
-        "latitude of a camera that does not move; `[position]` stands in the place of `[track]`"),
-    Key("position", "lon_deg", "number", "15.0", "positive east", "longitude, positive east"),
-    Key("position", "h_m", "number", "300.0", "height"),
+        "latitude of a camera that does not move; `[position]` stands in the place of `[track]`",
+        option="--position"),
+    Key("position", "lon_deg", "number", "15.0", "positive east", "longitude, positive east",
+        option="--position"),
+    Key("position", "h_m", "number", "300.0", "height", option="--position"),
     Key("position", "x_m", "number", "", "in the place of latitude and longitude: east"),
     Key("position", "y_m", "number", "", "north"),
     Key("position", "z_m", "number", "", "height"),
-    Key("position", "crs", "text", "", "of `x_m`, `y_m`, as for landmarks"),
-    Key("position", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS),
+    Key("position", "crs", "text", "", "of `x_m`, `y_m`, as for landmarks", option="--crs"),
+    Key("position", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS,
+        option="--height"),
     Key("position.height", "undulation_m", "number", "", _UNDULATION),
     Key("position", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 3 by a phone",
         "standard deviations, metres: one number, or east, north, up, or `\"exact\"`. Needed",
-        size=3),
+        size=3, option="--sigma-position"),
     Key("position", "lever_arm_m", "numbers", "", "as for a track", size=3),
     Key("vehicle", "mount", "text", '"forward"',
         "forward, down, { ypr_deg = [..] } or { matrix = [..] }",
@@ -241,7 +258,7 @@ KEYS: tuple[Key, ...] = (
         "unless the file has a column `sigma_deg`"),
     Key("wind", "file", "file", '"wind.csv"',
         "h_m,from_deg,speed_m_s; without it against the ground",
-        "a sounding; without it the angles of attack are against the ground"),
+        "a sounding; without it the angles of attack are against the ground", option="--wind"),
     Key("wind", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
     Key("wind", "sigma_m_s", "sigma", "1.0", "m/s, of the wind along north and along east",
         "standard deviation of the wind along north and along east, the same error in all frames"),
@@ -289,6 +306,21 @@ KEYS: tuple[Key, ...] = (
 ROWS = {(key.section, key.name): key for key in KEYS}
 REQUIRED = ("camera", "picks", "landmarks")
 SECTIONS = tuple(dict.fromkeys(key.section for key in KEYS if "." not in key.section))
+
+
+def with_common_error(needed: Mapping[tuple[str, str], str]) -> dict[tuple[str, str], str]:
+    """Ask for the error that a track's positions have in common beside that of each by itself.
+
+    Args:
+        needed: keys that are missing, and why
+    """
+    found = dict[tuple[str, str], str]()
+    for key, why in needed.items():
+        found[key] = why
+        if key == ("track", "sigma_m"):
+            common = "track", "sigma_bias_m"
+            found[common] = ROWS[common].comment
+    return found
 
 
 def keys_of(section: str) -> list[str]:
@@ -515,6 +547,10 @@ class Project:
         """Tell whether the project has that section."""
         return name in self.sections
 
+    def lacking(self, keys: Mapping[tuple[str, str], str]) -> dict[tuple[str, str], str]:
+        """Select keys that the project does not have."""
+        return {key: why for key, why in keys.items() if not self.section(key[0]).has(key[1])}
+
     def names_file(self, section: str, key: str) -> bool:
         """Tell whether the value of a key names a file or files; `times = "video"` is a word."""
         value = self.section(section).values.get(key)
@@ -651,8 +687,30 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
     return "\n".join(lines) + "\n"
 
 
+def written_keys(text: str, head: str) -> KeyValues | None:
+    """Read the values of a project file that `project_text` wrote; None if anybody edited it.
+
+    Args:
+        text: what the file has
+        head: as for `project_text`
+    """
+    values, needed, section = KeyValues(), dict[tuple[str, str], str](), ""
+    for line in text.splitlines():
+        if header := re.fullmatch(r"\[(\w+)\]", line):
+            section = header[1]
+        named = re.match(r"(# )?(\w+) = ", line)
+        if not named or (row := ROWS.get((section, named[2]))) is None:
+            continue
+        if named[1] and " # NEEDED (" in line:
+            needed[section, row.name] = ""
+        elif not named[1]:
+            values[section, row.name] = line[named.end() :].removesuffix(f"# {row.comment}").strip()
+    return values if project_text(values, needed, head) == text else None
+
+
 def _line(row: Key, value: str | None, needed: Mapping[tuple[str, str], str]) -> str:
     section = "track" if row.section == "position" else row.section
-    mark = "NEEDED, " if (section, row.name) in needed and value is None else ""
+    asked = (section, row.name) in needed and value is None
+    mark = f"NEEDED ({row.new_option}), " if asked else ""
     text = f"# {row.name} = {row.example}" if value is None else f"{row.name} = {value}"
     return f"{text:{WIDTH - 1}} # {mark}{row.comment}"

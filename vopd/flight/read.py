@@ -604,7 +604,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     rows, landmarks = _landmarks(project, notes)
     path = read_path(with_stated_offset(project), times)
     times = path.times
-    refuse_missing(name, [*notes.missing, *path.missing])
+    refuse_missing(project, [*notes.missing, *path.missing])
     _one_datum(project)
 
     def label(k: int) -> str:

@@ -382,6 +382,10 @@ def solve_flight_read(
     doubts = flight_findings(flight, without, apart, found.landmark, usual, blunders)
     if doubts.misfits:  # of a flight as a whole it is not said which frames are not searched
         swaps = swaps._replace(not_searched=0)
+        from vopd.flight.check_flight import far_landmarks  # which takes results
+
+        far = [Finding(one, flight.source, severity="warning") for one in far_landmarks(flight)]
+        doubts = doubts._replace(findings=[*far, *doubts.findings])
     findings = [*doubts.findings, *not_held_findings(flight), *solved_findings(without.joint)]
     findings += exchange_findings(swaps, flight, apart)
     findings += blunder_findings(found, flight, doubts.misfits, doubts.explained)

@@ -20,6 +20,7 @@ from vopd.flight.project import (
     Project,
     Section,
     beyond_sigmas,
+    with_common_error,
 )
 from vopd.geometry.lenses import LensKind
 
@@ -203,13 +204,14 @@ def _check_coefficient(section: Section, key: str, name: str, kind: LensKind) ->
 # Missing standard deviations
 
 
-def refuse_missing(project: str, missing: Sequence[MissingSigma]) -> None:
+def refuse_missing(project: Project, missing: Sequence[MissingSigma]) -> None:
     """Raise an error with the lines to paste, if any standard deviation is missing."""
     if missing:
+        keys = with_common_error({(one.section, one.key): one.why for one in missing})
         raise NeededError(
-            f"{project}: standard deviations are missing, and nothing counts as exact unless you "
-            "say so. Add these lines, with numbers of your own:\n"
-            + lines_to_add({(one.section, one.key): one.why for one in missing})
+            f"{project.name}: standard deviations are missing, and nothing counts as exact unless "
+            "you say so. Add these lines, with numbers of your own:\n"
+            + lines_to_add(project.lacking(keys))
         )
 
 
