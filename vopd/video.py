@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
@@ -72,6 +72,24 @@ class VideoFrames:
     def label(self, k: int) -> str:
         """Name a frame as rows of picks do: by its number, or the image's file name."""
         return self.image_name[k] if self.image_name else str(k)
+
+    def place(self, number: int, name: str) -> int:
+        """Find a frame: among images by its file name or by the number in theirs.
+
+        Args:
+            number: of the frame
+            name: of its image, with or without folders; empty where rows of picks number frames
+
+        Raises:
+            VopdError: there is none
+        """
+        known: Sequence[str | int] = self.image_name or range(len(self))
+        if self.image_name and not name:
+            known = image_numbers(self.image_name)
+        wanted = PurePath(name).name if self.image_name and name else number
+        if wanted not in known:
+            raise VopdError(f"{self.source}: has no {name or f'frame {number}'}")
+        return known.index(wanted)
 
     @property
     def lost(self) -> int:

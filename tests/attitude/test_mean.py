@@ -117,10 +117,12 @@ def test_an_estimated_reading_sigma_widens_intervals_and_ellipsoid() -> None:
     assert_close("covariance of a mean", found.freedom, np.full(6, freedom))
     assert_close("half-width of a mean", found.half_width_95 / found.total, t.ppf(0.975, freedom))
     assert_close("half-width of a mean", found.covariance_factor_95, 3.0 * f.ppf(0.95, 3, freedom))
-    # .1 degree of mounting beside .05 of readings: the vehicle's variance is five times the readings'
+    # .1 degree of mounting beside .05 of readings: five times the variance for the vehicle
     doubt, size = noisy.uncertainty, np.radians(0.05) ** 2
     mounted = replace(doubt, sigmas=doubt.sigmas._replace(mount_deg=0.1))
-    by_sums = replace(noisy, uncertainty=mounted, sum_errors=lambda _: {"reading": size * np.eye(3)})
+    by_sums = replace(
+        noisy, uncertainty=mounted, sum_errors=lambda _: {"reading": size * np.eye(3)}
+    )
     found = by_sums.mean()
     expected = np.repeat([freedom, 25.0 * freedom], 3)
     assert_close("half-width of a mean", found.freedom, expected)

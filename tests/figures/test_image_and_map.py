@@ -24,6 +24,7 @@ from vopd.figures.map import STEPS
 from vopd.figures.style import place_names
 from vopd.flight.result import solve_flight
 from vopd.geometry.earth import earth_centred_m, geodetic
+from vopd.report import embedded_photographs
 
 HILL = ROOT / "examples" / "hill"
 
@@ -81,6 +82,31 @@ def test_a_photograph_is_found_by_its_name(tmp_path: Path) -> None:
     images = ("--figure", "image", "--images", tmp_path / "elsewhere")
     assert vopd("plot", project, "-o", made, *images).status == 0
     assert "40 x 30: not the size" in " ".join(made.read_text().split())
+
+
+def test_a_photograph_is_found_by_its_number(tmp_path: Path) -> None:
+    """Of a folder of numbered images: that of --images, or [picks] video of the project."""
+    shutil.copytree(ROOT / "examples" / "hill", tmp_path / "hill")
+    project, folder, made = (
+        tmp_path / "hill" / "flight.toml",
+        tmp_path / "frames",
+        tmp_path / "a.svg",
+    )
+    folder.mkdir()
+    for frame in (1, 3, 4):
+        Image.new("RGB", (40 + frame, 30)).save(folder / f"frame_{frame:04d}.png")
+    for given in (("--images", folder), ()):
+        if not given:
+            text = project.read_text()
+            project.write_text(text.replace("[picks]", '[picks]\nvideo = "../frames"'))
+            found, why = embedded_photographs([solve_flight(project).history()])
+            assert [frame for frame, _ in found] == [1, 3, 4] and "frame 0" in why
+        for frame in range(5):
+            options = ("--figure", "image", "--frame", str(frame), *given)
+            ran = vopd("plot", project, "-o", made, *options)
+            assert ran.status == 0
+            said = " ".join(made.read_text().split())
+            assert (f"{40 + frame} x 30: not the size" in said) == (frame in (1, 3, 4))
 
 
 def test_lines_of_sight_meet_their_landmarks() -> None:

@@ -279,15 +279,7 @@ def _photographs(name: str) -> Photograph:
     frames = open_frames([name])
 
     def read(number: int, image: str) -> Any:
-        k = number
-        if frames.image_name:
-            base = PurePath(image).name
-            if base not in frames.image_name:
-                raise VopdError(f"{image or f'frame {number}'} is not in {name}")
-            k = frames.image_name.index(base)
-        elif not 0 <= number < len(frames):
-            raise VopdError(f"{frames.source}: has no frame {number}")
-        return next(frames.pictures([k]))
+        return next(frames.pictures([frames.place(number, image)]))
 
     return read
 

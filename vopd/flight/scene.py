@@ -196,10 +196,10 @@ class FlightScene:
             except VopdError as error:
                 yield from ((k, error) for k in place.values())
                 place = {}
-            for number, k in place.items():
-                yield k, VopdError(f"{video.source}: has no frame {number}")
         for k, (number, name) in enumerate(frames):
-            if name:
+            if (
+                name or number in place
+            ):  # by name, of a folder of numbered images, or beyond the end
                 try:
                     yield k, self.photograph(number, name)
                 except VopdError as error:
@@ -237,9 +237,7 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
 
     if not name:
         frames = open_frames([str(one) for one in flight.video])
-        if not 0 <= number < len(frames):
-            raise VopdError(f"{frames.source}: has no frame {number}")
-        (picture,) = frames.pictures([number])
+        (picture,) = frames.pictures([frames.place(number, name)])
         return picture
     assert flight.folder is not None
     of_video = [one if one.is_dir() else one.parent for one in flight.video]
