@@ -479,13 +479,14 @@ def places_by_fixes(factored: Factored) -> Array:
     diagonal, beside = factored.chain.selected_inverse()
     out = np.zeros((len(fixes.block), 3, 3), diagonal.dtype)
     if fixes.together > NARROW:
-        shape = fixes.together, 3, fixes.together, 3
+        shape = -1, 3, fixes.together, 3
         for block, some in frames_by_block(fixes, np.arange(len(out))):
             weight = fixes.by_block[some].reshape(-1, 2, fixes.together)
             own = (diagonal[block], beside[block], diagonal[block + 1])
             for (a, b), part in zip(((0, 0), (0, 1), (1, 1)), own, strict=True):
-                parts = weight[:, a], part.reshape(shape), weight[:, b]
-                both = np.einsum("fa,aibj,fb->fij", *parts, optimize=True)
+                flat = part.reshape(fixes.together, -1)
+                left = (weight[:, a] @ flat).reshape(shape)
+                both = (left * weight[:, b, None, :, None]).sum(axis=2)
                 out[some] += both if a == b else both + both.swapaxes(1, 2)
         return out
     for one, other in pairs(fixes.by_block):

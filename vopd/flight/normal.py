@@ -443,8 +443,10 @@ def _add_wide(fixes: TrackFixes, place: Array, diagonal: Array, coupling: Array)
     width = 3 * fixes.together
     for block, some in frames_by_block(fixes, np.arange(len(fixes.block))):
         weight = fixes.by_block[some]
-        both = np.einsum("fa,fij,fb->aibj", weight, place[some], weight, optimize=True)
-        both = both.reshape(2 * width, 2 * width)
+        slots = weight.shape[1]
+        each = (weight[:, :, None] * place[some].reshape(-1, 1, 9)).reshape(len(some), -1)
+        both = (weight.T @ each).reshape(slots, slots, 3, 3)
+        both = both.transpose(1, 2, 0, 3).reshape(2 * width, 2 * width)
         diagonal[block] += both[:width, :width]
         diagonal[block + 1] += both[width:, width:]
         coupling[block] += both[:width, width:]
