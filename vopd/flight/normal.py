@@ -445,8 +445,8 @@ def _add_wide(fixes: TrackFixes, place: Array, diagonal: Array, coupling: Array)
         weight = fixes.by_block[some]
         slots = weight.shape[1]
         each = (weight[:, :, None] * place[some].reshape(-1, 1, 9)).reshape(len(some), -1)
-        both = (weight.T @ each).reshape(slots, slots, 3, 3)
-        both = both.transpose(1, 2, 0, 3).reshape(2 * width, 2 * width)
+        products = (weight.T @ each).reshape(slots, slots, 3, 3)
+        both = products.transpose(1, 2, 0, 3).reshape(2 * width, 2 * width)
         diagonal[block] += both[:width, :width]
         diagonal[block + 1] += both[width:, width:]
         coupling[block] += both[:width, width:]
