@@ -378,7 +378,7 @@ def test_the_survey_and_the_camera_on_the_post_are_near_their_truth(tmp_path: Pa
     assert vopd("new", tmp_path / "s", *files, "--track", survey / "geo.txt").status == 0
     project = tmp_path / "s" / "flight.toml"
     text = project.read_text().replace("# height =", "height =")
-    text = text.replace("# sigma_m =", "sigma_m =").replace("= [2.0, 2.0, 4.0]", "= 0.02")
+    text = text.replace("# sigma_m =", "sigma_m =").replace("= [1.0, 1.0, 2.0]", "= 0.02")
     project.write_text(text)
     truth = [[12, -84, 1.5], [10, -85, 0.8], [11, -83, -1.0], [9, -86, 2.2]]
     for path, expected in (
