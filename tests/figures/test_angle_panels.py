@@ -28,6 +28,7 @@ from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
 from vopd.figures.attitude import (
+    BAND,
     broken,
     draw_attack,
     draw_attitude,
@@ -124,7 +125,7 @@ def test_the_caption_and_the_legend(which: Any, columns: int) -> None:
     figure = Figure()
     assert which(figure, [film()], None) == "hand.toml, job 1: a flight by hand"
     assert len(figure.axes) == 4 * columns
-    assert texts(figure.legends[0]) == ["95 % interval"]
+    assert texts(figure.legends[0]) == [BAND]
 
 
 TICKS = {  # by the angle that is drawn: yaw from 0 to 360, all others from -180 to 180
@@ -394,17 +395,17 @@ def test_the_legend() -> None:
     """Jobs by their colour where there are several, and the band."""
     last = of("b", 3)
     one = legend(last)
-    assert texts(one) == ["95 % interval"]
+    assert texts(one) == [BAND]
     (band,) = one.get_patches()
     assert (to_hex(band.get_facecolor()), band.get_alpha()) == (OKABE_ITO[0], 0.3)
     two = legend(of("a", 1), last)
-    assert texts(two) == ["a, job 1", "b, job 3", "95 % interval"]
+    assert texts(two) == ["a, job 1", "b, job 3", BAND]
     assert [line.get_color() for line in two.get_lines()[:2]] == list(OKABE_ITO[:2])
     (band,) = two.get_patches()
     assert to_hex(band.get_facecolor()) == to_hex("0.5")
-    assert texts(legend(of("a", 1), of("a", 2))) == ["job 1", "job 2", "95 % interval"]
+    assert texts(legend(of("a", 1), of("a", 2))) == ["job 1", "job 2", BAND]
     many = legend(*[of("a", k) for k in range(1, 9)])
-    assert texts(many) == [*[f"job {k}" for k in range(1, 7)], "95 % interval"]
+    assert texts(many) == [*[f"job {k}" for k in range(1, 7)], BAND]
     assert [line.get_color() for line in many.get_lines()] == list(OKABE_ITO)
 
 

@@ -88,12 +88,12 @@ def _parameters(axis: Any, shown: Sequence[Change]) -> None:
         look: dict[str, Any] = {"fmt": "o", "color": COLOURS[0], "label": "after, ± sigma"}
         if not one.stated:
             look |= {"fmt": "D", "color": COLOURS[1]}
-            look["label"] = "after; no sigma stated before: in its own"
+            look["label"] = "after, in its own sigma: none was stated before"
         axis.errorbar(one.moved, row, xerr=one.sigma, ms=5, capsize=3, **look)
     axis.set_ylim(len(shown) - 0.4, -0.6)
     axis.set_yticks(range(len(shown)), [plain(short(one.name, 32)) for one in shown])
     axis.grid(visible=False, axis="y")
-    axis.set_xlabel("move, standard deviations")
+    axis.set_xlabel("change, in standard deviations")
     least, most = axis.get_xlim()
     axis.set_xlim(min(least, -1.2), max(most, 1.2))
     values = axis.twinx()

@@ -115,6 +115,9 @@ def draw_flags(axis: Any, histories: Sequence[History]) -> None:
     axis.grid(visible=False, axis="y")
 
 
+BAND = "95 % interval; where none is seen, it is no wider than the line"
+
+
 def draw_legend(figure: Any, histories: Sequence[History]) -> None:
     """Put the legend of jobs and band below the panels, where no data are."""
     from matplotlib.lines import Line2D
@@ -128,7 +131,7 @@ def draw_legend(figure: Any, histories: Sequence[History]) -> None:
             handles.append(Line2D([], [], color=COLOURS[number]))
             texts.append(label(history, histories))
     handles.append(Patch(color=colour, alpha=0.3, lw=0))
-    texts.append("95 % interval")
+    texts.append(BAND)
     figure.legend(handles, texts, loc="outside lower center", ncols=4)
 
 

@@ -110,15 +110,21 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
             axis.plot(*marks.T, mark, mec=colour, mew=1.5, ms=size, label=text, zorder=4, **look)
     more = _horizon(axis, history, k, scene, view)
 
+    outside = ~_inside(view.pixel, view.size_px)
+    if outside.any():
+        some = ", ".join(plain(short(scene.names[one], 24)) for one in view.landmark[outside][:3])
+        few = ", ..." if outside.sum() > 3 else ""
+        more.append(f"{count_text(int(outside.sum()), 'pick')} outside the image: {some}{few}")
     own = [plain(short(scene.names[one], 24)) for one in view.landmark]
     own = [f"{one}: does not fit" if odd else one for one, odd in zip(own, culprit, strict=True)]
     rest = np.flatnonzero(unpicked)
     order = np.argsort(~culprit, kind="stable")
+    order = order[~outside[order]]
     places = np.concatenate([view.pixel[order], view.computed[rest]])[:LABELLED]
     names = [own[one] for one in order] + [plain(short(scene.names[one], 24)) for one in rest]
     size_in = _size_in(figure)
     unit = min((size_in[0] - ROOM_IN[0]) / width, (size_in[1] - ROOM_IN[1]) / height) * 72.0
-    bold = np.arange(len(places)) < int(culprit.sum())
+    bold = np.arange(len(places)) < int((culprit & ~outside).sum())
     corners = np.array([[-0.5, -0.5], [width - 0.5, height - 0.5]])
     pt = np.array([unit, -unit])
     nameless = place_names(axis, places, names[:LABELLED], pt, corners, bold, along)

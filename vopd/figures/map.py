@@ -85,14 +85,12 @@ def draw_map(
         return np.stack([along, height / unit_m], axis=-1)
 
     above, side = figure.subplots(2, 1, height_ratios=(1.0 - SIDE, SIDE))
-    foot, open_ended = _footprint(scene, history, k, camera_m, axes, away_m)
+    foot, cut_short = _footprint(scene, history, k, camera_m, axes, away_m)
     for axis, to in ((above, plan), (side, beside)):
         if axis is above and foot is not None:
             at = to(foot)
-            axis.fill(*at.T, color=COLOURS[4], alpha=0.18, lw=0, zorder=0)
-            axis.plot(
-                *np.vstack([at, at[:1]]).T, color=COLOURS[4], lw=1.0, zorder=1, label="footprint"
-            )
+            axis.fill(*at.T, fc=f"{COLOURS[4]}2e", ec=COLOURS[4], zorder=0,
+                      label="ground in the image")  # fmt: skip
         if len(known) > 1 and np.ptp(known, axis=0).any():
             axis.plot(
                 *to(known).T, ".-", color="0.25", ms=3, lw=0.8, zorder=2, label="camera's track",
@@ -175,11 +173,11 @@ def draw_map(
             f"{'misses its landmark' if missed.sum() == 1 else 'miss their landmarks'}, "
             f"most {plain(scene.names[picked[worst]])}: {miss_m[worst]:.3g} m"
         )
-    if open_ended:
-        told.append("the view goes on beyond the footprint's far edge")
+    if cut_short:
+        told.append("the image shows more ground, farther away than is drawn")
     if nameless:
         told.append(f"{count_text(nameless, 'name')} left out for want of room")
-    told.append(f"below: the side view, heights {stretched:.2g} times the scale of distances")
+    told.append(f"below: from the side, heights drawn {stretched:.2g} times as large as distances")
     return f"{caption([history])}\n{'; '.join(told)}"
 
 

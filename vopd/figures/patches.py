@@ -129,7 +129,8 @@ def _draw(figure: Any, history: History, scene: JobScene, read: Photograph) -> s
     more = f"; {len(strips) - len(shown)} landmarks more" if len(strips) > len(shown) else ""
     clicks = "blue: clicks; " if scene.clicks is not None else ""
     return (
-        f"{caption([history])}\n{clicks}red: does not fit; not found: where it should be{more}\n"
+        f"{caption([history])}\n{clicks}red: does not fit; not found: where it should be; "
+        f"white: beyond the picture{more}\n"
         "each patch turned and stretched to look like the first; below it the frame, and the "
         "correlation with the first"
     )

@@ -22,6 +22,7 @@ FEW = 100  # frames of a landmark, up to which each of its residuals has a mark
 MANY, MEANS = 200, 60  # if a landmark has more residuals, lines are means: so many of that one
 FAR = 8.0  # times the 99th percentile: residuals beyond are drawn at the edge
 MARKS = "os^Dvp"
+OWN_SIGMA = ("residuals", "sample")  # of `SOURCES`: residuals say nothing about such a sigma
 HELD = 1e-6  # part of a reading's variance that is left as a residual: below it fits by itself
 MOST_SIGMAS = 5.0  # of the histogram; what is beyond stands in its last bins, and is counted
 
@@ -120,7 +121,7 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
         axis.axis("off")
     shown = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
     named = {
-        str(place): f"{_label(histories, int(numbers[k]))}: {rms[k]:.3g}"
+        str(place): f"{_label(histories, int(numbers[k]))}: {_three_digits(rms[k])}"
         for place, k in enumerate(coloured)
     }
     named |= {"others": f"{len(numbers) - len(coloured)} others", "does not fit": "does not fit"}
@@ -137,7 +138,10 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
         told.append(f"lines: means of {_of_a_mean(longest)} residuals, dots: single ones")
     if len(known):
         rms_sigmas = np.sqrt(np.mean(known**2))
-        told.append(f"in sigmas, rms of those that fit: {rms_sigmas:.3g}, 1 if sigma is right")
+        own = all(h.uncertainty.reading.source in OWN_SIGMA for h in histories)
+        size = f"{_three_digits(rms_sigmas)} (1 if sigma is right"
+        size += "; sigma is from these residuals)" if own else ")"
+        told.append(f"in sigmas, rms of those that fit: {size}")
     for count, most, unit in zip(cut, limit, (units.residual, "sigma"), strict=True):
         if count:
             many = count_text(count, "residual")
@@ -145,6 +149,11 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     if far:
         told.append(f"{far} beyond {MOST_SIGMAS:g} sigma in the histogram's last bins")
     return f"{caption(histories)}\n{'; '.join(told)}"
+
+
+def _three_digits(value: float) -> str:
+    """Write a size with three digits, so that sizes below each other can be compared."""
+    return f"{value:#.3g}".rstrip(".")
 
 
 def _directions(histories: Sequence[History], found: Residuals) -> tuple[list[str], Floats]:

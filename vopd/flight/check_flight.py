@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, VopdError, count_text
+from vopd.findings import Finding, VopdError
 from vopd.flight.blunders import ARE_EXCHANGED, WRONG
 from vopd.flight.coordinates import (
     HeightDatum,
@@ -15,12 +15,12 @@ from vopd.flight.coordinates import (
     map_grid,
     outside_area,
 )
-from vopd.flight.flight import Flight, frame_label
+from vopd.flight.flight import Flight
 from vopd.flight.misfit import SPEAK_FOR
 from vopd.flight.mistakes import other_clock, usual_mistakes
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
-from vopd.flight.result import solve_flight_read
+from vopd.flight.result import picks_outside, solve_flight_read
 from vopd.geometry.earth import earth_centred_m, geodetic
 
 FAR_M = 300e3
@@ -48,7 +48,7 @@ def check_flight(name: str) -> list[Finding]:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
     if not result.solved.any():
         found.append(Finding("no frame has an attitude", name))
-    found += [f for f in result.findings if f not in flight.findings]
+    found += [f for f in result.findings if f not in found]
     causes = SPEAK_FOR, WRONG, ARE_EXCHANGED
     named = any(words in one.message for one in result.findings for words in causes)
     more = [] if result.misfits else usual_mistakes(project, result, named)
@@ -67,19 +67,7 @@ def messages_of_files(flight: Flight) -> Iterator[str]:
         yield f"never picked: {', '.join(names[k] for k in never[:10])}" + (
             f" and {len(never) - 10} more" if len(never) > 10 else ""
         )
-    width, height = flight.lens.of(picks.frame).by_rows("size_px").T
-    u, v = picks.pixel.T
-    outside = (u < -0.5) | (u > width - 0.5) | (v < -0.5) | (v > height - 0.5)
-    if outside.any():
-        count = int(outside.sum())
-        first = int(np.flatnonzero(outside)[0])
-        wide, high = (int(np.broadcast_to(one, u.shape)[first]) for one in (width, height))
-        hint = '; does v point up? then give [picks] v = "up"' if (v < 0).mean() > 0.5 else ""
-        yield (
-            f"{count_text(count, 'pick')} outside the image of {wide} x {high}, the first "
-            f"{names[picks.landmark[first]]} in {frame_label(flight, int(picks.frame[first]))} "
-            f"at {u[first]:g}, {v[first]:g}{hint}"
-        )
+    yield from (one.message for one in picks_outside(flight))
 
 
 def far_landmarks(flight: Flight) -> Iterator[str]:

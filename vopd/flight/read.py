@@ -484,9 +484,13 @@ def known_landmarks(
     for name, picked in sorted(zip(names.known, picked_of, strict=True)):
         if name not in index:
             many = count_text(picked, "pick")
-            message = f"no landmark {name} ({many}){did_you_mean(name, landmarks[:20])}"
+            message = f"{NO_LANDMARK} {name} ({many}){did_you_mean(name, landmarks[:20])}"
             findings.append(Finding(message, project, severity="warning"))
     return in_four_bytes(np.array([index.get(name, -1) for name in names.known])), findings
+
+
+NO_LANDMARK = "no landmark"
+"""How a warning about picks of an unknown landmark begins."""
 
 
 def by_point(frame: Ints, own: Ints) -> tuple[Ints, Ints]:

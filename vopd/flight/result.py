@@ -47,7 +47,7 @@ from vopd.flight.held import least_held, solved_findings, undetermined
 from vopd.flight.joint import JointSolution, solve_jointly, widened
 from vopd.flight.misfit import OF_LANDMARK, SPEAK_FOR, flight_findings
 from vopd.flight.project import Project, read_project
-from vopd.flight.read import flight_of, read_flight
+from vopd.flight.read import NO_LANDMARK, flight_of, read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.readout import SETTLED as ROWS_SETTLED
 from vopd.flight.readout import picks_at_frame_times
@@ -308,7 +308,7 @@ def solve_flight_read(
         VopdError: where no frame has two landmarks
     """
     require_two_landmarks(flight)
-    stated, of_clicks = flight, list[Finding]()
+    stated, outside, of_clicks = flight, picks_outside(flight), list[Finding]()
     if flight.picks.clicks is not None:
         from vopd.flight.click_tests import without_wrong_clicks  # of few flights
 
@@ -396,7 +396,8 @@ def solve_flight_read(
     every = found._replace(pick=found.pick | swapped)
     findings += freed_beside_blunders(flight, every, apart)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
-    return FlightResult(estimates, (*flight.findings, *of_clicks, *findings), doubts.misfits)
+    told = (*flight.findings, *outside, *of_clicks, *findings)
+    return FlightResult(estimates, told, doubts.misfits)
 
 
 ROUNDS_OF_LABELS = 3  # of solving without exchanged labels, and testing all frames again
@@ -649,6 +650,13 @@ def require_two_landmarks(flight: Flight) -> None:
     takes_part = used[flight.picks.landmark]
     count = np.bincount(flight.picks.frame[takes_part], minlength=len(flight.frame))
     if count.max(initial=0) < 2:
+        unknown = [f.message for f in flight.findings if f.message.startswith(NO_LANDMARK)]
+        if unknown:
+            more = f"; {len(unknown) - 3} more like these" if len(unknown) > 3 else ""
+            raise VopdError(
+                f"{flight.source}: no frame has two landmarks that the project knows: "
+                f"{'; '.join(unknown[:3])}{more}"
+            )
         raise VopdError(
             f"{flight.source}: no frame has two landmarks (frames: {len(count)}, one at most in "
             "each). One landmark gives the direction of its line of sight alone: the turn about "
@@ -677,6 +685,25 @@ def freed_beside_blunders(flight: Flight, found: Blunders, apart: Bools) -> list
             "is wrong"
         )
     return [Finding(told, flight.source, severity="warning")]
+
+
+def picks_outside(flight: Flight) -> list[Finding]:
+    """Count the picks that lie outside their images, and name the first."""
+    picks = flight.picks
+    width, height = flight.lens.of(picks.frame).by_rows("size_px").T
+    u, v = picks.pixel.T
+    outside = (u < -0.5) | (u > width - 0.5) | (v < -0.5) | (v > height - 0.5)
+    if not outside.any():
+        return []
+    first = int(np.flatnonzero(outside)[0])
+    wide, high = (int(np.broadcast_to(one, u.shape)[first]) for one in (width, height))
+    hint = '; does v point up? then give [picks] v = "up"' if (v < 0).mean() > 0.5 else ""
+    text = (
+        f"{count_text(int(outside.sum()), 'pick')} outside the image of {wide} x {high}, the first "
+        f"{flight.landmarks.name[picks.landmark[first]]} in "
+        f"{frame_label(flight, int(picks.frame[first]))} at {u[first]:g}, {v[first]:g}{hint}"
+    )
+    return [Finding(text, flight.source, severity="warning")]
 
 
 def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:

@@ -303,6 +303,12 @@ function work(data) {
     return typeof half === "number" ? [at - half, at + half] : [NaN, NaN];
   }
 
+  // A roll is drawn from -180 to 180, and written so beside its curve; the table has it as the CSV.
+  function asDrawn(one) {
+    const written = text(one, now);
+    return one.name.endsWith("roll_deg") && Number(written) > 180 ? (Number(written) - 360).toFixed(written.split(".")[1]?.length ?? 0) : written;
+  }
+
   function curves() {
     const box = of("curve-box");
     const job = jobAt[now];
@@ -317,10 +323,10 @@ function work(data) {
     for (const { one, y, top, values } of panels) {
       const own = values[now - job.first];
       if (Number.isFinite(own) && Number.isFinite(place)) cursor.append(node("circle", { cx: round(place), cy: round(y(own)), r: 4, class: "chosen" }));
-      cursor.append(label(svg.viewBox.baseVal.width - 6, top + 11, text(one, now) === "" ? "none" : `${text(one, now)} ${one.name.endsWith("_deg") ? "°" : ""}`, "value", "end"));
+      cursor.append(label(svg.viewBox.baseVal.width - 6, top + 11, asDrawn(one) === "" ? "none" : `${asDrawn(one)} ${one.name.endsWith("_deg") ? "°" : ""}`, "value", "end"));
     }
     svg.append(cursor);
-    svg.setAttribute("aria-label", `${drawn.said}; chosen: ${described(now)}, ${panels.map(({ one }) => `${one.name} ${text(one, now) || "none"}`).join(", ")}`);
+    svg.setAttribute("aria-label", `${drawn.said}; chosen: ${described(now)}, ${panels.map(({ one }) => `${one.name} ${asDrawn(one) || "none"}`).join(", ")}`);
   }
 
   function drawCurves(box, job) {
@@ -550,14 +556,16 @@ function work(data) {
       points.unshift([u, v, pick.state === 2 ? `${pick.name}: does not fit` : pick.name, pick.state === 2 ? "odd" : ""]);
     }
     points.sort((a, b) => (b[3] === "odd") - (a[3] === "odd"));
-    const left = points.length <= 200 ? names(svg, points, width, height, arrows) : points.length;
+    const inside = points.filter(([u, v]) => u >= 0 && v >= 0 && u <= width && v <= height);
+    const outside = points.length - inside.length;
+    const left = points.length <= 200 ? names(svg, inside, width, height, arrows) : points.length;
     if (job.usual > 0) {
       const key = roundNumber(1.5 * job.usual);
       const long = (key / job.per) * scale * unit;
       if (long < 0.4 * width) svg.append(arrow(width - 14 - long, height - 10, width - 14, height - 10, "residual"), label(width - 14, height - 17, `${key} ${job.residual}`, "name", "end"));
     }
     const signs = ["○ picked", "+ computed", list.some((one) => one.state === 1) && "◇ picked, not used", odd.length && "□ does not fit", job.others?.count[now - job.first] && "△ not picked: computed place"];
-    const more = left ? `; ${left} names left out for want of room` : "";
+    const more = `${outside ? `; ${outside} outside the image` : ""}${left ? `; ${left} names left out for want of room` : ""}`;
     const plane = job.sizes ? "" : `; seen from behind the camera, ${job.surface}, corrected for distortion`;
     of("image-text").textContent = `${said}. ${signs.filter(Boolean).join(", ")}; arrows: residuals, ${scale} times as long${scale > 1 ? ", dashed where that is too long" : ""}${toward}${plane}${more}.`;
   }
@@ -621,7 +629,8 @@ function work(data) {
     const name = far > 1 ? "km" : "m";
     const away = list.map((pick) => Math.hypot(places.east_m[pick.landmark] - here[0], places.north_m[pick.landmark] - here[1]));
     const [close, distant] = extent(away);
-    const nearFar = known && list.length ? `, landmarks ${(close / far).toPrecision(3)} to ${(distant / far).toPrecision(3)} ${name} away` : "";
+    const digits = (length) => String(Number(length.toPrecision(3)));
+    const nearFar = known && list.length ? `, landmarks ${digits(close / far)} to ${digits(distant / far)} ${name} away` : "";
     const svg = canvas(box, width, tall + side + 74, `Map of ${described(now)}: ${places.east_m.length} landmarks${nearFar}`);
     const [ex, nx] = job.origin;
     const clip = node("clipPath", { id: "plan" }, node("rect", { x: left, y: 0, width: round(inner), height: round(tall) }));

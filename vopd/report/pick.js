@@ -316,6 +316,8 @@ function draw() {
     pen.fillText(text, ...beside);
   }
   mark(pen, ...on(...cross), Math.max(canvas.width, canvas.height), "#fff8");
+  const [x, y] = on(...cross), room = (LOUPE_SIZE + 16) * unit;
+  loupe.classList.toggle("left", x > canvas.width - room && y < room);
   const glass = loupe.getContext("2d"), size = loupe.width, times = LOUPE * unit;
   glass.fillStyle = "#333";
   glass.fillRect(0, 0, size, size);
