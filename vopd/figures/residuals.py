@@ -138,9 +138,9 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
         told.append(f"lines: means of {_of_a_mean(longest)} residuals, dots: single ones")
     if len(known):
         rms_sigmas = np.sqrt(np.mean(known**2))
-        own = all(h.uncertainty.reading.source in OWN_SIGMA for h in histories)
+        fitted = all(h.uncertainty.reading.source in OWN_SIGMA for h in histories)
         size = f"{_three_digits(rms_sigmas)} (1 if sigma is right"
-        size += "; sigma is from these residuals)" if own else ")"
+        size += "; sigma is from these residuals)" if fitted else ")"
         told.append(f"in sigmas, rms of those that fit: {size}")
     for count, most, unit in zip(cut, limit, (units.residual, "sigma"), strict=True):
         if count:
