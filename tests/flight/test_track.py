@@ -95,6 +95,20 @@ def test_linear_is_usual_and_goes_along_chords(key: dict[str, str]) -> None:
     assert_approved(said[0])
 
 
+def test_rows_far_from_the_frames_of_a_long_track_say_nothing() -> None:
+    """A path that is smooth about its frames, and noise of a kilometre 30,000 rows away."""
+    time_s, frame_s = np.arange(-50_000, 50_000) * 0.01, np.array([0.0, 0.0055])
+    position = START + SPEED * time_s[:, None]
+    position[:10_000] += np.random.default_rng(1).normal(0.0, 1000.0, (10_000, 3))
+    rows = TrackRows(position, False, None, "seconds", time_s, "CSV")
+    section, times = Section("p.toml", "track", {}), FrameTimes(frame_s, (), None)
+    found = path_by_time(section, rows, position, times, Notes([], []), "t.csv")
+    assert found.row_s is not None and len(found.row_s) < len(time_s)
+    assert_close("flight position", found.position_m, START + SPEED * frame_s[:, None])
+    assert_close("flight speed", columns(found)[1], np.tile(SPEED @ NED_FROM_XYZ.T, (2, 1)))
+    assert found.velocity_sigma_m_s is not None and (found.velocity_sigma_m_s < 0.01).all()
+
+
 @pytest.mark.parametrize("interpolate", ["linear", "cubic"])
 def test_a_track_holds_from_its_first_to_its_last_time(interpolate: str) -> None:
     frame_s = np.array([-1e-6, 0.0, 7.0, 7.0 + 1e-6, np.nan])

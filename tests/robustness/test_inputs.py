@@ -6,13 +6,17 @@ of flights; `commands.txt` has command lines. README.md says what each showed.
 
 from __future__ import annotations
 
+import os
 import shlex
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from tests.kit.command import DECKS, vopd
+from tests.approved.texts import assert_approved
+from tests.kit.command import DECKS, ROOT, vopd
 from tests.kit.judge import Command, deck_commands, flight_commands, judge, judge_all, star_commands
 
 HERE = Path(__file__).parent
@@ -118,3 +122,23 @@ def test_the_judge_compares_check_with_run(place: Path, monkeypatch: pytest.Monk
     assert judge_all(commands) == []
     monkeypatch.setattr("vopd.cli.check.check_deck", lambda *_, **__: [])
     assert judge_all(commands)[0].startswith("run fails unforeseen: deck.dat: card 1")
+
+
+@pytest.mark.parametrize("megabytes", [150, 180, 240])
+def test_a_small_address_space_is_refused_at_once(megabytes: int) -> None:
+    """OpenBLAS tried without end to get memory while scipy was loaded; only KILL ended it."""
+    resource = pytest.importorskip("resource", reason="no limits of processes here")
+    if sys.platform != "linux":
+        pytest.skip("the address space is limited on Linux alone")
+    limit = megabytes * 1_000_000
+
+    def limited() -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+    found = subprocess.run(
+        [sys.executable, "-m", "vopd", "check", "flight.toml"],
+        capture_output=True, text=True, timeout=60, preexec_fn=limited, check=False,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert found.returncode == 1 and not found.stdout
+    assert_approved(found.stderr)

@@ -569,17 +569,21 @@ def path_by_time(
         raise section.error("file", NO_TIMES)
     way = section.text("interpolate")
     notes.said.append(f"positions between those of the track: {way}")
+    sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
+    velocity_m_s, near = rows.velocity_m_s, _near(times.time_s, time_s)
+    time_s, position, sigma_m = time_s[near], position[near], sigma_m[near]
+    sigma_m_s = None if sigma_m_s is None else sigma_m_s[near]
     inside: Bools = (times.time_s >= time_s[0]) & (times.time_s <= time_s[-1])
     at = np.where(inside, times.time_s, time_s[0])
     here = _interpolated(way, time_s, position, at)
-    sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
     rough = track_roughness(time_s, position, sigma_m)
-    if rows.velocity_m_s is None:
+    if velocity_m_s is None:
         fitted = velocity_by_fit(at, here, time_s, position, rough, notes)
         velocity, acceleration, of_frames = fitted
     else:
-        velocity = _columns_at(at, time_s, rows.velocity_m_s)
-        acceleration = _columns_at(at, time_s, np.gradient(rows.velocity_m_s, time_s, axis=0))
+        velocity_m_s = velocity_m_s[near]
+        velocity = _columns_at(at, time_s, velocity_m_s)
+        acceleration = _columns_at(at, time_s, np.gradient(velocity_m_s, time_s, axis=0))
         of_frames = None
         notes.said.append("velocity as the track has it")
     if sigma_m_s is not None:
@@ -587,7 +591,7 @@ def path_by_time(
     unknown = ~inside[:, None]
     key_sigma(section, "sigma_t_s", "", notes)
     fixes = path_errors(at, inside, time_s, position, sigma_m, rough, way)
-    if rows.velocity_m_s is None and fixes is not None and not fixes.exact:
+    if velocity_m_s is None and fixes is not None and not fixes.exact:
         fixes = with_slopes(fixes, at, here, time_s, position, rough)
     return CameraPath(
         np.where(unknown, np.nan, here),
@@ -599,6 +603,17 @@ def path_by_time(
         lever_arm_m=lever_arm(section),
         row_s=time_s,
     )
+
+
+NEAR_ROWS = 30_000  # before and after the frames: those farther away are not looked at
+
+
+def _near(at_s: Floats, time_s: Floats) -> slice:
+    """Select the rows of a long track about the frames; all where no frame has a row."""
+    first, behind = np.searchsorted(time_s, [np.nanmin(at_s), np.nanmax(at_s)])
+    if behind == 0 or first == len(time_s):
+        return slice(None)
+    return slice(max(int(first) - NEAR_ROWS, 0), int(behind) + NEAR_ROWS)
 
 
 def with_slopes(

@@ -165,7 +165,7 @@ def _innovations(z: Floats, by_noise: Floats, by_jerk: Floats) -> tuple[Floats, 
 
     Their sums over any part of the track are the part's likelihood, given what is before it.
     """
-    from scipy.linalg import cholesky_banded, solve_banded  # takes a tenth of a second to load
+    from scipy.linalg import cholesky_banded, lapack  # takes a tenth of a second to load
 
     squares, logs = np.empty((len(RATIOS), len(z))), np.empty((len(RATIOS), len(z)))
     for k, ratio in enumerate(RATIOS.tolist()):
@@ -174,7 +174,7 @@ def _innovations(z: Floats, by_noise: Floats, by_jerk: Floats) -> tuple[Floats, 
             factor = cholesky_banded(total, lower=True)
         except np.linalg.LinAlgError:  # times that are nearly the same: each by itself
             factor = np.sqrt(total) * (np.arange(4) == 0)[:, None]
-        squares[k] = solve_banded((3, 0), factor, z) ** 2
+        squares[k] = lapack.dtbtrs(factor, z[:, None], uplo="L")[0][:, 0] ** 2
         logs[k] = 2.0 * np.log(factor[0])
     return squares, logs
 

@@ -20,7 +20,7 @@ from vopd.files import kind_by_first_bytes, reason
 from vopd.findings import Finding, InputError, Report, count_text, input_error, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
-from vopd.inputs import MOST_COLUMNS, no_file, read_limited
+from vopd.inputs import MOST_COLUMNS, no_file, plain_digits, read_limited
 from vopd.stellar.field import ground_directions, star_directions
 
 # Columns, and their cells
@@ -471,6 +471,9 @@ def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, source: 
 
     def numbers(*names: str) -> Floats:
         """Read the numbers of some columns, (n, k)."""
+        plain = [_plain_numbers(stars, name) for name in names]
+        if plain and all(one is not None for one in plain):
+            return np.array(plain).T.copy()
         rows = [[_number(star, name, source) for name in names] for star in stars]
         return np.array(rows, dtype=np.float64).reshape(len(stars), len(names))
 
@@ -506,6 +509,18 @@ def _photograph(name: str, stars: Sequence[Star], columns: StarColumns, source: 
         utc=_moment(stars, source),
         read_as=columns.read_as,
     )
+
+
+def _plain_numbers(stars: Sequence[Star], name: str) -> Floats | None:
+    """Read a column of decimal numbers at once, (n,); None if each cell must be looked at."""
+    texts = [cells[name] for _, cells in stars]
+    if name == "ra_hours" or name.startswith("sigma") or not plain_digits(texts):
+        return None
+    try:
+        found = np.array(texts, dtype=np.float64)
+    except ValueError:
+        return None
+    return found if (np.abs(found) <= LIMITS.get(name, LIMIT)).all() else None
 
 
 def _number(star: Star, name: str, source: str) -> float:
