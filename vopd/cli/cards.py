@@ -74,13 +74,10 @@ def command(
 
 
 def _strip_sequence(deck: str, output: str) -> None:
-    """Write a deck without its sequence numbers, and name what they have overwritten."""
+    """Write a deck without its sequence numbers; refuse where they stand in place of altitudes."""
     with open_deck(deck) as source:
         text = CardText(source).all(deck)
     bare, stripped = sequence.strip_sequence(text, deck)
-    with whole_file(output) as file:
-        file.write(bare)
-    click.echo(f"sequence numbers taken off {count_text(len(stripped), 'card')}", err=True)
     of_group_7: set[int] = set()
 
     def keep(cards: CardBlock) -> None:
@@ -91,11 +88,14 @@ def _strip_sequence(deck: str, output: str) -> None:
         for _ in read_jobs(io.BytesIO(text), deck, lambda _: None, on_cards=keep):
             pass
     if lost := sorted(of_group_7 & stripped):
-        click.echo(
-            f"warning: {deck}: group 7 had them in the place of the altitude, columns 71-80 "
-            f"({count_text(len(lost), 'card')}, first card {lost[0]}): punch the altitudes again",
-            err=True,
+        raise VopdError(
+            f"{deck}: group 7 has them in the place of the altitude, columns 71-80 "
+            f"({count_text(len(lost), 'card')}, first card {lost[0]}): without it the vehicle would "
+            "be at sea level; punch the altitudes again, and then take the numbers off"
         )
+    with whole_file(output) as file:
+        file.write(bare)
+    click.echo(f"sequence numbers taken off {count_text(len(stripped), 'card')}", err=True)
 
 
 class CardChoice:

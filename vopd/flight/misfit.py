@@ -90,7 +90,7 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
             )
         return ""
     picks, sigma_px = joint.model.flight.picks, reading.sigma
-    expected_px, of = USUAL_PX, f"{USUAL_PX:g} px, which is usual"
+    expected_px, of = USUAL_PX, f"the usual {USUAL_PX:g} px"
     if picks.clicks is not None:
         assert stated_px is not None
         expected_px, of = stated_px, f"what tracks of such a sigma_px should have, {stated_px:.2g}"

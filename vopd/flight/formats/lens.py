@@ -567,7 +567,29 @@ def recognises_matlab_lens(file: InputFile) -> bool:
 
 def read_matlab_lens(file: InputFile, question: LensQuestion) -> LensRead:
     """Read CIRN's 11 intrinsics, NU NV c0U c0V fx fy d1 d2 d3 t1 t2, or Caltech's fc, cc, kc."""
-    found = file.matlab(CIRN, *CALTECH)
+    return _toolbox_lens(file, file.matlab(CIRN, *CALTECH))
+
+
+def recognises_json_intrinsics(file: InputFile) -> bool:
+    """Tell whether it is an object in JSON with CIRN's intrinsics."""
+    return file.head.lstrip().startswith("{") and f'"{CIRN}"' in file.head
+
+
+def read_json_intrinsics(file: InputFile, question: LensQuestion) -> LensRead:
+    """Read CIRN's 11 intrinsics, as its MATLAB file has them, from JSON."""
+    try:
+        found = parse_json(file.text)
+    except (ValueError, RecursionError) as error:
+        raise file.error(f"not valid JSON: {reason(error)}") from error
+    values = found.get(CIRN) if isinstance(found, dict) else None
+    numbers = isinstance(values, list) and all(type(one) in (int, float) for one in values)
+    if not numbers:
+        raise file.error(f"{CIRN} is not a list of 11 numbers")
+    return _toolbox_lens(file, {CIRN: values})
+
+
+def _toolbox_lens(file: InputFile, found: Mapping[str, Any]) -> LensRead:
+    """Make the lens of CIRN's intrinsics or of Caltech's values."""
     if CIRN in found:
         said, shift, corner = "CIRN's intrinsics", GRID_TO_CENTRE["one-based"], "(1, 1)"
         values = np.asarray(found[CIRN], dtype=np.float64).ravel()
@@ -666,6 +688,7 @@ LENS_FORMATS: tuple[InputFormat[LensRead], ...] = (
     InputFormat("mrcal", recognises_mrcal, read_mrcal),
     InputFormat("Metashape XML", recognises_metashape, read_metashape),
     InputFormat("OpenSfM or ODM cameras.json", recognises_opensfm, read_opensfm),
+    InputFormat("JSON of CIRN's intrinsics", recognises_json_intrinsics, read_json_intrinsics),
     InputFormat("OpenCV yml, xml or json", recognises_opencv, read_opencv),
     InputFormat("COLMAP cameras.txt", recognises_colmap, read_colmap),
     InputFormat("MATLAB file of Caltech or CIRN", recognises_matlab_lens, read_matlab_lens),
