@@ -32,6 +32,7 @@ TOLERANCES = {
     "warp of a patch": Tolerance("px", 2e-5, "the Earth's curvature in 20 m of 1000"),
     "row of a rolling shutter": Tolerance("px", 2e-4, "rows found in two rounds"),
     "ground on a terrain": Tolerance("m", 0.02, "rays end within a hundredth of a metre"),
+    "match of a small patch": Tolerance("px", 0.2, "a tenth of how its rim moves; .4 with equal weights"),
     "match of a drawn patch": Tolerance("px", 0.02, "sampled between four pixels"),
     "turn by drawn shifts": Tolerance("rad", 2e-6, "the prior of the turn, .03 rad"),
     "turn by whole frames": Tolerance("rad", 1e-4, "a tenth of a pixel"),

@@ -190,6 +190,18 @@ def test_landmarks_never_picked_are_named_in_the_order_of_the_file(tmp_path: Pat
         assert found == ([] if named is None else [f"never picked: {named}"])
 
 
+def test_numbers_that_are_missing_in_a_folder_of_images(tmp_path: Path) -> None:
+    one, folder = flight(tmp_path), tmp_path / "frames"
+    folder.mkdir()
+    for number in (*range(1, 20), *range(23, 40)):
+        (folder / f"frame_{number:04}.png").write_bytes(b"")
+    (found,) = messages_of_files(replace(one, video=(folder,)))
+    assert_approved(found.removeprefix(f"{folder}"))
+    for number in range(20, 23):
+        (folder / f"frame_{number:04}.png").write_bytes(b"")
+    assert not [*messages_of_files(replace(one, video=(folder,)))]
+
+
 def test_picks_outside_the_image_are_counted_and_the_first_is_named(tmp_path: Path) -> None:
     one = flight(tmp_path)
     pixel = one.picks.pixel.copy()

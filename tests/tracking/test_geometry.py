@@ -58,8 +58,10 @@ def picture(
     return gain * drawn(u - shift[0], v - shift[1]) + bias
 
 
-def laid(scene: Scene, grey: Floats, pixel: tuple[float, float]) -> GroundedPatch:
-    patch = cut_patch(grey, 0, 0, 0, np.array(pixel), 25)
+def laid(
+    scene: Scene, grey: Floats, pixel: tuple[float, float], side: int = 25
+) -> GroundedPatch:
+    patch = cut_patch(grey, 0, 0, 0, np.array(pixel), side)
     assert patch is not None
     found = ground_patch(scene, view(0, NADIR), patch)
     assert found is not None
@@ -131,6 +133,21 @@ def test_a_patch_moved_brighter_and_flatter() -> None:
     shift, several = search(picture((11.0, -9.0)), warps, [patch], 12.0)
     assert not several.any()
     assert shift[0].tolist() == [11.0, -9.0]
+
+
+def test_a_mast_in_front_of_ground_that_moves_otherwise() -> None:
+    """A small patch follows what is in its middle, and not what moves by 1.5 px at its rim."""
+    scene = above(1000.0, 1000.0)
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    top = np.maximum(abs(u - 120.0), abs(v - 70.0)) < 4.5
+    patch = laid(scene, picture(), (120.0, 70.0), 13)
+    seen = np.where(top, picture(), picture((1.5, -1.5)))
+    warps = warp(scene, view(1, NADIR), [patch])
+    found = match(seen, warps, [patch], np.zeros((1, 2)), 4.0)
+    assert found.good.all()
+    assert_close("match of a small patch", found.shift[0], [0.0, 0.0])
+    assert patch.patch.weight.max() == patch.patch.weight[6 * 13 + 6] == 1.0
+    assert np.all(laid(scene, picture(), (9.0, 70.0)).patch.weight == 1.0)  # cut by the edge
 
 
 def test_what_is_no_match() -> None:

@@ -22,6 +22,7 @@ from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import picks_outside, solve_flight_read
 from vopd.geometry.earth import earth_centred_m, geodetic
+from vopd.video import open_frames
 
 FAR_M = 300e3
 
@@ -60,7 +61,15 @@ def _warned(name: str, messages: Iterable[str]) -> list[Finding]:
 
 
 def messages_of_files(flight: Flight) -> Iterator[str]:
-    """Check landmarks and picks without a solve."""
+    """Check landmarks, picks and a folder of numbered images without a solve."""
+    if any(one.is_dir() for one in flight.video):
+        try:
+            frames = open_frames([str(one) for one in flight.video])
+        except VopdError as error:
+            yield str(error)
+        else:
+            if frames.missing:
+                yield frames.about
     picks, names = flight.picks, flight.landmarks.name
     never = sorted(set(range(len(names))) - set(picks.landmark.tolist()))
     if never:

@@ -20,6 +20,7 @@ from vopd.tracking.scene import Scene, View
 
 PATCH_PX = 25  # side of a patch, if the landmark has no other
 LEAST_PX = 13  # of a patch that is made smaller at the edge of the frame
+WINDOW = 6.0  # sides of a patch below PATCH_PX a standard deviation of the weights of its pixels
 MARGIN_PX = 8  # of the clicked frame around a patch that is kept, for blurring
 ROUNDS = 12
 SETTLED_PX = 0.003
@@ -44,6 +45,8 @@ class Patch:
         corner: u, v of the first pixel of `grey`, whole numbers, (2,)
         grey: the frame there, with a margin, (h, w)
         side: of the patch, pixels, odd
+        spread_px: standard deviation of the weights of its pixels about the middle; infinite: all
+            weigh alike
     """
 
     click: int
@@ -53,6 +56,7 @@ class Patch:
     corner: Ints
     grey: Floats
     side: int
+    spread_px: float = np.inf
 
     @cached_property
     def grid(self) -> Floats:
@@ -65,6 +69,15 @@ class Patch:
         half = self.side // 2
         v, u = np.mgrid[-half : half + 1, -half : half + 1]
         return np.stack([u.ravel(), v.ravel()], axis=1).astype(float)
+
+    @cached_property
+    def weight(self) -> Floats:
+        """Weights of its pixels, 1 in the middle, (n,).
+
+        A small patch is asked for where a mast or a roof stands above the ground: what is around
+        it moves otherwise, the more the farther from the middle.
+        """
+        return np.asarray(np.exp(-0.5 * (self.offset**2).sum(axis=1) / self.spread_px**2))
 
     @cached_property
     def blurred(self) -> tuple[tuple[Floats, Floats], ...]:
@@ -91,6 +104,8 @@ def cut_patch(
 ) -> Patch | None:
     """Cut the patch of a click out of its frame: a smaller one near the edge, or none.
 
+    One of less than PATCH_PX is weighed about its middle.
+
     Args:
         grey: the frame, (H, W)
         click: index of the click
@@ -106,7 +121,10 @@ def cut_patch(
     low = np.maximum(middle - half - MARGIN_PX, 0)
     high = np.minimum(middle + half + MARGIN_PX + 1, size)
     part = np.array(grey[low[1] : high[1], low[0] : high[0]], dtype=float)
-    return Patch(click, landmark, frame, np.asarray(pixel, float), low, part, 2 * half + 1)
+    spread_px = side / WINDOW if side < PATCH_PX else np.inf
+    return Patch(
+        click, landmark, frame, np.asarray(pixel, float), low, part, 2 * half + 1, spread_px
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,10 +238,12 @@ def match(
     # derivatives by pixels of this frame, of the patch as its gain and bias leave it
     slope = slope @ inverse
     design = np.concatenate([slope, own[..., None], np.ones((*own.shape, 1))], axis=2)
-    normal = design.swapaxes(1, 2) @ design
+    weight = np.stack([patches[k].patch.weight for k in usable])
+    weighed = design * weight[..., None]
+    normal = design.swapaxes(1, 2) @ weighed
     # what has no slope along an axis has curvature zero there, and is refused for it below
     normal += np.eye(4) * (1e-9 * np.trace(normal, axis1=1, axis2=2))[:, None, None]
-    solver = np.linalg.solve(normal, design.swapaxes(1, 2))  # (C, 4, n)
+    solver = np.linalg.solve(normal, weighed.swapaxes(1, 2))  # (C, 4, n)
     picture = _softened(grey, warps, usable, scale[usable])
     shift = start[usable].copy()
     moving = np.ones(len(usable), bool)
@@ -251,7 +271,8 @@ def match(
     wide = np.trace(curvature, axis1=1, axis2=2)
     both = np.linalg.det(curvature)
     larger = wide / 2.0 + np.sqrt(np.maximum(wide**2 / 4.0 - both, 0.0))
-    variance = (misfit**2).sum(axis=1) / max(own.shape[1] - 4, 1) / gain**2
+    freedom = np.maximum(weight.sum(axis=1) - 4.0, 1.0)
+    variance = (weight * misfit**2).sum(axis=1) / freedom / gain**2
     # sigma of u and of v, the mean of both
     each = np.sqrt(variance * wide / (2.0 * both))
     far = np.hypot(*(shift - start[usable]).T) > reach_px
