@@ -24,6 +24,7 @@ TOLERANCES = {
     "way north": Tolerance(
         "1", 0.03, "two decimals; a lens whose centre is 3 px beside the middle"
     ),
+    "true north on a map": Tolerance("deg", 0.01, "the next term of the convergence is .001"),
     "mark on a page": Tolerance("px", 0.35, "a tenth of a screen's pixel, 3.3 of the image"),
     "click on a page": Tolerance("px", 0.05, "what the page promises; two decimals are .005"),
     "rotation on a page": Tolerance("deg", 1e-6, "what the page promises"),
@@ -32,7 +33,10 @@ TOLERANCES = {
     "warp of a patch": Tolerance("px", 2e-5, "the Earth's curvature in 20 m of 1000"),
     "row of a rolling shutter": Tolerance("px", 2e-4, "rows found in two rounds"),
     "ground on a terrain": Tolerance("m", 0.02, "rays end within a hundredth of a metre"),
-    "match of a small patch": Tolerance("px", 0.2, "a tenth of how its rim moves; .4 with equal weights"),
+    "match of a small patch": Tolerance(
+        "px", 0.2, "a tenth of how its rim moves; .4 with equal weights"
+    ),
+    "height of a terrain": Tolerance("m", 1e-3, "heights are kept in 32 bits, 6E-5 m at 1000 m"),
     "match of a drawn patch": Tolerance("px", 0.02, "sampled between four pixels"),
     "turn by drawn shifts": Tolerance("rad", 2e-6, "the prior of the turn, .03 rad"),
     "turn by whole frames": Tolerance("rad", 1e-4, "a tenth of a pixel"),
@@ -40,6 +44,7 @@ TOLERANCES = {
     "frame by its grey level": Tolerance("1", 0.4, "five grey levels a frame; coding moves two"),
     "presentation time": Tolerance("s", 1e-9, "whole milliseconds"),
     "place or time as a file has it": Tolerance("deg, m, s", 1e-9, "written in decimals"),
+    "inch of the reader": Tolerance("in", 1e-12, "twelve digits of the scale of the film"),
     "angle from the film reader": Tolerance(
         "deg", 0.01, "readings of .001 in. are .0007 mm of 10.4, .004 degree; four landmarks"
     ),

@@ -134,6 +134,15 @@ def test_images_of_a_folder() -> None:
     ]
 
 
+def test_a_pixel_of_a_scanned_film_in_inches_of_the_reader() -> None:
+    """At 2540 dpi a pixel is .01 mm on the film; .713816400205 mm are an inch on the reader."""
+    Image.new("L", (8, 6)).save("1.png")
+    deck = str(DECKS / "appendix_h/case1.dat")
+    done = vopd("pick", "1.png", "-o", "p.html", "--cards", deck, "--dpi", "2540")
+    assert done.status == 0, done.stderr
+    assert_close("inch of the reader", data()["deck"]["inch"], 0.01 / 0.713816400205)
+
+
 def test_wrong_usage(tmp_path: Path) -> None:
     write_project(tmp_path, TOML)
     deck = (DECKS / "appendix_h/case1.dat").read_text()

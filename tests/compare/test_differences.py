@@ -18,6 +18,7 @@ from vopd.listing.compare import (
     fields_agree,
     may_hold,
     printed_number,
+    read_within,
     tolerance_rows,
     undetermined_fields,
     units_apart,
@@ -364,6 +365,18 @@ AGREE = [  # quantity, two texts, units: whether they agree
 def test_whether_fields_agree(quantity: str, one: str, other: str, units: str, same: bool) -> None:
     kind = field("F" if quantity in ("time", "camera yaw") else "I", 3, quantity)
     assert fields_agree(kind, one, other, Decimal(units)) is same
+
+
+def test_tolerances_of_a_unit_hold_to_their_limit() -> None:
+    """A foot is a thousandth where radii are printed in thousands of feet."""
+    foot = read_within("1ft")
+    for quantity, limit, beyond in (
+        ("landmark radius", "20935.699", "20935.700"),
+        ("landmark altitude", "20936.698", "20936.699"),
+    ):
+        kind = field("F", 3, quantity)
+        assert fields_agree(kind, "20935.698", limit, Decimal(0), foot)
+        assert not fields_agree(kind, "20935.698", beyond, Decimal(0), foot)
 
 
 @pytest.mark.parametrize("units", [0, 0.1, "2.5", Decimal("1E-9"), 10**9])

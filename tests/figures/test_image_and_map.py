@@ -17,7 +17,7 @@ from PIL import Image
 from tests.kit.command import ROOT, vopd
 from tests.kit.figures import labelled, points
 from tests.kit.histories import with_estimate
-from tests.tolerances import assert_close
+from tests.tolerances import assert_close, within
 from vopd.attitude.history import History
 from vopd.figures import draw
 from vopd.figures.map import STEPS
@@ -118,6 +118,34 @@ def test_lines_of_sight_meet_their_landmarks() -> None:
     ends = np.array([one.get_xydata()[-1] for one in axis.lines if len(one.get_xdata()) == STEPS])
     apart_m = np.linalg.norm(ends[:, None] - marks, axis=2).min(axis=1)
     assert len(ends) == len(marks) and apart_m.max() < 1.0
+
+
+def test_true_north_on_the_map_of_a_grid() -> None:
+    """It is to the left of the grid's by sin(latitude) of the degrees east of the meridian, 15."""
+    history = solve_flight(ROOT / "examples" / "summits" / "flight.toml").history()
+    assert history.estimate.scene is not None
+    camera = geodetic(history.estimate.scene().camera_m[:1])
+    east_deg = float(camera.longitude_deg[0]) - 15.0
+    axis, _ = panel("map", history)
+    (north,) = (one for one in axis.texts if one.get_text() == "N")
+    right, up = -np.array(north.xyann)
+    expected = -np.sin(np.radians(camera.latitude_deg[0])) * east_deg
+    assert abs(expected) > 2.0 * within("true north on a map")
+    assert_close("true north on a map", np.degrees(np.arctan2(right, up)), expected)
+
+
+def test_the_second_flight_s_photographs_stand_behind_the_first_s(tmp_path: Path) -> None:
+    """Frames are counted through: five of the first, then those of the second."""
+    shutil.copytree(HILL, tmp_path / "hill")
+    (tmp_path / "frames").mkdir()
+    for frame in (1, 4):
+        Image.new("RGB", (40, 30)).save(tmp_path / "frames" / f"{frame}.png")
+    project = tmp_path / "hill" / "flight.toml"
+    text = project.read_text()
+    project.write_text(text.replace("[picks]", '[picks]\nvideo = "../frames"'))
+    history = solve_flight(project).history()
+    found, _ = embedded_photographs([hill(), history])
+    assert [frame for frame, _ in found] == [6, 9]
 
 
 def test_heights_in_feet_are_seen() -> None:

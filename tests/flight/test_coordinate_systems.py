@@ -52,6 +52,8 @@ def test_longitude_stands_before_latitude(crs: str | None, geodetic: bool) -> No
     assert_close("flight position", above, HERE[:1])
     same = positions(A, crs=crs, height=HeightDatum("same"))
     assert_close("flight position", same, HERE[:1])
+    around = positions(A, [285.0, -37.0, -5.0], crs=crs, geodetic=geodetic)
+    assert_close("flight position", around, HERE)
 
 
 def test_systems_with_heights_of_their_own() -> None:

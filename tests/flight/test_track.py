@@ -106,7 +106,10 @@ def test_rows_far_from_the_frames_of_a_long_track_say_nothing() -> None:
     assert found.row_s is not None and len(found.row_s) < len(time_s)
     assert_close("flight position", found.position_m, START + SPEED * frame_s[:, None])
     assert_close("flight speed", columns(found)[1], np.tile(SPEED @ NED_FROM_XYZ.T, (2, 1)))
-    assert found.velocity_sigma_m_s is not None and (found.velocity_sigma_m_s < 0.01).all()
+    near = TrackRows(position[15_000:], False, None, "seconds", time_s[15_000:], "CSV")
+    smooth = path_by_time(section, near, position[15_000:], times, Notes([], []), "t.csv")
+    assert found.velocity_sigma_m_s is not None and smooth.velocity_sigma_m_s is not None
+    assert_close("flight speed", found.velocity_sigma_m_s, smooth.velocity_sigma_m_s)
 
 
 @pytest.mark.parametrize("interpolate", ["linear", "cubic"])

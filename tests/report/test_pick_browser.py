@@ -162,6 +162,14 @@ def test_it_asks_for_nothing_and_names_stay_text(browser: Any, tmp_path: Path, p
     assert names == list(LANDMARKS)
 
 
+def test_a_name_that_begins_as_a_comment_is_quoted(browser: Any, tmp_path: Path) -> None:
+    Image.new("L", (64, 48), 90).save(tmp_path / "1.png")
+    content = PageContent(("#1",), [("1.png", "#1", 3.0, 4.0)])
+    page = pick_page(open_frames([str(tmp_path / "1.png")]), [0], content)
+    ready(load(browser, tmp_path, page), 0.0)
+    assert rows(browser) == ['1.png,"#1",3.00,4.00']
+
+
 CASES = ("cases_1_2_3", "case1")
 SIX = ("mast", "church", "tower", "well", "bridge", "corner")
 

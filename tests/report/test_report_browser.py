@@ -219,6 +219,10 @@ def test_a_long_table_comes_in_pages(long_film: Any) -> None:
         long_film.find_element(By.ID, one) for one in ("flag", "rows-after", "more")
     )
     assert shown(long_film) == numbers[:100]
+    last = "#frames-table tbody tr:nth-child(100) button"
+    long_film.find_element(By.CSS_SELECTOR, last).send_keys(Keys.ENTER)
+    long_film.switch_to.active_element.send_keys(Keys.ARROW_DOWN)
+    assert chosen(long_film) == "101" and shown(long_film) == numbers[100:200]
     heading(long_film, "frame").click()
     heading(long_film, "frame").click()
     assert shown(long_film) == numbers[::-1][:100]  # the last of all, not of those shown

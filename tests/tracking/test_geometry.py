@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from vopd.flight.project import Section
 
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
+from vopd.geometry.earth import earth_centred_m
 from vopd.geometry.lenses import Lens, LensKind
 from vopd.tracking.alignment import Alignment, reduced
 from vopd.tracking.patches import (
@@ -23,6 +26,7 @@ from vopd.tracking.patches import (
     warp,
 )
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
+from vopd.tracking.terrain import Terrain
 from vopd.tracking.tracker import RESIDUAL_PX, agreement
 
 EARTH_M = 6378137.0
@@ -58,9 +62,7 @@ def picture(
     return gain * drawn(u - shift[0], v - shift[1]) + bias
 
 
-def laid(
-    scene: Scene, grey: Floats, pixel: tuple[float, float], side: int = 25
-) -> GroundedPatch:
+def laid(scene: Scene, grey: Floats, pixel: tuple[float, float], side: int = 25) -> GroundedPatch:
     patch = cut_patch(grey, 0, 0, 0, np.array(pixel), side)
     assert patch is not None
     found = ground_patch(scene, view(0, NADIR), patch)
@@ -105,6 +107,23 @@ def test_the_ground_on_a_terrain() -> None:
     assert_close("ground on a terrain", unknown, [[-0.25 * t, 0.0, 1000.0 - t]])
 
 
+def test_a_file_s_heights_are_those_of_the_middles_of_its_cells(tmp_path: Path) -> None:
+    """A metre a cell to the east and ten a cell to the south, from 100 m in the first cell."""
+    rasterio, affine = pytest.importorskip("rasterio"), pytest.importorskip("affine")
+    row, column = np.mgrid[:8, :6]
+    heights = (100.0 + column + 10.0 * row).astype(np.float32)
+    with rasterio.open(
+        tmp_path / "a.tif", "w", driver="GTiff", width=6, height=8, count=1, dtype="float32",
+        crs="EPSG:4326", transform=affine.Affine(0.002, 0.0, 8.0, 0.0, -0.001, 47.0),
+    ) as file:  # fmt: skip
+        file.write(heights[None])
+    cell = np.array([[0.5, 0.5], [3.5, 5.5], [2.75, 4.5], [2.5, 4.25]])  # from the corner
+    where = earth_centred_m(47.0 - 0.001 * cell[:, 1], 8.0 + 0.002 * cell[:, 0], np.zeros(4))
+    with rasterio.open(tmp_path / "a.tif") as file:
+        found = Terrain("a.tif", file, Section("p.toml", "landmarks", {})).heights_m(where)
+    assert_close("height of a terrain", found, [100.0, 153.0, 142.25, 139.5])
+
+
 def test_rows_of_a_rolling_shutter() -> None:
     """The row 80 of 160 is read at half of .1 s, in which 50 m/s east are 2.5 m; 1 deg/s of yaw."""
     scene = above(1000.0, 1000.0, shutter=Shutter(0.1, "down", False))
@@ -139,7 +158,7 @@ def test_a_mast_in_front_of_ground_that_moves_otherwise() -> None:
     """A small patch follows what is in its middle, and not what moves by 1.5 px at its rim."""
     scene = above(1000.0, 1000.0)
     v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
-    top = np.maximum(abs(u - 120.0), abs(v - 70.0)) < 4.5
+    top = np.maximum(abs(u - 120.0), abs(v - 70.0)) <= 4
     patch = laid(scene, picture(), (120.0, 70.0), 13)
     seen = np.where(top, picture(), picture((1.5, -1.5)))
     warps = warp(scene, view(1, NADIR), [patch])

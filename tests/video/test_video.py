@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
+import struct
 import sys
 from pathlib import Path
 
@@ -11,8 +13,9 @@ import pytest
 from PIL import Image
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.video import number_of, write_stub, write_video
+from tests.kit.video import SIZE, number_of, write_stub, write_video
 from tests.tolerances import assert_close
+from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.new import example_project
 from vopd.video import open_frames, spread
@@ -101,6 +104,31 @@ def test_images_have_their_names_and_stand_upright(tmp_path: Path) -> None:
     assert [thermal.getpixel((u, 0)) for u in (0, 1)] == [(0, 0, 0), (255, 255, 255)]
     assert turned.size == (20, 30)
     assert np.asarray(turned)[:, 19].min() == 255 and np.asarray(turned)[:, :19].max() == 0
+
+
+def test_a_video_of_a_turned_camera_stands_upright(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its matrix turns it a quarter clockwise: the first row as stored is the right-hand column."""
+    path = write_video(tmp_path / "a.mp4", EVEN_MS[:3], bright_rows=8)
+    content = bytearray(path.read_bytes())
+    matrix = content.index(b"tkhd") + 44
+    content[matrix : matrix + 36] = struct.pack(
+        ">9i", 0, 1 << 16, 0, -(1 << 16), 0, 0, SIZE[1] << 16, 0, 1 << 30
+    )
+    path.write_bytes(content)
+
+    def seen() -> Floats:
+        (picture,) = open_frames([str(path)]).pictures([1])
+        return np.asarray(picture.convert("L"), dtype=float)
+
+    def stands(turned: Floats) -> bool:
+        return turned.shape == SIZE and turned[:, -8:].mean() > 2.0 * turned[:, :-8].mean()
+
+    assert stands(seen())
+    if shutil.which("ffmpeg"):
+        monkeypatch.setitem(sys.modules, "av", None)
+        assert stands(seen())
 
 
 def test_frames_spread_over_a_video(tmp_path: Path) -> None:

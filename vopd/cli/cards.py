@@ -90,8 +90,8 @@ def _strip_sequence(deck: str, output: str) -> None:
     if lost := sorted(of_group_7 & stripped):
         raise VopdError(
             f"{deck}: group 7 has them in the place of the altitude, columns 71-80 "
-            f"({count_text(len(lost), 'card')}, first card {lost[0]}): without it the vehicle would "
-            "be at sea level; punch the altitudes again, and then take the numbers off"
+            f"({count_text(len(lost), 'card')}, first card {lost[0]}): without it the vehicle "
+            "would be at sea level; punch the altitudes again, and then take the numbers off"
         )
     with whole_file(output) as file:
         file.write(bare)
