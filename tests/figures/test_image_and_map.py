@@ -126,7 +126,7 @@ def test_true_north_on_the_map_of_a_grid() -> None:
     assert history.estimate.scene is not None
     camera = geodetic(history.estimate.scene().camera_m[:1])
     east_deg = float(camera.longitude_deg[0]) - 15.0
-    axis, _ = panel("map", history)
+    axis = draw("map", [history]).subfigs[0].axes[0]
     (north,) = (one for one in axis.texts if one.get_text() == "N")
     right, up = -np.array(north.xyann)
     expected = -np.sin(np.radians(camera.latitude_deg[0])) * east_deg

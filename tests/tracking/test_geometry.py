@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from vopd.flight.project import Section
 
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
+from vopd.flight.project import Section
 from vopd.geometry.earth import earth_centred_m
 from vopd.geometry.lenses import Lens, LensKind
 from vopd.tracking.alignment import Alignment, reduced
