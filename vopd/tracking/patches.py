@@ -93,11 +93,6 @@ class Patch:
             found.append((grey[v, u], slope))
         return tuple(found)
 
-    @property
-    def contrast(self) -> float:
-        """The scatter of its grey levels."""
-        return float(self.blurred[0][0].std())
-
 
 def cut_patch(
     grey: Floats, click: int, landmark: int, frame: int, pixel: Floats, side: int
@@ -197,7 +192,6 @@ class Matches(NamedTuple):
     sigma_px: Floats  # (C,) of u and of v, by the inverse Hessian, its factor and its floor
     correlation: Floats  # (C,)
     good: Bools  # (C,) correlation, contrast and curvature are above their limits
-    ambiguous: Bools  # (C,) another place is as good
 
     def put(self, rows: Ints, part: Matches) -> None:
         """Write down those of some patches."""
@@ -208,8 +202,7 @@ class Matches(NamedTuple):
 def no_matches(count: int) -> Matches:
     """Make the matches of patches before any search."""
     nan = np.full(count, np.nan)
-    false = np.zeros(count, bool)
-    return Matches(np.zeros((count, 2)), nan, nan.copy(), false, false.copy())
+    return Matches(np.zeros((count, 2)), nan, nan.copy(), np.zeros(count, bool))
 
 
 @np.errstate(all="ignore")
@@ -280,7 +273,7 @@ def match(
     good &= (own.std(axis=1) > LEAST_CONTRAST) & (seen.std(axis=1) > LEAST_CONTRAST)
     good &= both / larger**2 > LEAST_CURVATURE
     sigma = np.maximum(SIGMA_FACTOR * each, LEAST_SIGMA_PX)
-    found.put(usable, Matches(shift, sigma, correlation, good, np.zeros(len(usable), bool)))
+    found.put(usable, Matches(shift, sigma, correlation, good))
     return found
 
 
