@@ -98,13 +98,17 @@ def test_tracks_against_the_truth(flight: Path) -> None:
 
 
 def test_a_lens_of_another_camera_is_doubtful(flight: Path) -> None:
-    """With half the focal length landmarks are not where others have them."""
+    """With half the focal length the clicks misfit, as check says before, and landmarks too."""
     text = Path("flight.toml").read_text(encoding="utf-8")
     change("flight.toml", re.findall(r"fx_px = [\d.]+", text)[0], "fx_px = 90.0")
     change("flight.toml", re.findall(r"fy_px = [\d.]+", text)[0], "fy_px = 90.0")
+    checked = vopd("check", "flight.toml").stdout.splitlines()
     done = vopd("track", "flight.toml")
     assert done.status == 3
-    (told,) = [line for line in done.stderr.splitlines() if line.startswith("warning: ")]
+    *misfit, told = [line for line in done.stderr.splitlines() if line.startswith("warning: ")]
+    assert misfit and all(checked.count(line) == 1 for line in misfit)
+    assert done.stderr.splitlines()[: len(misfit)] == misfit  # before the summary of tracks
+    assert_approved("\n".join(misfit))
     assert_approved(told.rpartition("L")[2].partition(": ")[2])  # after the landmarks' names
 
 

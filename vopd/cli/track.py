@@ -116,15 +116,15 @@ def command(
         progress.total = total
 
     options = TrackOptions(from_s, to_s, every, reach, patch_px, least_correlation, residual_px)
+    messages = Messages(quiet)
     try:
-        done = follow(read, options, lambda: progress.add(1), count)
+        done = follow(read, options, lambda: progress.add(1), count, messages)
     finally:
         progress.close()
-    messages = Messages(quiet)
     for finding in done.findings:
         messages(finding)
     messages.close()
     for line in done.lines:
         click.echo(line, err=True)
     click.echo(f"{done.output}: written; next: vopd attitude {project}", err=True)
-    ctx.exit(3 if done.findings else 0)
+    ctx.exit(3 if messages.warnings else 0)

@@ -59,6 +59,7 @@ USUAL = {
 }  # fmt: skip
 """Sizes of errors as they happen, standard deviations, s, px a px, m; a landmark's is that up."""
 
+MISFITS = "the flight misfits"
 SPEAK_FOR = "the residuals speak for"
 SHIFTED = f"{SPEAK_FOR} a picture that is shifted from frame to frame"
 UNTRIED = "what explains them is not known: with the errors that were tried there is no solution"
@@ -85,7 +86,7 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
         ratio, chance = size_of_residuals(joint, ordinary_frames(joint))
         if ratio > REJECTED and chance < SIGNIFICANCE:
             return (
-                f"the flight misfits: its residuals are {ratio:.1f} times what the stated standard "
+                f"{MISFITS}: its residuals are {ratio:.1f} times what the stated standard "
                 f"deviations explain (chance below {SIGNIFICANCE:g})"
             )
         return ""
@@ -108,7 +109,7 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
     if not chdtrc(freedom, freedom * ratio**2) < SIGNIFICANCE:
         return ""
     return (
-        f"the flight misfits: its residuals speak for picks of {sigma_px:.2g} px, "
+        f"{MISFITS}: its residuals speak for picks of {sigma_px:.2g} px, "
         f"{ratio:.1f} times {of} (chance below {SIGNIFICANCE:g})"
     )
 
@@ -116,7 +117,7 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
 def many_blunders_text(count: int, picks: int) -> str:
     """Say that so many picks do not fit the others that no solution with the rest is believed."""
     return (
-        f"the flight misfits: {count} of its {picks} picks do not fit the others of their frames, "
+        f"{MISFITS}: {count} of its {picks} picks do not fit the others of their frames, "
         "and nothing says that the others are right"
     )
 

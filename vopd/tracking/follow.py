@@ -25,8 +25,10 @@ from vopd.flight.formats.tracked import (
     track_digests,
     tracked_lines,
 )
+from vopd.flight.misfit import MISFITS, SPEAK_FOR, TYPICAL
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of, read_camera, read_pick_rows
+from vopd.flight.result import solve_flight_read
 from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
@@ -252,6 +254,7 @@ def _checked(
 def follow(
     project: Project, options: TrackOptions, tell: Callable[[], object] = lambda: None,
     count: Callable[[int], object] = lambda _: None,
+    warn: Callable[[Finding], object] = lambda _: None,
 ) -> Tracked:  # fmt: skip
     """Follow the landmarks of a project through its video, and write its tracked file.
 
@@ -260,6 +263,7 @@ def follow(
         options: of the run
         tell: is called after each frame that is looked at
         count: is given how many there will be
+        warn: is given, before the first frame, the warnings of a flight whose clicks misfit
 
     Raises:
         VopdError: where something is missing or wrong
@@ -267,6 +271,8 @@ def follow(
     footage = read_footage(project)
     first, last = _range(footage, options)
     clicks = _in_range(footage, first, last)
+    for finding in _misfit_of_clicks(footage):
+        warn(finding)
     output = str(project.folder / project.section("picks").text("tracked"))
     digests = track_digests(footage.project)
     terrain = footage.scene.terrain
@@ -337,6 +343,16 @@ def follow(
         findings.insert(0, Finding(message, project.name, severity="warning"))
     journal.remove()
     return Tracked(output, (*summary, *lines), tuple(findings))
+
+
+def _misfit_of_clicks(footage: Footage) -> list[Finding]:
+    """Solve a flight by its clicks; if it misfits, warn of that and of its cause."""
+    try:
+        solved = solve_flight_read(footage.flight, project=lambda: footage.project)
+    except VopdError:  # the clicks that a solve needs may be in other frames than tracking's
+        return []
+    words = (MISFITS, SPEAK_FOR, TYPICAL) if solved.misfits else ()
+    return [one for one in solved.findings if any(some in one.message for some in words)]
 
 
 def _forward(run: Tracker, journal: Journal, pictures: Iterator[tuple[int, Any]]) -> int:
