@@ -15,7 +15,7 @@ import pytest
 
 from tests.approved.texts import assert_approved
 from tests.kit.batch import contents, mixed_sources, small_decks
-from tests.kit.command import CASE_1, DECKS, vopd
+from tests.kit.command import CASE_1, DECKS, ROOT, vopd
 from vopd import read_deck, write_deck
 
 
@@ -319,6 +319,20 @@ def test_shards_with_other_options_are_refused(tmp_path: Path) -> None:
 def test_strict(tmp_path: Path) -> None:
     assert vopd("batch", CASE_1, "-d", tmp_path / "one").status == 0
     assert vopd("batch", CASE_1, "-d", tmp_path / "two", "--strict").status == 3
+
+
+def test_a_flight_whose_track_leaps_is_doubtful_without_a_flag(tmp_path: Path) -> None:
+    """The fix of the fourth second stands 220 m aside, after the last frame; the next are right."""
+    shutil.copytree(ROOT / "examples" / "hill", tmp_path / "hill")
+    track = tmp_path / "hill" / "track.csv"
+    text = track.read_text().replace("\n4.0,47.643", "\n4.0,47.645")
+    track.write_text(f"{text}5.0,47.644039602691,16.476099617188,546.0\n")
+    project, out = tmp_path / "hill" / "flight.toml", tmp_path / "out"
+    ran = vopd("batch", project, "-d", out, "--report", "--strict")
+    (row,) = (json.loads(line) for line in (out / "summary.jsonl").read_text().splitlines())
+    assert (ran.status, row["status"], row["flagged"], row["mistaken"]) == (3, "solved", 0, 1)
+    assert (out / "flight.html").exists()
+    assert vopd("batch", project, "-d", tmp_path / "again").status == 0
 
 
 def test_an_error_in_the_program_costs_one_source(

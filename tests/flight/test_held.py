@@ -58,6 +58,13 @@ def test_two_landmarks_hold_no_position_and_six_do() -> None:
     assert not history_of(nadir(2, 6, (2.0, 2.0, 4.0))[0]).flags.raised["position_not_held"].any()
 
 
+def test_a_position_of_a_third_of_a_metre_matters_from_100_m() -> None:
+    """.3 m north and .3 m east are .17 degree each: .06 square degrees together."""
+    flight, _ = nadir(4, 2, (0.3, 0.3, 0.0))
+    flight = replace(flight, picks=replace(flight.picks, sigma_px=0.1 * flight.picks.sigma_px))
+    assert history_of(flight).flags.raised["position_not_held"].all()
+
+
 def test_a_position_that_hardly_matters_is_not_flagged() -> None:
     """Centimetres of 100 m: the picks cannot improve them, and need not."""
     flight, priors = nadir(3, 4, (0.02, 0.02, 0.04))
