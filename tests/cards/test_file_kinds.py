@@ -95,6 +95,9 @@ OTHERS = {  # the beginning of a file: what it is
     b"frame,": "CSV",
     b"time_s ; yaw": "CSV",
     b"1" + 70 * b" " + b"\n L-MARK LONGITUDE": "listing",
+    b'{"conventions": {"program": "vopd 0.1.0", "project": "a.toml"}}\n': "results",
+    b"# program: vopd 0.1.0\n# project: a.toml\nframe,yaw_deg\n": "results",
+    b'{"program": "another 1"}': "JSON",
     80 * b" \n" + b"PAGE 1\n L-MARK LONGITUDE\n": "listing",
 }
 

@@ -86,13 +86,13 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     seen = {int(row["frame"]) for row in found}
     assert seen == set(range(FRAMES))
     assert not list(flight.glob("*.part"))
-    asked = vopd("attitude", "flight.toml", "-o", "a.csv").stderr.splitlines()[-3:]
-    assert all("flight.toml: click next: L" in line for line in asked)
+    asked = vopd("attitude", "flight.toml", "-o", "a.csv").stderr.splitlines()[-2:]
+    assert ["flight.toml: click next: L" in line for line in asked] == [False, True]
     solved = solve_flight("flight.toml")
     title = " ".join(text.get_text() for text in solved.plot("image").findobj(Text))
     assert "frame " in title and "frame 0," not in title  # whose clicks fit by their own errors
     drawn = vopd("plot", "flight.toml", "--figure", "map", "-o", "a.svg")
-    assert drawn.stderr.splitlines()[-3:] == asked
+    assert drawn.stderr.splitlines()[-1:] == asked[-1:]
     assert vopd("track", "flight.toml", "--every", "5", "--to", ".5").status == 0
     assert {int(row["frame"]) for row in rows(flight / "tracked.csv")} == {0, 5, 10, 15}
 

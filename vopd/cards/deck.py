@@ -337,9 +337,11 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
 
 _OF_A_FLIGHT = "a file of a flight is named in its project: vopd new DIR --{} {}"
 _PICTURE = "vopd pick {1} -o pick.html makes a page to pick landmarks on"
+RESULTS = "a file of results that vopd wrote"
 ADVICE = {
     "a CSV file of stars": "vopd stars solve takes it",
     "a listing": "vopd diff compares listings",
+    RESULTS: "give the flight project NAME.toml or the deck that it was made from",
     "a CSV file": f"{_OF_A_FLIGHT} (or --landmarks, --track, --wind)",
     "a JSON file": f"{_OF_A_FLIGHT} (or --picks, --landmarks)",
     "an XML file": f"{_OF_A_FLIGHT} (or --lens, --track)",
@@ -360,6 +362,7 @@ _MARKUP = r"(?i)<(!doctype html|html|head|body)\b"
 
 
 _LISTING = "L-MARK LONGITUDE"
+_OF_VOPD = re.compile(r'\s*(# program: vopd \d|\{[^#]*?"program": "vopd \d)')
 
 
 def refuse_other_file(start: bytes, name: str) -> None:
@@ -384,6 +387,8 @@ def _kind(start: bytes) -> str | None:
     text = start.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
     if _LISTING in text:
         return "a listing"
+    if _OF_VOPD.match(text):
+        return RESULTS
     lines = filter(str.strip, text.splitlines())
     line = next(lines, "")
     if re.fullmatch(NUMBERS, line[:20]):

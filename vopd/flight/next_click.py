@@ -191,16 +191,15 @@ def next_places(joint: JointSolution, count: int = 3) -> list[NextPlace]:
     return found
 
 
-def next_click_texts(joint: JointSolution, count: int = 3) -> list[str]:
-    """Say where to click next, a line each; or that no click tells much.
+def next_click_texts(joint: JointSolution) -> list[str]:
+    """Say where to click next, in one line; or that no click tells much; nothing without clicks.
 
     Args:
         joint: the solution of a flight with clicks
-        count: how many lines at most
     """
     if joint.model.flight.picks.clicks is None:
         return []
-    texts = [f"click next: {one.text}" for one in next_places(joint, count)]
+    texts = [f"click next: {one.text}" for one in next_places(joint, 1)]
     return texts or [f"no further click lowers the stated sigma by {100.0 * LEAST_GAIN:g} %"]
 
 

@@ -229,7 +229,7 @@ class FlightResult(Shown):
 
     @property
     def next_clicks(self) -> list[str]:
-        """Where to click next in a flight that is tracked from clicks, three lines at most.
+        """Where to click next in a flight that is tracked from clicks: one line.
 
         None in an adjusted project, which takes no other clicks: its source is to be asked.
         """
