@@ -331,5 +331,6 @@ TABLE = (
             (f"{SKY} --catalogue h.dat",)),
     Hostile("reading sigma of 1e-300", {"s.csv": STARS},
             ("stars solve s.csv --focal 76 --reading-sigma 1e-300",)),
+    Hostile("option of 900 lists", {}, (f"new made --set flight.name={'[' * 900}",)),
     Hostile("name of a file", {}, ("check a\x1b[31m", "stars solve a\x1b[31m")),
 )  # fmt: skip

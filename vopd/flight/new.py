@@ -729,7 +729,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
         text = "[" + ", ".join(toml_text(one.strip()) for one in text.split(",")) + "]"
     try:
         value = tomllib.loads(f"x = {text}")["x"]
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         if table or row.kind == "other":
             raise VopdError(f"{option}: {text} is not a value of TOML: {reason(error)}") from error
         value = text  # of which its reader says what is wrong
