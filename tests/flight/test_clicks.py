@@ -23,7 +23,7 @@ from vopd.flight.followed import followed_findings
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
 from vopd.flight.joint import covariance_of_sums, solve_jointly
-from vopd.flight.next_click import next_clicks
+from vopd.flight.next_click import next_clicks, next_places
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult, picks_outside, solve_flight, solve_flight_read
@@ -92,6 +92,17 @@ def moved(one: ClickedFlight, which: np.ndarray, by_px: list[float], carried: bo
     pixel = one.rows.pixel.copy()
     pixel[which] += one.rows.by_click[which] @ by_px if carried else by_px
     return solve_flight_read(with_rows(one.flight, replace(one.rows, pixel=pixel)))
+
+
+def test_the_longest_runs_of_lost_frames_come_first() -> None:
+    """Each by its middle; runs of the same length as they follow each other."""
+    one = clicked_flight(np.random.default_rng(1), 30, 3, every=30, reach=30)
+    clicks = one.flight.picks.clicks
+    assert clicks is not None
+    lost = replace(clicks, lost=np.array([2, 7, 8, 9, 12, 13, 20, 21]))
+    flight = replace(one.flight, picks=replace(one.flight.picks, clicks=lost))
+    found = next_places(solve_jointly(flight, priors_of(flight)))
+    assert [each.frame for each in found] == ["8", "12", "20"]
 
 
 def test_hidden_landmarks_are_not_asked_for() -> None:

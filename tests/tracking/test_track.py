@@ -95,6 +95,16 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     assert drawn.stderr.splitlines()[-1:] == asked[-1:]
     assert vopd("track", "flight.toml", "--every", "5", "--to", ".5").status == 0
     assert {int(row["frame"]) for row in rows(flight / "tracked.csv")} == {0, 5, 10, 15}
+    places = truth()
+    clicks(*((3, mark, *places[3, mark]) for frame, mark in places if frame == 3))
+    part = ("--every", "5", "--from", ".1", "--to", ".5")
+    assert vopd("track", "flight.toml", *part).status == 0
+    found = rows(flight / "tracked.csv")
+    assert {int(row["frame"]) for row in found} == {3, 8, 13}
+    assert {row["status"] for row in found} == {"clicked", "tracked"}
+    vopd("track", "flight.toml", *part, "--residual", "1e-4")
+    strict = [row["status"] for row in rows(flight / "tracked.csv")]
+    assert strict.count("tracked") < sum(row["status"] == "tracked" for row in found) / 2
 
 
 def test_a_lens_of_another_camera_is_doubtful(flight: Path) -> None:
