@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from vopd.cards.deck import refuse_other_file
+from vopd.cards.read import open_deck
 from vopd.cli.adjust_deck import adjusted_deck, searched_deck
 from vopd.cli.console import Messages, Progress
 from vopd.cli.new import refuse_existing, write_project
@@ -159,8 +160,8 @@ def command(
     if free and not names:
         raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
     deck = not is_flight(source)
-    if deck and Path(source).is_file():  # what is no deck, as a video, before options of decks
-        with Path(source).open("rb") as file:
+    if deck and source != "-" and not Path(source).is_fifo():
+        with open_deck(source) as file:  # what is no deck, as a video, before options of decks
             refuse_other_file(file.read(4096), source)
     _check_options(deck, test, trials, landmark_sigma, fixes, job)
     if trials and figure is not None:

@@ -358,8 +358,10 @@ def refuse_existing(folder: Path, names: list[str]) -> None:
     """Refuse to overwrite files.
 
     Raises:
-        OutputError: where one is there already
+        OutputError: where one is there already, or the folder is a file
     """
+    if folder.is_file():
+        raise OutputError(f"{folder}: is a file; name a folder, which is made")
     for name in names:
         if (folder / name).exists():
             raise OutputError(f"{folder / name}: is there already; name another folder")
