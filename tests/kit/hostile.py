@@ -200,6 +200,7 @@ TABLE = (
             "[picks]", '[picks]\nutc_offset_h = "x"'))),
     Hostile("refraction of 1e18", project("\n[atmosphere]\nrefraction = {k = 1e18}\n")),
     # lenses
+    Hostile("colmap blank lines", lens("txt", "\n" * 200_000)),
     Hostile("json lists", lens("json", f'{{"camera_matrix": {DEEP}}}')),
     Hostile("json 5,000 digits", lens("json", f'{{"camera_matrix": {LONG}}}')),
     Hostile("json 400 digits", lens("json", f'{{"image_width": {LARGE}, "image_height": 9, '

@@ -504,7 +504,7 @@ NOT_READ_COLMAP = {
     "DIVISION": "OPENCV",
 }
 """Models of COLMAP that no lens here has, and the one to calibrate in their place."""
-LINE = re.compile(r"^\s*(\d+)\s+([A-Z][A-Z_]+)\s+(\d+)\s+(\d+)\s+\S", re.M)
+LINE = re.compile(r"^[ \t]*(\d+)[ \t]+([A-Z][A-Z_]+)[ \t]+(\d+)[ \t]+(\d+)[ \t]+\S", re.M)
 
 
 def recognises_colmap(file: InputFile) -> bool:
