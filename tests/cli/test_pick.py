@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -103,6 +104,14 @@ def test_the_folder_of_a_project_is_the_project(tmp_path: Path) -> None:
     Image.new("RGB", (8, 6)).save("one.png")
     assert vopd("pick", ".", "-o", "p.html").status == 0
     assert [one["name"] for one in data()["frames"]] == ["one.png"]
+
+
+def test_a_folder_above_has_its_own_name_as_title(tmp_path: Path) -> None:
+    (tmp_path / "shots" / "page").mkdir(parents=True)
+    Image.new("RGB", (8, 6)).save("shots/one.png")
+    os.chdir("shots/page")
+    assert vopd("pick", "..", "-o", "p.html").status == 0
+    assert "<h1>shots</h1>" in Path("p.html").read_text(encoding="utf-8")
 
 
 def test_a_new_project_of_images_is_picked_in() -> None:

@@ -14,6 +14,7 @@ from matplotlib.colors import to_hex
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
+from vopd.cli.plot import plot_stars
 from vopd.figures.stars import StarPicture, draw_errors_by_pair, draw_star_residuals
 from vopd.stellar.files.picture import StarCamera
 from vopd.stellar.files.table import read_solutions
@@ -251,6 +252,30 @@ def test_the_sky_of_a_picture() -> None:
     points = [[500.0, 380.0], [500.0, 380.0 - 1200.0], [500.0 + 1200.0, 380.0]]
     sky = camera.sky_at(np.array(points), in_file=True)
     assert_close("table value", sky, [[90.0, 0.0], [90.0, 45.0], [45.0, 0.0]])
+
+
+@pytest.mark.parametrize("name", ["orion.csv", "orion_misidentified.csv"])
+def test_no_number_of_the_sky_is_covered(name: str, tmp_path: Path) -> None:
+    """Each line has one at most, and it is off the stars' names, marks and the panel's edge."""
+    file = tmp_path / "solved.json"
+    vopd("stars", "solve", DECKS / "stars" / name, "--focal", "76", "--reject", "-o", file)
+    figure = plot_stars([str(file)], None, None)
+    figure.draw_without_rendering()
+    (axis,) = figure.axes
+    drawn = [one for one in axis.texts if one.get_text()]
+    numbers = [one for one in drawn if re.search(r"°|\dh\d\dm", one.get_text())]
+    assert len(numbers) >= 6
+    panel = axis.get_window_extent()
+    middle = {one.get_text(): one.get_window_extent() for one in numbers}
+    assert len(middle) == len(numbers)
+    others = [one.get_window_extent() for one in drawn if one not in numbers]
+    marks = np.vstack(
+        [axis.transData.transform(np.array(points(one), float)) for one in axis.lines]
+    )
+    for box in middle.values():
+        assert panel.x0 < box.x0 < box.x1 < panel.x1 and panel.y0 < box.y0 < box.y1 < panel.y1
+        assert not any(box.overlaps(other) for other in others)
+        assert not any(box.contains(*mark) for mark in marks)
 
 
 def test_a_misidentified_star_is_marked(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ import pytest
 from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, marks_m, write_project
+from vopd.attitude.findings import HistorySummary
 from vopd.findings import Finding, VopdError
 from vopd.flight import check_flight as check_module
 from vopd.flight import mistakes
@@ -45,6 +46,20 @@ def test_an_error_is_one_and_has_status_1(tmp_path: Path) -> None:
     assert ran.status == 1
     (found,) = json.loads(ran.stdout)
     assert_approved(found["errors"][0]["message"])
+
+
+def test_a_frame_that_misfits_is_named_as_attitude_names_it(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    odd = ["1", "church"], ["1", "mast"]
+    changed(
+        path, "picks.csv",
+        lambda row: [*row[:2], str(float(row[2]) + 40.0 * (row[:2] in odd)), *row[3:]],
+    )  # fmt: skip
+    found = messages(path)
+    told = vopd("attitude", path, "-o", tmp_path / "attitude.csv").stderr
+    (misfit,) = [one for one in found if "misfit" in one]
+    assert f"warning: {path}: {misfit}\n" in told
+    assert_approved(misfit)
 
 
 def test_landmarks_never_picked_and_picks_outside_the_image(tmp_path: Path) -> None:
@@ -322,7 +337,10 @@ def test_a_solve_without_an_attitude_is_an_error(
     solved: list[bool], told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = str(write_project(tmp_path))
-    result = SimpleNamespace(solved=np.array(solved), findings=(), misfits=False)
+    history = SimpleNamespace(about=None, summary=HistorySummary())
+    result = SimpleNamespace(
+        solved=np.array(solved), findings=(), misfits=False, history_parts=lambda _: history
+    )
     monkeypatch.setattr(check_module, "solve_flight_read", lambda flight, project: result)
     monkeypatch.setattr(check_module, "usual_mistakes", lambda *_: [])
     found = check_flight(path)

@@ -154,10 +154,6 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
             axis.set(xlim=sides[:, 0], ylim=sides[:, 1])
         if picture.edges is not None:
             axis.add_patch(image_border(edges, "none" if picture.photograph else "0.97"))
-        if picture.sky is not None:
-            _draw_sky(axis, picture.sky, edges, SKY if picture.photograph is None else ON_DARK)
-            epoch = f", {picture.epoch}" if picture.epoch else ""
-            told.append(f"lines: right ascension and declination{epoch}")
         start = images - residuals
         scale, along = draw_arrows(axis, start, residuals, ~odd & ~out, width, units)
         look = {"ls": "", "mfc": "none", "path_effects": halo(3.0)}
@@ -174,6 +170,13 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
                     **look,
                 )  # fmt: skip
         axis.plot(*picture.centre, "x", color="0.5", ms=8, label="principal point")
+        if picture.sky is not None:
+            colour = SKY if picture.photograph is None else ON_DARK
+            marks = np.vstack([images, start, along, [picture.centre]])
+            at = _draw_sky(axis, picture.sky, edges, colour, marks)
+            along = np.vstack([along, at])
+            epoch = f", {picture.epoch}" if picture.epoch else ""
+            told.append(f"lines: right ascension and declination{epoch}")
         order = np.argsort(~odd, kind="stable")[:MOST_LABELS]
         names = [plain(short(picture.labels[k], 40)) for k in order]
         names = [
@@ -221,8 +224,22 @@ def _draw_sky(
     sky: Callable[[Floats], Floats],
     edges: tuple[float, float, float, float],
     colour: str,
-) -> None:
-    """Draw meridians and parallels over a picture, with right ascensions and declinations."""
+    marks: Floats,
+) -> Floats:
+    """Draw meridians and parallels over a picture, with right ascensions and declinations.
+
+    Args:
+        axis: to draw in
+        sky: right ascension and declination at points of the picture, degrees
+        edges: of the picture
+        colour: of the lines
+        marks: points that numbers stand far from, (m, 2)
+
+    Returns:
+        Where the numbers stand, (n, 2).
+    """
+    corners = np.array(edges).reshape(2, 2).T
+    taken = marks
     x = np.linspace(*edges[:2], FINE)
     y = np.linspace(*edges[2:], FINE)
     points = np.stack(np.meshgrid(x, y), axis=-1)
@@ -248,9 +265,40 @@ def _draw_sky(
             x, y, values + first, levels, colors=colour, linewidths=0.6, alpha=0.7, zorder=1,
             linestyles="solid",
         )  # fmt: skip
-        labels = axis.clabel(lines, fmt={level: name(level) for level in levels}, fontsize=7)
+        before = len(taken)
+        for parts in lines.allsegs:
+            line = np.vstack([np.zeros((0, 2)), *parts])
+            taken = np.vstack([taken, _clear_points(line, taken, corners)])
+        at = taken[before:].tolist()
+        labels = axis.clabel(lines, fmt={one: name(one) for one in levels}, fontsize=7, manual=at)
         for one in labels:
             one.set(bbox=BEHIND, alpha=1.0, color=SKY)
+    return taken[len(marks) :]
+
+
+EDGE_WEIGHT = 3.0  # a number is no farther from all marks than so many times from the edge
+AT_EDGE = 0.035  # of a picture's size: a line that is all nearer to the edge has no number
+
+
+def _clear_points(line: Floats, marks: Floats, corners: Floats) -> Floats:
+    """Choose the point of a line that is farthest from marks and from the picture's edge, if any.
+
+    Args:
+        line: its points, (n, 2)
+        marks: points, (m, 2)
+        corners: of the picture, (2, 2)
+
+    Returns:
+        The point, (1, 2); or (0, 2) if all of the line is at the edge.
+    """
+    inward = np.abs(line[:, None] - corners).min(axis=(1, 2))
+    inner = inward > AT_EDGE * np.abs(corners[1] - corners[0]).min()
+    line, inward = line[inner], inward[inner]
+    if not len(line):
+        return line
+    away = np.linalg.norm(line[:, None] - marks, axis=2).min(axis=1)
+    best = int(np.argmax(np.minimum(away, EDGE_WEIGHT * inward)))
+    return line[best : best + 1]
 
 
 def _hours(ra_deg: float) -> str:

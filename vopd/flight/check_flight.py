@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.attitude.findings import findings_of
+from vopd.attitude.history import HistoryOptions
 from vopd.findings import Finding, VopdError
 from vopd.flight.blunders import ARE_EXCHANGED, WRONG
 from vopd.flight.coordinates import (
@@ -50,6 +52,9 @@ def check_flight(name: str) -> list[Finding]:
     if not result.solved.any():
         found.append(Finding("no frame has an attitude", name))
     found += [f for f in result.findings if f not in found]
+    if result.solved.any():
+        history = result.history_parts(HistoryOptions())
+        found += findings_of(history.about, history.summary)
     causes = SPEAK_FOR, WRONG, ARE_EXCHANGED
     named = any(words in one.message for one in result.findings for words in causes)
     more = [] if result.misfits else usual_mistakes(project, result, named)

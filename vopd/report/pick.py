@@ -6,6 +6,7 @@ import base64
 import hashlib
 import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -106,7 +107,7 @@ def pick_page(
         *(one["landmark"] for one in known if one["frame"] in here.values()),
     ]
     page = template.render(
-        source=frames.source,
+        source=_own_name(frames.source),
         file=file,
         images=images,
         data={
@@ -133,6 +134,11 @@ def pick_page(
         **style_and_script("pick"),
     )
     return page.encode("utf-8", "replace")
+
+
+def _own_name(source: str) -> str:
+    """Name a folder that is given as . or .. by its own name."""
+    return source if Path(source).name not in ("", "..") else Path(source).resolve().name or source
 
 
 def _jpeg(frames: VideoFrames, k: int, picture: Any, most: int) -> str:
