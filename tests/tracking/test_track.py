@@ -28,16 +28,19 @@ from vopd.video import grey_frames
 FRAMES, SIZE = 24, (320, 180)
 
 
-@pytest.fixture(scope="session")
-def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("rendered")
-    make(folder, Settings(seed=4, size=SIZE, frames=FRAMES, clicks=6, key_frames=8, mbit_s=1.5))
+def draw(folder: Path, seed: int) -> Path:
+    make(folder, Settings(seed=seed, size=SIZE, frames=FRAMES, clicks=6, key_frames=8, mbit_s=1.5))
     project = folder / "flight.toml"
     text = project.read_text(encoding="utf-8").replace(
         'times = "video"', 'times = "video"\ntracked = "tracked.csv"'
     )
     project.write_text(text, encoding="utf-8")
     return folder
+
+
+@pytest.fixture(scope="session")
+def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return draw(tmp_path_factory.mktemp("rendered"), 4)
 
 
 @pytest.fixture
@@ -105,6 +108,15 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     vopd("track", "flight.toml", *part, "--residual", "1e-4")
     strict = [row["status"] for row in rows(flight / "tracked.csv")]
     assert strict.count("tracked") < sum(row["status"] == "tracked" for row in found) / 2
+
+
+def test_another_draw_against_the_truth(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(draw(tmp_path, 6))
+    assert vopd("track", "flight.toml").status == 0
+    one = count(tmp_path)
+    assert len(one.track_px[0]) > 160
+    assert np.sqrt(np.mean(one.track_px[0])) < within("tracked pick")
+    assert one.turned.inside
 
 
 def test_a_lens_of_another_camera_is_doubtful(flight: Path) -> None:
