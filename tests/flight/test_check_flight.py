@@ -62,6 +62,17 @@ def test_a_frame_that_misfits_is_named_as_attitude_names_it(tmp_path: Path) -> N
     assert_approved(misfit)
 
 
+def test_a_frame_of_which_a_pick_is_named_is_not_named_again(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    changed(
+        path, "picks.csv",
+        lambda row: [*row[:2], str(float(row[2]) + 40.0 * (row[:2] == ["1", "church"])), *row[3:]],
+    )  # fmt: skip
+    of_frame = [one for one in messages(path) if "frame 1: " in one]
+    assert len(of_frame) == 1
+    assert_approved(*of_frame)
+
+
 def test_landmarks_never_picked_and_picks_outside_the_image(tmp_path: Path) -> None:
     path = write_project(tmp_path)
     marks = tmp_path / "landmarks.csv"

@@ -28,6 +28,8 @@ class HistorySummary:
     flagged: int = 0
     misfits: list[tuple[str, str]] = field(default_factory=list)
     """The label of each frame that misfits, and what explains it."""
+    without_outlier: set[str] = field(default_factory=set)
+    """The labels of those that are explained without the landmark that does not fit the others."""
     frames: int = 0
     errata: int = 0
     """Frames of which the errata change an angle by more than its standard deviation."""
@@ -47,6 +49,9 @@ class HistorySummary:
         texts = flags.detail["misfit"]
         frames = np.flatnonzero(flags.raised["misfit"]).tolist()
         self.misfits += [(estimate.frame_label(k), texts[k]) for k in frames]
+        odd, name = flags.raised["outlier"], flags.detail["outlier"]
+        alone = [k for k in frames if odd[k] and f"without {name[k]} " in texts[k]]
+        self.without_outlier |= {estimate.frame_label(k) for k in alone}
         self.frames += len(estimate.frame)
         if estimate.slip_effect_deg is not None:
             self._add_errata(estimate.slip_effect_deg, part.uncertainty.total)

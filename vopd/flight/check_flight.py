@@ -54,7 +54,10 @@ def check_flight(name: str) -> list[Finding]:
     found += [f for f in result.findings if f not in found]
     if result.solved.any():
         history = result.history_parts(HistoryOptions())
-        found += findings_of(history.about, history.summary)
+        summary = history.summary
+        told = summary.without_outlier  # by the finding on its pick
+        summary.misfits = [one for one in summary.misfits if one[0] not in told]
+        found += findings_of(history.about, summary)
     causes = SPEAK_FOR, WRONG, ARE_EXCHANGED
     named = any(words in one.message for one in result.findings for words in causes)
     more = [] if result.misfits else usual_mistakes(project, result, named)
