@@ -135,16 +135,19 @@ def part(flagged: list[int], lost: list[int], misfit: dict[int, str]) -> Any:
         "not_converged": np.isin(np.arange(5), lost),
         "misfit": np.isin(np.arange(5), [*misfit]),
         "jump": np.isin(np.arange(5), flagged),
+        "outlier": np.isin(np.arange(5), [1, 3, 4]),
     }
+    outlier = ["", "mast", "", "mast", "hall"]
     flags = SimpleNamespace(
         raised=raised, any=lambda: np.any([*raised.values()], axis=0),
-        detail={"misfit": [misfit.get(k, "") for k in range(5)]},
+        detail={"misfit": [misfit.get(k, "") for k in range(5)], "outlier": outlier},
     )  # fmt: skip
     return SimpleNamespace(flags=flags, estimate=e, has_attitude=np.arange(5) > 5)
 
 
 def test_a_summary_is_known_once_all_parts_have_been_made() -> None:
-    some = part([0, 1], [1], {1: "a", 4: "b"}), part([], [2], {})
+    alone, other = "without mast (chance 0.31)", "without well (chance 0.20)"
+    some = part([0, 1], [1], {1: alone, 2: alone, 4: other}), part([], [2], {})
     job = parts_of(*some)
     assert not job.counted and job.frames == 10
     for _ in job:
@@ -152,7 +155,9 @@ def test_a_summary_is_known_once_all_parts_have_been_made() -> None:
     assert job.counted
     summary = job.summary
     assert (summary.unconverged, summary.flagged) == (2, 4)
-    assert summary.misfits == [("DJI_0001.JPG", "a"), ("DJI_0004.JPG", "b")]
+    named = ["DJI_0001.JPG", "DJI_0002.JPG", "DJI_0004.JPG"]
+    assert summary.misfits == [*zip(named, [alone, alone, other], strict=True)]
+    assert summary.without_outlier == {"DJI_0001.JPG"}
     later = parts_of(*some)
     assert later.summary == summary and later.counted
     assert not later.has_attitude()
