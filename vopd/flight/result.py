@@ -337,12 +337,12 @@ def solve_flight_read(
             estimates, gross, lambda out, before: _settled_again(flight, out, before, tell), swapped
         )
         try:
-            clean = without or settled(flight, found.left_out | swapped, estimates.joint)
+            without = without or settled(flight, found.left_out | swapped, estimates.joint)
         except VopdError:  # too little is left that could tell
             break
-        if clean.joint is not None and not clean.joint.settles:
+        if without.joint is not None and not without.joint.settles:
             break
-        swaps = _exchanges(clean, found, swapped)
+        swaps = _exchanges(without, found, swapped)
         before, swapped = swapped, swaps.marked(len(gross))
         if np.array_equal(swapped, before):
             break
