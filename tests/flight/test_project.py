@@ -114,6 +114,12 @@ def test_numbers_are_finite(wrong: Any) -> None:
     assert_approved(told(lambda: lists.sigma("sigma_m")), parts=[f"{wrong!r}"])
 
 
+def test_a_date_in_the_place_of_a_number_is_written_as_in_the_file() -> None:
+    for text in ("2026-05-01T09:30:00+00:00", "2026-05-01", "09:30:00"):
+        section = track(offset_s=tomllib.loads(f"x = {text}")["x"])
+        assert_approved(told(lambda one=section: one.number("offset_s", 1.0)), parts=[text])
+
+
 def test_numbers_and_their_limits() -> None:
     five = track(offset_s=5).number("offset_s")
     assert five == 5.0 and isinstance(five, float)

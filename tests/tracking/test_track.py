@@ -290,7 +290,8 @@ def test_bad_input(flight: Path, name: str) -> None:
 
 
 def test_bad_clicks(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """None in the range, one landmark alone, no two in a frame, a frame beyond the end."""
+    """None in the range, one landmark alone, no two in a frame, a frame beyond the end,
+    names in small letters, no file."""
     true = truth()
     cases: list[tuple[tuple[tuple[int, str], ...], tuple[str, ...]]] = [
         (((0, "L1"), (0, "L2")), ("--from", ".5")),
@@ -305,6 +306,10 @@ def test_bad_clicks(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         assert done.status == 1
         told.append(done.stderr)
     clicks((0, "L1", *true[0, "L1"]), (99, "L2", 50.0, 50.0))
+    told.append(vopd("track", "flight.toml").stderr)
+    clicks((0, "l1", *true[0, "L1"]), (0, "l2", *true[0, "L2"]))
+    told.append(vopd("track", "flight.toml").stderr)
+    Path("clicks.csv").unlink()
     told.append(vopd("track", "flight.toml").stderr)
     assert_approved("".join(told))
 

@@ -347,6 +347,8 @@ def write_project(
     usual = "check {}" if new.needed else "attitude {}"
     if new.needed:
         options = dict.fromkeys(ROWS[key].new_option for key in new.needed)
+        if "--epoch" in options:  # of frame 0, which says when that is
+            options.pop("--first-frame", None)
         values = " ".join(one + ("=..." if "." in one else " ...") for one in options)
         said.append(f"to give them: vopd new {folder.as_posix()} {values}")
     said.append(f"next: vopd {(new.then or usual).format(project)}")

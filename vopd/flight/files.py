@@ -10,7 +10,7 @@ from array import array
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime, time
 from difflib import get_close_matches
 from functools import cached_property
 from io import StringIO
@@ -256,6 +256,8 @@ def shown(value: object) -> str:
     Args:
         value: it, of any kind
     """
+    if isinstance(value, date | time):  # of TOML
+        return value.isoformat()
     try:
         return SHOWN.repr(value)
     except ValueError:  # the digits of a whole number that has thousands
@@ -264,7 +266,9 @@ def shown(value: object) -> str:
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """Suggest a word for a mistyped one: `; did you mean x?`, or the words that are known."""
-    near = get_close_matches(word[:LONG_WORD], known[:MANY_WORDS], 1, 0.6)
+    some = known[:MANY_WORDS]
+    near = [one for one in some if one.lower() == word.lower()]
+    near = near or get_close_matches(word[:LONG_WORD], some, 1, 0.6)
     more = f" and {len(known) - MANY_NAMED} more" if len(known) > MANY_NAMED else ""
     several = ", ".join(known[:MANY_NAMED])
     return f"; did you mean {near[0]}?" if near else f"; known are {several}{more}"

@@ -329,10 +329,7 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
         if (project.folder / name).exists() or not section.has("file"):
             return read_tracked_picks(project, camera.read.lens.size_px)
         tracked, not_yet = False, f"{name} is not there: {ONLY_CLICKS}"
-        clicks = section.text("file")
-        if not (project.folder / clicks).exists():
-            page = f"vopd pick {project.name} -o pick.html"
-            raise section.error("file", f"{clicks} is not there: {page} makes the page to click on")
+        require_clicks(project)
     file = project.open("picks", "tracked" if tracked else "file")
     rows = project.read("picks", file, PICK_FORMATS)
     frames = rows.frame.known if isinstance(rows.frame, Names) else []
@@ -365,6 +362,22 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     known = section.has("sigma_px") or bool(own.any())
     rows = replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
     return replace(rows, doubts=(not_yet,)) if not_yet else rows
+
+
+def require_clicks(project: Project) -> None:
+    """Check that the file of clicks is there.
+
+    Raises:
+        VopdError: with the command that makes the page to click on
+    """
+    section = project.section("picks")
+    clicks = section.text("file")
+    if not (project.folder / clicks).exists():
+        raise section.error(
+            "file",
+            f"{clicks} is not there: vopd pick {project.name} -o pick.html makes the page to click "
+            f"on, and your browser saves {clicks} among its downloads: move it to {project.folder}",
+        )
 
 
 def _sizes_px(section: Section, file: InputFile, rows: PickRows, camera: CameraLens) -> Floats:

@@ -772,8 +772,13 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
         other = f"{near[0]}: letters must be of one case" if near else f"{rows.image[0]} for one"
         return f"has none of the images that were picked ({picked} for one); it has {other}"
     own = track_on_clock(section, rows, times) + section.number("offset_s")
+    first, last = float(np.nanmin(times.time_s)), float(np.nanmax(times.time_s))
+    gap = first - own[-1] if first > own[-1] else own[0] - last  # of the frame next to the track
+    apart = f"{gap:.3g} s apart"
+    if hours := round(gap / 3600.0):
+        apart = f"{gap / 3600.0:.2f} h apart" + ", a time zone?" * (hours <= 14)
     return (
         f"does not cover any frame: the track is from {own[0]:.7g} to {own[-1]:.7g} s, the "
-        f"frames from {np.nanmin(times.time_s):.7g} to {np.nanmax(times.time_s):.7g} s; "
+        f"frames from {first:.7g} to {last:.7g} s, {apart}; "
         "look at the clocks, [flight] epoch and [track] offset_s"
     )

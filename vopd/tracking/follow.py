@@ -27,8 +27,8 @@ from vopd.flight.formats.tracked import (
 )
 from vopd.flight.misfit import MISFITS, SPEAK_FOR, TYPICAL
 from vopd.flight.project import Project
-from vopd.flight.read import flight_of, read_camera, read_pick_rows
-from vopd.flight.result import solve_flight_read
+from vopd.flight.read import flight_of, read_camera, read_pick_rows, require_clicks
+from vopd.flight.result import require_two_landmarks, solve_flight_read
 from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
@@ -125,6 +125,7 @@ def read_footage(project: Project) -> Footage:
         if not section.has(key):
             told = "the video" if key == "video" else "the file that is to be written"
             raise section.error(key, f'is missing: {told}, as {key} = "{example}"')
+    require_clicks(project)
     clicked = project.without("picks", "tracked", "tracked_from")
     if clicked.section("solve").has("frames"):
         clicked = clicked.changed("solve", "frames", "each")
@@ -212,6 +213,8 @@ def _in_range(footage: Footage, first: int, last: int) -> ClickedPixels:
     inside = (own.frame >= first) & (own.frame <= last)
     name = section.text("file")
     where = f"frames {footage.number[first]} to {footage.number[last]}"
+    if not len(inside):
+        require_two_landmarks(footage.flight)
     if not inside.any():
         clicked = f"frames {footage.number[own.frame.min()]} to {footage.number[own.frame.max()]}"
         raise section.error("file", f"{name}: no click is in {where}; they are in {clicked}")
