@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.figures.style import COLOURS, Inches, matplotlib_figure, plain, short, wrapped
+from vopd.figures.style import COLOURS, Inches, matplotlib_figure, name_text, plain, wrapped
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,7 +91,7 @@ def _parameters(axis: Any, shown: Sequence[Change]) -> None:
             look["label"] = "after, in its own sigma: none was stated before"
         axis.errorbar(one.moved, row, xerr=one.sigma, ms=5, capsize=3, **look)
     axis.set_ylim(len(shown) - 0.4, -0.6)
-    axis.set_yticks(range(len(shown)), [plain(short(one.name, 32)) for one in shown])
+    axis.set_yticks(range(len(shown)), [name_text(one.name, 32) for one in shown])
     axis.grid(visible=False, axis="y")
     axis.set_xlabel("change, in standard deviations")
     least, most = axis.get_xlim()
@@ -118,7 +118,7 @@ def _residuals(axis: Any, names: Sequence[str], rms_px: Floats) -> None:
     axis.plot(after, place, "o", color=COLOURS[0], ms=5, label="after")
     axis.axhline(len(names) - 1.5, color="0.6", lw=0.8)
     axis.set_ylim(len(names) - 0.4, -0.6)
-    axis.set_yticks(place, [plain(short(name, 32)) for name in names])
+    axis.set_yticks(place, [name_text(name, 32) for name in names])
     axis.tick_params(axis="y", length=0)
     axis.grid(visible=False, axis="y")
     axis.set_xlim(0.0, 1.08 * max(float(np.nanmax(rms_px, initial=0.0)), NO_SIZE))

@@ -17,6 +17,7 @@ from vopd.figures.style import (
     FLAGGED,
     caption,
     halo,
+    name_text,
     place_names,
     plain,
     round_number,
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 LONGEST = 0.12  # about the length of the longest arrow, in terms of the width of the figure
 LABELLED = 200  # up to this many landmarks have their label
+NAME_SHOWN, FRAME_SHOWN = 24, 60  # characters of a landmark's name, and of a frame's in a title
 ROOM = 1.35  # how far the axes go, in terms of the farthest point
 
 
@@ -112,16 +114,18 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
 
     outside = ~_inside(view.pixel, view.size_px)
     if outside.any():
-        some = ", ".join(plain(short(scene.names[one], 24)) for one in view.landmark[outside][:3])
+        some = ", ".join(
+            name_text(scene.names[one], NAME_SHOWN) for one in view.landmark[outside][:3]
+        )
         few = ", ..." if outside.sum() > 3 else ""
         more.append(f"{count_text(int(outside.sum()), 'pick')} outside the image: {some}{few}")
-    own = [plain(short(scene.names[one], 24)) for one in view.landmark]
+    own = [name_text(scene.names[one], NAME_SHOWN) for one in view.landmark]
     own = [f"{one}: does not fit" if odd else one for one, odd in zip(own, culprit, strict=True)]
     rest = np.flatnonzero(unpicked)
     order = np.argsort(~culprit, kind="stable")
     order = order[~outside[order]]
     places = np.concatenate([view.pixel[order], view.computed[rest]])[:LABELLED]
-    names = [own[one] for one in order] + [plain(short(scene.names[one], 24)) for one in rest]
+    names = [own[one] for one in order] + [name_text(scene.names[one], NAME_SHOWN) for one in rest]
     size_in = _size_in(figure)
     unit = min((size_in[0] - ROOM_IN[0]) / width, (size_in[1] - ROOM_IN[1]) / height) * 72.0
     bold = np.arange(len(places)) < int((culprit & ~outside).sum())
@@ -134,7 +138,7 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
     handles, texts = axis.get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=5)
     when = f", {e.time_s[k]:.3f} s" if np.isfinite(e.time_s[k]) else ""
-    told = [f"frame {plain(e.frame_label(k))}{when}", *filter(None, [said]), *more]
+    told = [f"frame {name_text(e.frame_label(k), FRAME_SHOWN)}{when}", *filter(None, [said]), *more]
     return (
         f"{caption([history])}\n{'; '.join(told)}\n"
         f"arrows: residuals, picked minus computed, {scale:g} times as long{_misfit(history, k)}"
@@ -278,7 +282,7 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)
     few = len(measured) <= LABELLED
     for number, point in zip(rows.landmark[shown] if few else (), measured, strict=few):
-        label = plain(short(e.landmark_label(number), 40))
+        label = name_text(e.landmark_label(number), 40)
         axis.annotate(label, point, (7, 7), textcoords="offset points")
     axis.set(xlim=(far, -far), ylim=(-far, far), aspect="equal")  # x grows to the left
     axis.set_xlabel(f"x, {e.units.image} {words.surface}, to the left")
@@ -286,7 +290,7 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     axis.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
     when = f"{e.time_s[k]:.3f} s, " if np.isfinite(e.time_s[k]) else ""
     return (
-        f"{caption([history])}\nframe {plain(e.frame_label(k))}, {when}"
+        f"{caption([history])}\nframe {name_text(e.frame_label(k), FRAME_SHOWN)}, {when}"
         f"{count_text(history.landmarks[k], 'landmark')}; corrected for distortion"
         f"{'' if few else '; too many landmarks to label'}\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
@@ -295,9 +299,14 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
 
 
 def _misfit(history: History, k: int) -> str:
-    """Explain the misfit of a frame in one line."""
+    """Explain the misfit of a frame in one line, with names as they stand beside landmarks."""
     flags = history.flags
-    return f"\nmisfit: {plain(flags.detail['misfit'][k])}" if flags.raised["misfit"][k] else ""
+    if not flags.raised["misfit"][k]:
+        return ""
+    text = str(flags.detail["misfit"][k])
+    for name in sorted(history.estimate.landmark_names.values(), key=len, reverse=True):
+        text = text.replace(name, short(name, NAME_SHOWN)) if len(name) > NAME_SHOWN else text
+    return f"\nmisfit: {plain(text)}"
 
 
 def draw_arrows(

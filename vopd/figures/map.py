@@ -10,16 +10,15 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
-from vopd.figures.image import LABELLED, camera_index, chosen
+from vopd.figures.image import FRAME_SHOWN, LABELLED, NAME_SHOWN, camera_index, chosen
 from vopd.figures.style import (
     BEHIND,
     COLOURS,
     FLAGGED,
     caption,
+    name_text,
     place_names,
-    plain,
     round_number,
-    short,
 )
 from vopd.findings import VopdError, count_text
 from vopd.geometry.earth import geodetic, local_axes
@@ -133,14 +132,14 @@ def draw_map(
     least, most = heights.min(axis=0), heights.max(axis=0)
     span = np.maximum(most - least, 1e-3 * max(float((most - least).max()), 1.0))
     span[1] = max(span[1], span[0] * side_in[1] / side_in[0] * 0.02)
-    side.set(
-        xlim=(least[0] - ROOM * span[0], most[0] + ROOM * span[0]),
-        ylim=(least[1] - 2 * ROOM * span[1], most[1] + 2 * ROOM * span[1]),
-    )
-    stretched = (span[0] * (1 + 2 * ROOM) / side_in[0]) / (span[1] * (1 + 4 * ROOM) / side_in[1])
+    around = np.array([ROOM, 2.0 * ROOM]) * span
+    in_view = np.stack([least - around, most + around])
+    side.set(xlim=in_view[:, 0], ylim=in_view[:, 1])
+    side_pt = 72.0 * side_in / (span + 2.0 * around)
+    stretched = side_pt[1] / side_pt[0]
 
     order = np.argsort(np.where(culprit, 0, np.where(used, 1, 2)), kind="stable")[:LABELLED]
-    names = [plain(short(scene.names[one], 24)) for one in order]
+    names = [name_text(scene.names[one], NAME_SHOWN) for one in order]
     names = [
         f"{n}: does not fit" if culprit[one] else n for n, one in zip(names, order, strict=True)
     ]
@@ -150,8 +149,8 @@ def draw_map(
     nameless += place_names(above, at, names, pt, np.stack([low, high]), culprit[order])
     in_side = order[(used | culprit)[order]]
     at = beside(scene.landmark_m[in_side])
-    pt = 72.0 * side_in / (span * (1 + 2 * ROOM))
-    place_names(side, at, [plain(short(scene.names[one], 24)) for one in in_side], pt)
+    names = [name_text(scene.names[one], NAME_SHOWN) for one in in_side]
+    nameless += place_names(side, at, names, side_pt, in_view)
 
     where = f"in {scene.crs}, m" if scene.plane is not None else f"of this frame's camera, {unit}"
     above.set_xlabel(f"easting {where}" if scene.plane is not None else f"east {where}")
@@ -165,13 +164,13 @@ def draw_map(
     _north(above, scene, camera_m)
     handles, texts = above.get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=3)
-    told = [f"frame {plain(e.frame_label(k))}", "lines of sight as picked"]
+    told = [f"frame {name_text(e.frame_label(k), FRAME_SHOWN)}", "lines of sight as picked"]
     if missed.any():
         worst = int(np.where(missed, miss_m / along, 0.0).argmax())
         told.append(
             f"red: {count_text(int(missed.sum()), 'line')} of sight that "
             f"{'misses its landmark' if missed.sum() == 1 else 'miss their landmarks'}, "
-            f"most {plain(scene.names[picked[worst]])}: {miss_m[worst]:.3g} m"
+            f"most {name_text(scene.names[picked[worst]], NAME_SHOWN)}: {miss_m[worst]:.3g} m"
         )
     if cut_short:
         told.append("the image shows more ground, farther away than is drawn")

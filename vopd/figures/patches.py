@@ -15,7 +15,7 @@ from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
 from vopd.figures.image import Photograph, camera_index
-from vopd.figures.style import COLOURS, FLAGGED, caption, plain, short
+from vopd.figures.style import COLOURS, FLAGGED, caption, name_text, plain
 from vopd.findings import VopdError
 from vopd.geometry.earth import local_axes
 from vopd.scene import ImageScene, JobScene
@@ -120,7 +120,7 @@ def _draw(figure: Any, history: History, scene: JobScene, read: Photograph) -> s
     axis.add_collection(LineCollection(list(ends), colors="#ffd400", linewidths=0.9))
     axis.imshow(sheet, cmap="gray", vmin=0.0, vmax=255.0, interpolation="none", zorder=0)
     axis.set_yticks([row * step + SIDE / 2 for row in range(len(shown))],
-                    [plain(short(scene.names[mark], 16)) for mark in shown])  # fmt: skip
+                    [name_text(scene.names[mark], 16) for mark in shown])  # fmt: skip
     axis.set_xticks([])
     axis.set_anchor("N")
     axis.tick_params(length=0)

@@ -11,7 +11,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.residuals import outliers
 from vopd.figures.attitude import broken
-from vopd.figures.style import COLOURS, FLAGGED, caption, label, plain, short
+from vopd.figures.style import COLOURS, FLAGGED, caption, label, name_text
 from vopd.findings import count_text
 
 DRAWN = 2000  # up to this many points are drawn one by one in .svg and .pdf
@@ -81,7 +81,7 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     rms = np.sqrt(np.bincount(own, squares) / (2.0 * np.bincount(own)))
     coloured = np.argsort(-rms, kind="stable")[: len(COLOURS)]
     with np.errstate(invalid="ignore"):
-        limit = [_limit(values), max(_limit(found.sigmas), 3.0)]
+        limit = [_limit(values), _sigma_limit(found.sigmas)]
     cut = [int((np.abs(values) > limit[0]).any(axis=1).sum())]
     cut.append(int((np.abs(found.sigmas) > limit[1]).any(axis=1).sum()))
     for row, data in enumerate((values[:, 0], values[:, 1], found.sigmas)):
@@ -172,6 +172,15 @@ def _limit(values: Floats) -> float:
         return 1.0
     most, usual = float(size.max()), float(np.quantile(size, 0.99))
     return max(3.0 * usual if most > FAR * usual > 0.0 else most, 1e-9)
+
+
+def _sigma_limit(sigmas: Floats) -> float:
+    """Choose how far the axis in sigmas goes: a frame that misfits leaves the others readable."""
+    size = np.abs(sigmas[np.isfinite(sigmas)])
+    if not len(size):
+        return 3.0
+    readable = max(2.0 * MOST_SIGMAS, 3.0 * float(np.quantile(size, 0.75)))
+    return max(min(float(size.max()), readable), 3.0)
 
 
 def _lines(
@@ -287,8 +296,7 @@ def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) ->
 def _label(histories: Sequence[History], number: int) -> str:
     """Name a landmark as the first job does that has a name for it."""
     names = (h.estimate.landmark_names.get(number) for h in histories)
-    label = next((name for name in names if name), str(number))
-    return plain(short(label))
+    return name_text(next((name for name in names if name), str(number)))
 
 
 def _labels(axis: Any, labels: list[str]) -> None:

@@ -17,9 +17,9 @@ from vopd.figures.style import (
     Inches,
     halo,
     matplotlib_figure,
+    name_text,
     place_names,
     plain,
-    short,
     wrapped,
 )
 from vopd.findings import count_text
@@ -178,7 +178,7 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
             epoch = f", {picture.epoch}" if picture.epoch else ""
             told.append(f"lines: right ascension and declination{epoch}")
         order = np.argsort(~odd, kind="stable")[:MOST_LABELS]
-        names = [plain(short(picture.labels[k], 40)) for k in order]
+        names = [name_text(picture.labels[k], 40) for k in order]
         names = [
             f"{name}: does not fit" if odd[k] else name
             for name, k in zip(names, order.tolist(), strict=True)

@@ -6,13 +6,13 @@ import io
 import os
 import re
 import warnings
+from bisect import bisect
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from math import floor, log10
-from textwrap import wrap
 from typing import TYPE_CHECKING, Any
-from unicodedata import east_asian_width
+from unicodedata import bidirectional, east_asian_width
 
 import numpy as np
 
@@ -89,10 +89,12 @@ def save(
             raise VopdError("SOURCE_DATE_EPOCH is not a number of seconds since 1970") from error
     missing = {found[1] for one in warned if (found := MISSING.match(str(one.message)))}
     if missing and suffix != ".svg":
-        names = ", ".join(sorted(chr(int(code)) for code in missing)[:5])
-        note(f"no font has {names}; install Noto Sans CJK, or draw as .svg")
+        letters = sorted(chr(int(code)) for code in missing)
+        font = "install Noto Sans CJK, or " if all(map(_is_wide, letters)) else ""
+        note(f"no font has {', '.join(letters[:5])}; {font}draw as .svg")
     for one in warned:
-        if not (MISSING.match(str(one.message)) or "constrained_layout" in str(one.message)):
+        text = str(one.message)
+        if not (MISSING.match(text) or "constrained_layout" in text or UNSHAPED in text):
             warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
     return _renamed(file.getvalue()) if suffix == ".svg" else file.getvalue()
 
@@ -103,20 +105,24 @@ def _laid_out(figure: Figure, dpi: int | None = None) -> Iterator[None]:
 
     Args:
         figure: the figure
-        dpi: for which small letters are as wide as they will be; None: its own
+        dpi: for which letters are fitted to dots; None: they are not, as in .svg and .pdf
     """
+    import matplotlib as mpl
+
     engine = figure.get_layout_engine()
     if engine is not None:
         own = figure.dpi
         figure.set_dpi(dpi or own)
-        engine.execute(figure)
-        engine.execute(figure)  # labels beside narrow panels have their room the second time
+        with mpl.rc_context({} if dpi else {"text.hinting": "none"}):
+            engine.execute(figure)
+            engine.execute(figure)  # labels beside narrow panels have their room the second time
         figure.set_layout_engine(None)
         figure.set_dpi(own)
     yield
     figure.set_layout_engine(engine)
 
 
+UNSHAPED = "does not support"  # of Arabic names, by matplotlib before 3.11
 MISSING = re.compile(r"Glyph (\d+) .* missing from")
 
 
@@ -149,8 +155,9 @@ def _figure_class() -> Any:
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")  # Okabe and Ito
 FLAGGED = "#b30000"
+TITLE_PT = 9.0  # size of all letters but names, points
 _SETTINGS: dict[Any, Any] = {
-    "font.size": 9.0,
+    "font.size": TITLE_PT,
     "axes.grid": True,
     "grid.alpha": 0.3,
     "axes.spines.top": False,
@@ -194,6 +201,9 @@ def _more_fonts() -> list[str]:
     return [name for name in MORE_FONTS if name in installed]
 
 
+TITLE_SHOWN = 100  # characters of a job's title: those of a card and some more
+
+
 def caption(histories: Sequence[History]) -> str:
     """Write the caption: sources, the title if there is one job, and the fixes in force."""
     names = list(dict.fromkeys(h.about.source for h in histories))
@@ -201,7 +211,7 @@ def caption(histories: Sequence[History]) -> str:
     if len(histories) == 1:
         about = histories[0].about
         text += f", job {about.job}" if about.words.jobs else ""
-        text += f": {about.title}" if about.title else ""
+        text += f": {short(about.title, TITLE_SHOWN)}" if about.title else ""
     else:
         text += f", {len(histories)} jobs"
     fixes = histories[0].about.fixes
@@ -229,19 +239,93 @@ def plain(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")
 
 
+MARGIN = 0.97  # of a figure's width: the most that a line of a title takes
+
+
 def wrapped(text: str, width_in: float) -> str:
-    """Break the lines of a title where they would leave the figure."""
-    most = int(width_in * LETTERS_IN)
-    return "\n".join("\n".join(wrap(line, most)) for line in text.splitlines())
+    """Break the lines of a title where they would leave the figure, long words too.
+
+    Args:
+        text: the title, of the size `TITLE_PT`
+        width_in: of the figure, inches
+    """
+    most = MARGIN * width_in * 72.0
+    lines = []
+    for line in text.splitlines():
+        begun = ""
+        for word in line.split():
+            joined = f"{begun} {word}" if begun else word
+            if text_width_pt(joined, TITLE_PT) <= most:
+                begun = joined
+                continue
+            lines += [begun] if begun else []
+            while text_width_pt(word, TITLE_PT) > most:
+                fits = range(1, len(word))
+                here = max(1, bisect(fits, most, key=lambda n: text_width_pt(word[:n], TITLE_PT)))
+                lines.append(word[:here])
+                word = word[here:]
+            begun = word
+        lines.append(begun)
+    return "\n".join(lines)
 
 
-LETTERS_IN = 13.5  # letters of a title to an inch
+def text_width_pt(text: str, size_pt: float, bold: bool = False) -> float:
+    """Measure one line of text in the fonts of the figures, points.
+
+    Args:
+        text: as matplotlib takes it (`plain`)
+        size_pt: of the letters
+        bold: whether they are
+    """
+    from matplotlib.font_manager import FontProperties
+
+    font = FontProperties(size=size_pt, weight="bold" if bold else "normal")
+    shown = "".join("W" if _is_wide(c) else c for c in text.replace(r"\$", "$"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of letters that no font has: `save` names them
+        width, _, _ = _renderer().get_text_width_height_descent(shown, font, ismath=False)
+    return float(width) * 72.0 / MEASURED_DPI
+
+
+def _is_wide(letter: str) -> bool:
+    """Tell whether a letter is as wide as it is high, as Chinese ones are."""
+    return east_asian_width(letter) in "WF"
+
+
+MEASURED_DPI = 300.0
+
+
+@cache
+def _renderer() -> Any:
+    """Make what measures texts."""
+    from matplotlib.backends.backend_agg import RendererAgg
+
+    renderer: Any = RendererAgg  # without types of its own
+    return renderer(1, 1, MEASURED_DPI)
+
+
 SHOWN = 16  # characters of a label that are shown
 
 
 def short(label: str, most: int = SHOWN) -> str:
     """Shorten a label."""
     return label if len(label) <= most else f"{label[: most - 1]}…"
+
+
+def name_text(name: str, most: int = SHOWN) -> str:
+    """Write a name for matplotlib, short, and so that what follows stays to its right.
+
+    Args:
+        name: of a landmark, star or parameter
+        most: characters that are shown
+    """
+    text = plain(short(name, most))
+    if any(bidirectional(c) in ("R", "AL") for c in text):
+        return f"{LEFT_TO_RIGHT}{text}{LEFT_TO_RIGHT}"
+    return text
+
+
+LEFT_TO_RIGHT = "\u200e"  # about an Arabic or Hebrew name: the text around it keeps its order
 
 
 # Names beside their points, none over another
@@ -294,7 +378,8 @@ def place_names(
     lines = np.zeros((0, 2)) if avoid is None else avoid * points_per_unit
     left_out = 0
     for k, name in enumerate(names):
-        wide = sum(1.0 if east_asian_width(c) in "WF" else 0.62 for c in name) * NAME_PT
+        strong = bold is not None and bool(bold[k])
+        wide = text_width_pt(name, NAME_PT, strong) + 0.5 * NAME_PT
         half = np.array([wide, 1.3 * NAME_PT]) / 2.0
         others = np.vstack([np.delete(marks, k, axis=0), taken])
         best: tuple[int, Any, Any] | None = None
@@ -315,7 +400,7 @@ def place_names(
         axis.annotate(
             name, points[k], middle - centre[k], textcoords="offset points", ha="center",
             va="center", fontsize=NAME_PT, bbox=BEHIND, annotation_clip=True, zorder=6,
-            fontweight="bold" if bold is not None and bold[k] else "normal",
+            fontweight="bold" if strong else "normal",
         )  # fmt: skip
     return left_out
 

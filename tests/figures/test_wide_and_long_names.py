@@ -1,0 +1,168 @@
+"""Names that are long, wide, of other scripts: nothing leaves the figure or covers a mark."""
+
+from __future__ import annotations
+
+import csv
+import io
+import shutil
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import RendererAgg
+
+from tests.approved.texts import assert_approved
+from tests.kit.command import ROOT
+from tests.kit.figures import labelled
+from vopd.attitude.history import History
+from vopd.figures import draw
+from vopd.figures.adjust import Change, draw_adjusted
+from vopd.figures.residuals import MOST_SIGMAS, residual_points
+from vopd.figures.style import matplotlib_figure, save, text_width_pt, wrapped
+from vopd.flight.result import solve_flight
+
+pytestmark = [
+    pytest.mark.filterwarnings(r"ignore:Glyph \d+"),
+    pytest.mark.filterwarnings("ignore:Matplotlib currently does not support"),
+]
+
+LONG, WIDE = "abcde fgh " * 100, "W" * 1000
+ARABIC, JAPANESE, THAI = "الكنيسة القديمة", "教会の塔の上の十字架", "ประภาคาร"
+NAMES = {
+    "church": LONG, "mast": WIDE, "bridge": "M" * 24, "corner": "@" * 24, "tower": ARABIC,
+    "well": JAPANESE,
+}  # fmt: skip
+EXCHANGED = {("2", "church"): "mast", ("2", "mast"): "church"}
+
+
+@cache
+def renamed() -> History:
+    """The hill with such names, and two picks of frame 2 exchanged."""
+    with TemporaryDirectory() as name:
+        folder = Path(name) / "hill"
+        shutil.copytree(ROOT / "examples" / "hill", folder)
+        for file in ("landmarks.csv", "picks.csv"):
+            with (folder / file).open(encoding="utf-8", newline="") as read:
+                rows = list(csv.reader(read))
+            made = io.StringIO()
+            rows = [[EXCHANGED.get((row[0], one), one) for one in row] for row in rows]
+            csv.writer(made).writerows([NAMES.get(one, one) for one in row] for row in rows)
+            (folder / file).write_text(made.getvalue(), encoding="utf-8", newline="")
+        project = folder / "flight.toml"
+        text = project.read_text(encoding="utf-8").replace('"F12"', f'"{WIDE}"')
+        project.write_text(text, encoding="utf-8")
+        return solve_flight(project).history()
+
+
+def laid_out(name: str) -> Any:
+    figure = draw(name, [renamed()], 2)
+    figure.draw_without_rendering()
+    return figure
+
+
+@pytest.mark.parametrize("name", ["image", "map", "residuals", "attitude"])
+def test_no_text_leaves_the_figure(name: str) -> None:
+    figure = laid_out(name)
+    (part,) = figure.subfigs
+    texts = [part._suptitle, *(text for axis in part.axes for text in axis.texts)]
+    texts += [text for one in part.legends for text in one.get_texts()]
+    for text in filter(lambda one: one.get_text(), texts):
+        box = text.get_window_extent()
+        assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width, text.get_text()
+    assert part._suptitle.get_window_extent().height < 0.25 * figure.bbox.height
+
+
+@pytest.mark.parametrize("name", ["image", "map"])
+def test_a_name_does_not_cover_its_mark(name: str) -> None:
+    """And in the view from the side it stays within the panel."""
+    (part,) = laid_out(name).subfigs
+    for axis in part.axes:
+        marks = [line for line in axis.lines if line.get_marker() in ("o", "^", "s")]
+        at = np.vstack([axis.transData.transform(line.get_xydata()) for line in marks])
+        names = [text for text in axis.texts if text.get_text()[:5] in shown_as]
+        assert len(names) >= 4
+        for text in names:
+            box = text.get_window_extent()
+            covered = (at > [box.x0, box.y0]).all(axis=1) & (at < [box.x1, box.y1]).all(axis=1)
+            assert not covered.any(), text.get_text()
+    side = part.axes[-1]
+    wide = side.bbox.width / 100.0  # the size of the panel is known to so much beforehand
+    for text in side.texts:
+        box = text.get_window_extent()
+        assert box.x0 > side.bbox.x0 - wide and box.x1 < side.bbox.x1 + wide
+
+
+shown_as = ("abcde", "WWWWW", "MMMMM", "@@@@@", f"\u200e{ARABIC[:4]}", JAPANESE[:5])
+
+
+def test_names_in_titles_are_short() -> None:
+    """In the line that explains a misfit, and where lines of sight miss most."""
+    for name in ("image", "map"):
+        title = " ".join(laid_out(name).subfigs[0].get_suptitle().split())
+        assert "W" * 23 + "…" in title and "(chance" in title or name == "map"
+        assert "abcde fgh " * 3 not in title
+
+
+def test_lines_of_a_title_are_as_wide_as_the_figure() -> None:
+    with matplotlib_figure((4.0, 4.0)):
+        lines = wrapped(f"first\n{WIDE}\n{'i' * 1000} {'word ' * 100}", 4.0).splitlines()
+        widths = [text_width_pt(line, 9.0) for line in lines]
+    assert lines[0] == "first" and max(widths) < 4.0 * 72.0
+    assert len(max(lines, key=len)) > 3 * len(max((x for x in lines if "W" in x), key=len))
+    assert "".join(lines).count("i") == "".join(lines).count("W") + 1  # of "first"
+    inner = [width for line, width in zip(lines, widths, strict=True) if line.endswith("word")]
+    assert all(width > 3.5 * 72.0 for width in inner[:-1])
+
+
+def test_an_arabic_name_keeps_its_number_to_the_right() -> None:
+    """Marks of the direction stand on both sides of it; of other names there are none."""
+    (legend,) = [
+        axis.get_legend() for axis in laid_out("residuals").subfigs[0].axes if axis.get_legend()
+    ]
+    texts = [text.get_text() for text in legend.get_texts()]
+    (arabic,) = [text for text in texts if ARABIC in text]
+    assert arabic.startswith(f"\u200e{ARABIC}\u200e: ")
+    assert sum("\u200e" in text for text in texts) == 1
+
+
+def test_letters_that_no_font_has() -> None:
+    """Which font helps is said if one of those helps that are looked for."""
+    notes: list[str] = []
+    for text in (THAI, f"{THAI} {JAPANESE}", JAPANESE):
+        with matplotlib_figure((4.0, 4.0)) as figure:
+            figure.subplots().set_title(text, fontfamily="DejaVu Sans")
+        for suffix in (".png", ".pdf", ".svg"):
+            save(figure, suffix, note=notes.append)
+    assert_approved(notes)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+def test_labels_at_both_sides_stay_in_the_file(suffix: str) -> None:
+    """Also where letters are not fitted to dots, and so are wider."""
+    changes = [Change("focal", "1495.00 → 1494.93 ± 0.21 px" * 2, 0.5, 0.25, stated=True)]
+    rms_px = np.array([[2.0, 1.0], [2.0, 1.0]])
+    figure = draw_adjusted("title", changes, ["0123456789" * 3], rms_px)
+    save(figure, suffix, dpi=100)
+    above, below, values = figure.axes
+    figure.set_layout_engine(None)
+    with mpl.rc_context({} if suffix == ".png" else {"text.hinting": "none"}):
+        make: Any = RendererAgg
+        renderer = make(1, 1, figure.dpi)
+        right = max(text.get_window_extent(renderer).x1 for text in values.get_yticklabels())
+        left = min(text.get_window_extent(renderer).x0 for text in below.get_yticklabels())
+    assert 0.0 <= left < right <= figure.bbox.width
+    assert above.bbox.width > 0.2 * figure.bbox.width
+
+
+def test_a_frame_that_misfits_leaves_the_axis_of_sigmas_readable() -> None:
+    """Thousands of sigmas are triangles at its edge; four frames of five are as expected."""
+    sigmas = np.abs(residual_points([renamed()]).sigmas)
+    assert sigmas.max() > 1000.0 and np.quantile(sigmas, 0.7) < 3.0
+    axis = laid_out("residuals").subfigs[0].axes[4]
+    assert axis.get_ylim()[1] < 2.2 * MOST_SIGMAS
+    assert "sigma at the edge, as triangles" in laid_out("residuals").subfigs[0].get_suptitle()
+    assert labelled(axis)
