@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from vopd.arrays import Bools, Floats, Ints
 
@@ -40,6 +40,16 @@ class Views:
     pixel_of: Callable[[Floats], Floats]  # pixels of directions east, north, up, (n, H, 3)
 
 
+class Change(NamedTuple):
+    """A parameter of a solve before and after."""
+
+    name: str
+    told: str  # its values with their unit
+    moved: float  # in standard deviations; NaN: it is kept
+    sigma: float  # after, in the same
+    stated: bool  # whether they are those before; else those after
+
+
 @dataclass(frozen=True, eq=False)
 class JobScene:
     """Where the landmarks and the camera of a job are, N landmarks and F frames.
@@ -66,3 +76,6 @@ class JobScene:
     them do not fit and are not used; None: each pick stands for itself."""
     plane: Callable[[Floats], tuple[Floats, Floats]] | None = None
     """Easting and northing in `crs`, and the convergence of its grid, degrees, of positions."""
+    adjusted: Callable[[], tuple[Sequence[Change], Sequence[str], Floats]] | None = None
+    """Parameters that were solved for, and names of M landmarks with the root mean square of a
+    residual's coordinates before and after, of each and of all, pixels, (M + 1, 2)."""

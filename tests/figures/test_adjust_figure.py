@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import shutil
+from base64 import b64decode
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import ROOT, vopd
 from tests.kit.figures import labelled, points
 from tests.tolerances import assert_close
@@ -17,6 +19,7 @@ from vopd.figures.residuals import residual_points
 from vopd.flight.adjust import adjust
 from vopd.flight.adjusted_table import residual_sizes
 from vopd.flight.result import solve_flight
+from vopd.report import embedded_figures
 
 RMS = np.array([[2.0, 1.0], [3.0, 4.0], [np.nan, np.nan], [2.5, 2.0]])
 CHANGES = (
@@ -46,6 +49,13 @@ def test_a_row_for_each_parameter() -> None:
     assert points(lines["before"]) == [[3.0, 0.0], [2.0, 1.0], [2.5, 2.0]]  # the largest first
     assert points(lines["after"]) == [[4.0, 0.0], [1.0, 1.0], [2.0, 2.0]]
     assert [text.get_text() for text in below.get_yticklabels()] == ["two", "one", "all"]
+
+
+def test_a_long_landmark_keeps_its_axes() -> None:
+    changes = [Change(f"{'m' * 99} {axis}", "", 0.5, 0.2, stated=True) for axis in ("east", "up")]
+    names = [text.get_text() for text in drawn(changes).axes[0].get_yticklabels()]
+    assert [name.split()[1] for name in names] == ["east", "up"]
+    assert max(map(len, names)) < 40
 
 
 def test_of_many_those_that_moved_most() -> None:
@@ -79,6 +89,21 @@ def test_residuals_before_and_after(wrong: Path) -> None:
     assert_close("flight pixel", np.sort(rms_px[:-1, 0]), np.sort(by_landmark))
     assert_close("flight pixel", rms_px[-1, 0], np.sqrt(np.mean(found.pair**2)))
     assert len(names) == 6 and rms_px[-1, 1] < 0.3 < 1.0 < rms_px[-1, 0]
+
+
+def test_the_report_has_it(wrong: Path) -> None:
+    """Of a project with [solve] free, beside the residuals; of another there is none."""
+    before = embedded_figures([solve_flight(wrong).history()])
+    assert [name for name, _, _, _ in before] == ["residuals"]
+    text = wrong.read_text(encoding="utf-8")
+    wrong.write_text(f'{text}[solve]\nfree = ["focal"]\n', encoding="utf-8")
+    *_, (name, title, caption, address) = embedded_figures([solve_flight(wrong).history()])
+    page = b64decode(address.partition(",")[2]).decode("utf-8")
+    made = adjust(str(wrong), ["focal"])
+    (focal,) = made.parameters
+    assert ">focal<" in page and f">{focal.before:.2f} → {focal.after:.2f} ± " in page
+    assert name == "adjusted-0"
+    assert_approved([title, caption])
 
 
 def test_the_command_draws_it(wrong: Path, tmp_path: Path) -> None:

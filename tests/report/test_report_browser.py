@@ -26,6 +26,7 @@ from tests.kit.browser import forget, load, open_browser
 from tests.kit.command import ROOT
 from tests.kit.histories import by_hand, flight, histories, with_estimate
 from tests.kit.html_page import data_of
+from tests.kit.renamed_hill import WIDE, renamed
 from tests.tolerances import assert_close
 from vopd.export import FORMATS, FileRequest
 from vopd.flight.result import solve_flight
@@ -475,6 +476,36 @@ def test_hostile_names_do_nothing(browser: Any, tmp_path: Path) -> None:
     assert bad in browser.find_element(By.ID, "now").text
     assert names[7] in columns(browser, "picks-table")["landmark"]
     assert browser.find_elements(By.CSS_SELECTOR, "#frames img, svg script") == []
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_wide_names_cover_no_mark(browser: Any, tmp_path: Path) -> None:
+    """A thousand letters are short in drawings and below them; the table has them whole."""
+    load(browser, tmp_path, report([renamed()], ["first " * 400]))
+    of_answer = browser.find_element(By.CSS_SELECTOR, "#answer ul").text
+    assert 300 < len(of_answer) < 1500 and of_answer.endswith("…")
+    browser.find_element(By.ID, "number").send_keys("2", Keys.ENTER)
+    assert WIDE in columns(browser, "picks-table")["landmark"]
+    assert len(browser.find_element(By.ID, "image-text").text) < 500
+    covered = """
+      const boxes = (box, what) => [...document.querySelectorAll(`${box} ${what}`)].map(
+        (one) => one.getBoundingClientRect());
+      return ["#image-box", "#map-box"].map((box) => {
+        const marks = boxes(box, "rect.culprit").map((one) =>
+          [one.x + one.width / 2, one.y + one.height / 2]);
+        const names = boxes(box, "text.name");
+        return [marks.length, names.length, marks.filter(([x, y]) => names.some(
+          (name) => x > name.left && x < name.right && y > name.top && y < name.bottom)).length];
+      });
+    """
+    for marks, names, under in browser.execute_script(covered):
+        assert marks >= 2 and names >= 3 and under == 0
+    curve = """
+      const lines = [...document.querySelectorAll("#curve-box path.curve")];
+      return lines.map((one) => one.getAttribute("d").split("M").length - 1);
+    """
+    pieces = browser.execute_script(curve)
+    assert pieces[:8:2] == [1, 1, 1, 1]  # residuals of hundreds of pixels do not wrap
 
 
 def test_the_page_of_a_batch(browser: Any, tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -260,24 +259,12 @@ def figure_suffix(figure: str, source: str) -> str:
 
 def _draw(made: Adjustment, figure: str, suffix: str, quiet: bool) -> None:
     """Draw parameters and residuals before and after."""
-    from vopd.figures.adjust import Change, draw_adjusted
+    from vopd.figures.adjust import draw_adjusted
     from vopd.figures.style import save
-    from vopd.flight.adjusted_table import residual_sizes, text_row
+    from vopd.flight.adjusted_table import changes, residual_sizes
 
-    changes = []
-    for one in made.parameters:
-        _, _, before, after, _, sigma, _, held, trades = text_row(one)
-        unit = one.unit and f" {one.unit}"
-        told = f"{before} → {after} ± {sigma}{unit}"
-        if held.endswith("kept"):
-            told = f"{before}{unit}" + f", trades with {trades}" * (trades != "-")
-        stated = isfinite(one.sigma_before) and one.sigma_before > 0.0
-        unit_sigma = one.sigma_before if stated else one.sigma_after
-        moved = float("nan") if held.endswith("kept") else one.moved
-        name = one.name.removeprefix("landmark:")
-        changes.append(Change(name, told, moved, one.sigma_after / unit_sigma, stated))
     note = (lambda _: None) if quiet else partial(click.echo, err=True)
-    drawn = draw_adjusted(made.result.flight.source, changes, *residual_sizes(made))
+    drawn = draw_adjusted(made.result.flight.source, changes(made), *residual_sizes(made))
     content = save(drawn, suffix, note=note)
     with whole_file(figure) as file:
         file.write(content)

@@ -30,8 +30,9 @@ from vopd.figures import (
     left_out_text,
     refuse_small,
 )
+from vopd.figures.image import FRAME_SHOWN
 from vopd.figures.stars import StarPicture, draw_star_residuals
-from vopd.figures.style import SUFFIXES, Inches, ready, save
+from vopd.figures.style import SUFFIXES, Inches, ready, save, short
 from vopd.files import whole_file
 from vopd.findings import VopdError, count_text
 
@@ -74,7 +75,7 @@ def plot_stars(
 
 def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
     alpha, delta, swing = one.pointing
-    image = f", {one.image}" if one.image else ""
+    image = f", {short(one.image, FRAME_SHOWN)}" if one.image else ""
     title = (
         f"{name}{image}: {one.method}, {count_text(len(one.images), 'star')}\n"
         f"alpha {alpha:.5f}, delta {delta:.5f}, swing {swing:.5f} degrees"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.figures.image import NAME_SHOWN
 from vopd.figures.style import COLOURS, Inches, matplotlib_figure, name_text, plain, wrapped
+from vopd.scene import Change
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,16 +18,6 @@ if TYPE_CHECKING:
 MOST_ROWS = 30  # parameters, and landmarks, of a figure
 ROW_IN, REST_IN, WIDTH_IN = 0.24, 2.6, 9.0
 NO_SIZE = 1e-9
-
-
-class Change(NamedTuple):
-    """A parameter before and after."""
-
-    name: str
-    told: str  # its values with their unit
-    moved: float  # in standard deviations; NaN: it is kept
-    sigma: float  # after, in the same
-    stated: bool  # whether they are those before; else those after
 
 
 def draw_adjusted(
@@ -91,7 +83,7 @@ def _parameters(axis: Any, shown: Sequence[Change]) -> None:
             look["label"] = "after, in its own sigma: none was stated before"
         axis.errorbar(one.moved, row, xerr=one.sigma, ms=5, capsize=3, **look)
     axis.set_ylim(len(shown) - 0.4, -0.6)
-    axis.set_yticks(range(len(shown)), [name_text(one.name, 32) for one in shown])
+    axis.set_yticks(range(len(shown)), [_parameter_text(one.name) for one in shown])
     axis.grid(visible=False, axis="y")
     axis.set_xlabel("change, in standard deviations")
     least, most = axis.get_xlim()
@@ -109,6 +101,12 @@ def _parameters(axis: Any, shown: Sequence[Change]) -> None:
     )  # fmt: skip
 
 
+def _parameter_text(name: str) -> str:
+    """Shorten the name of a parameter; of a landmark's coordinate the axis stays."""
+    mark, _, axis = name.rpartition(" ")
+    return f"{name_text(mark, NAME_SHOWN)} {axis}" if mark else name_text(name, NAME_SHOWN)
+
+
 def _residuals(axis: Any, names: Sequence[str], rms_px: Floats) -> None:
     """Draw the size of each landmark's residuals before and after."""
     place = np.arange(len(names))
@@ -118,7 +116,7 @@ def _residuals(axis: Any, names: Sequence[str], rms_px: Floats) -> None:
     axis.plot(after, place, "o", color=COLOURS[0], ms=5, label="after")
     axis.axhline(len(names) - 1.5, color="0.6", lw=0.8)
     axis.set_ylim(len(names) - 0.4, -0.6)
-    axis.set_yticks(place, [name_text(name, 32) for name in names])
+    axis.set_yticks(place, [name_text(name, NAME_SHOWN) for name in names])
     axis.tick_params(axis="y", length=0)
     axis.grid(visible=False, axis="y")
     axis.set_xlim(0.0, 1.08 * max(float(np.nanmax(rms_px, initial=0.0)), NO_SIZE))

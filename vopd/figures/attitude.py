@@ -308,7 +308,16 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
     _width_scale(axes[3], [name.split("_")[-1] for name in names], marks)
     if len(axes) > 4:
         draw_flags(axes[4], histories)
-    axes[-1].set_xlabel(histories[0].order_axis[1])
+    label_time_axis(axes[-1], histories)
+
+
+def label_time_axis(axis: Any, histories: Sequence[History]) -> None:
+    """Label the axis of times; where frames have none, that of their numbers, which are whole."""
+    axis.set_xlabel(histories[0].order_axis[1])
+    if not np.isfinite(histories[0].estimate.time_s).any():
+        from matplotlib.ticker import MaxNLocator
+
+        axis.xaxis.set_major_locator(MaxNLocator(steps=[1, 2, 5, 10], integer=True))
 
 
 def values_of(history: History, name: str) -> Floats:

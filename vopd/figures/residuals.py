@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.residuals import outliers
-from vopd.figures.attitude import broken
+from vopd.figures.attitude import broken, label_time_axis
 from vopd.figures.style import COLOURS, FLAGGED, caption, label, name_text
 from vopd.findings import count_text
 
@@ -116,7 +116,7 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
                 found.time[beyond], [side * most] * int(beyond.sum()), at, color="black", ms=6
             )
         axis.set_ylim(-1.06 * most, 1.06 * most)
-    axes[2, 0].set_xlabel(histories[0].order_axis[1])
+    label_time_axis(axes[2, 0], histories)
     for axis in axes[:2, 1]:
         axis.axis("off")
     shown = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))

@@ -9,7 +9,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.estimate import Units
-from vopd.figures.image import MOST_SHOWN_PX, ROOM, ROOM_IN, draw_arrows, image_border
+from vopd.figures.image import MOST_SHOWN_PX, NAME_SHOWN, ROOM, ROOM_IN, draw_arrows, image_border
 from vopd.figures.style import (
     BEHIND,
     COLOURS,
@@ -178,7 +178,7 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
             epoch = f", {picture.epoch}" if picture.epoch else ""
             told.append(f"lines: right ascension and declination{epoch}")
         order = np.argsort(~odd, kind="stable")[:MOST_LABELS]
-        names = [name_text(picture.labels[k], 40) for k in order]
+        names = [name_text(picture.labels[k], NAME_SHOWN) for k in order]
         names = [
             f"{name}: does not fit" if odd[k] else name
             for name, k in zip(names, order.tolist(), strict=True)

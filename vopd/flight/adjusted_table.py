@@ -13,6 +13,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import count_text
+from vopd.scene import Change
 from vopd.screen import aligned
 
 if TYPE_CHECKING:
@@ -138,7 +139,28 @@ def as_json(made: Adjustment, correlations: bool, tests: object = None) -> str:
     return json.dumps(table, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
-# Residuals before and after
+# Parameters and residuals before and after, for a figure
+
+
+def changes(made: Adjustment) -> list[Change]:
+    """List the parameters before and after, in the standard deviations that were stated.
+
+    Args:
+        made: the adjustment; of a parameter without a stated one, in that after the solve
+    """
+    found = []
+    for one in made.parameters:
+        _, _, before, after, _, sigma, _, held, trades = text_row(one)
+        unit = one.unit and f" {one.unit}"
+        told = f"{before} → {after} ± {sigma}{unit}"
+        if held.endswith("kept"):
+            told = f"{before}{unit}" + f", trades with {trades}" * (trades != "-")
+        stated = isfinite(one.sigma_before) and one.sigma_before > 0.0
+        unit_sigma = one.sigma_before if stated else one.sigma_after
+        moved = float("nan") if held.endswith("kept") else one.moved
+        name = one.name.removeprefix("landmark:")
+        found.append(Change(name, told, moved, one.sigma_after / unit_sigma, stated))
+    return found
 
 
 def residual_sizes(made: Adjustment) -> tuple[tuple[str, ...], Floats]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -60,7 +60,7 @@ from vopd.geometry.rotations import (
 from vopd.landmark_layout import LandmarkLayout
 
 if TYPE_CHECKING:
-    from vopd.scene import JobScene
+    from vopd.scene import Change, JobScene
 
 # Angles of attack
 
@@ -423,7 +423,18 @@ class FlightEstimates:
         """Describe the surroundings of the frames, for figures."""
         from vopd.flight.scene import FlightScene  # which few need
 
-        return FlightScene(self.solved).scene()
+        scene = FlightScene(self.solved).scene()
+        freed = self.joint is not None and self.joint.model.flight.options.free
+        return replace(scene, adjusted=self._adjusted) if freed else scene
+
+    def _adjusted(self) -> tuple[Sequence[Change], Sequence[str], Floats]:
+        """Describe what was solved for before and after; the flight is solved as stated, too."""
+        from vopd.flight.adjust import adjustment_of
+        from vopd.flight.adjusted_table import changes, residual_sizes
+        from vopd.flight.result import FlightResult
+
+        made = adjustment_of(FlightResult(self, ()))
+        return changes(made), *residual_sizes(made)
 
     @cached_property
     def words(self) -> Words:

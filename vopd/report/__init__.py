@@ -18,7 +18,8 @@ from vopd.attitude.findings import errata_text, misfits, summary_of
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
-from vopd.figures import FIGURES, draw, figure_names, left_out_text
+from vopd.figures import FIGURES, draw, drawn_jobs, figure_names, left_out_text
+from vopd.figures.adjust import draw_adjusted
 from vopd.figures.style import ready, svg
 from vopd.files import optional_package
 from vopd.findings import VopdError, count_text
@@ -27,6 +28,7 @@ from vopd.report.frames import WORDS, frames_json, residual_names, shown_columns
 
 if TYPE_CHECKING:
     from jinja2 import Template
+    from matplotlib.figure import Figure
 
 
 Column = tuple[str, str, bool]
@@ -416,6 +418,12 @@ CAPTIONS = {
 }
 
 
+ADJUSTED = (
+    "What [solve] free has changed: each parameter in its standard deviations, and the residuals "
+    "of each landmark with all parameters as stated and as solved."
+)
+
+
 def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, str]]:
     """Draw the figures of all frames: name, title, caption, and the SVG as a data URI.
 
@@ -430,9 +438,18 @@ def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, 
             if name != "patches":
                 raise
             continue  # a video that is elsewhere
-        picture = base64.b64encode(svg(drawn).encode()).decode()
-        figures.append((name, kind.title, CAPTIONS[name], f"data:image/svg+xml;base64,{picture}"))
+        figures.append((name, kind.title, CAPTIONS[name], _data_uri(drawn)))
+    for k, h in enumerate(drawn_jobs(histories)):
+        adjusted = h.estimate.scene().adjusted if h.estimate.scene is not None else None
+        if adjusted is not None:
+            drawn = draw_adjusted(h.about.source, *adjusted())
+            figures.append((f"adjusted-{k}", "Adjusted", ADJUSTED, _data_uri(drawn)))
     return figures
+
+
+def _data_uri(drawn: Figure) -> str:
+    """Write a figure as SVG in an address."""
+    return f"data:image/svg+xml;base64,{base64.b64encode(svg(drawn).encode()).decode()}"
 
 
 MOST_PX, QUALITY = 1024, 80  # of photographs in the page: width or height, and JPEG

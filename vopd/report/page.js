@@ -94,13 +94,19 @@ const extent = (values) => {
   return [low, high];
 };
 
+const pen = document.createElement("canvas").getContext("2d");
+function widthOf(text) { // of a bold name, pixels
+  pen.font = "600 11px system-ui, sans-serif";
+  return pen.measureText(text).width + 4;
+}
+
 // Names beside their points, none over another; those that have no room are left out.
 function names(svg, points, width, height, arrows = []) { // clear of arrows if there is room
   const boxes = points.map(([x, y]) => [x - 4, y - 4, x + 4, y + 4]);
   const apart = (one, other) => one[2] < other[0] || other[2] < one[0] || one[3] < other[1] || other[3] < one[1];
   let left = 0;
   points.forEach(([x, y, text, look], k) => {
-    const [a, b] = [[...text].length * 6.4, 12];
+    const [a, b] = [widthOf(text), 12];
     const tries = [[8, -6], [-8 - a, -6], [-a / 2, -20], [-a / 2, 8], [7, -18], [-7 - a, -18], [7, 6], [-7 - a, 6]];
     const free = tries.map(([u, v]) => [x + u, y + v, x + u + a, y + v + b]).filter((box) =>
       box[0] >= 0 && box[1] >= 0 && box[2] <= width && box[3] <= height && boxes.every((other, n) => n === k || apart(box, other)));
@@ -116,6 +122,12 @@ function names(svg, points, width, height, arrows = []) { // clear of arrows if 
 // Frames: one is chosen, and curves, image, map and table follow it.
 const PAGE = 100; // rows of the table at a time
 const STATES = ["", "not used", "does not fit"];
+const SHOWN = 24; // letters of a landmark's name in drawings and below them; the tables have all of it
+
+function short(name) {
+  const letters = [...name];
+  return letters.length <= SHOWN ? name : `${letters.slice(0, SHOWN - 1).join("")}…`;
+}
 
 function work(data) {
   const columns = data.columns;
@@ -390,7 +402,7 @@ function work(data) {
       const alone = [];
       for (const k of inside) {
         const v = values[k];
-        const cutHere = before === null || at[k] - at[before] > gapAt || Math.abs(v - values[before]) > 180;
+        const cutHere = before === null || at[k] - at[before] > gapAt || (angle && Math.abs(v - values[before]) > 180);
         if (!Number.isFinite(v)) { before = null; continue; }
         if (cutHere) parts.push([]);
         parts[parts.length - 1].push(k);
@@ -524,8 +536,8 @@ function work(data) {
       [x, y] = [(u) => width / 2 - u * unit, (v) => height / 2 - v * unit]; // x grows to the left
     }
     const worst = list.reduce((a, b) => ((length(b) || 0) > (length(a) || -1) ? b : a), list[0]);
-    const largest = worst && length(worst) > 0 ? `, largest residual ${length(worst).toPrecision(3)} ${job.residual} of ${worst.name}` : "";
-    const odd = list.filter((pick) => pick.state === 2).map((pick) => pick.name);
+    const largest = worst && length(worst) > 0 ? `, largest residual ${length(worst).toPrecision(3)} ${job.residual} of ${short(worst.name)}` : "";
+    const odd = list.filter((pick) => pick.state === 2).map((pick) => short(pick.name));
     const said = `${described(now)}: ${list.length} picks${largest}${odd.length ? `; does not fit: ${odd.join(", ")}` : ""}`;
     const svg = canvas(box, width, height, `Image of ${said}`);
     const photograph = of(`photograph${now}`);
@@ -539,7 +551,7 @@ function work(data) {
     for (const n of some(job.others, job)) {
       const [u, v] = [x(job.others.u[n]), y(job.others.v[n])];
       svg.append(path(`M${round(u)} ${round(v - 5)}l5 9h-10z`, "other"));
-      points.push([u, v, job.names[job.others.landmark[n]], "faint"]);
+      points.push([u, v, short(job.names[job.others.landmark[n]]), "faint"]);
     }
     for (const pick of list) {
       const [u, v] = [x(pick.u), y(pick.v)];
@@ -553,7 +565,7 @@ function work(data) {
       if (pick.state === 2) svg.append(node("rect", { x: round(u - 7), y: round(v - 7), width: 14, height: 14, class: "culprit" }));
       else if (pick.state === 1) svg.append(path(`M${round(u)} ${round(v - 6)}l6 6l-6 6l-6 -6z`, "unused"));
       else svg.append(node("circle", { cx: round(u), cy: round(v), r: 5.5, class: "picked" }));
-      points.unshift([u, v, pick.state === 2 ? `${pick.name}: does not fit` : pick.name, pick.state === 2 ? "odd" : ""]);
+      points.unshift([u, v, pick.state === 2 ? `${short(pick.name)}: does not fit` : short(pick.name), pick.state === 2 ? "odd" : ""]);
     }
     points.sort((a, b) => (b[3] === "odd") - (a[3] === "odd"));
     const inside = points.filter(([u, v]) => u >= 0 && v >= 0 && u <= width && v <= height);
@@ -683,7 +695,7 @@ function work(data) {
       const [u, v] = [x(e), y(places.north_m[n])];
       plan.append(sign(u, v));
       if (state !== undefined) svg.append(sign(sx(beside(e, places.north_m[n])), sy(places.height_m[n])));
-      points.push([u, v, state === 2 ? `${job.names[n]}: does not fit` : job.names[n], state === 2 ? "odd" : state === undefined ? "faint" : ""]);
+      points.push([u, v, state === 2 ? `${short(job.names[n])}: does not fit` : short(job.names[n]), state === 2 ? "odd" : state === undefined ? "faint" : ""]);
     });
     if (known) {
       plan.append(node("circle", { cx: round(x(here[0])), cy: round(y(here[1])), r: 5.5, class: "camera" }));
