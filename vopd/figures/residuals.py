@@ -11,7 +11,7 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.residuals import outliers
 from vopd.figures.attitude import broken, label_time_axis
-from vopd.figures.style import COLOURS, FLAGGED, caption, label, name_text
+from vopd.figures.style import COLOURS, FLAGGED, caption, label, name_text, round_number
 from vopd.findings import count_text
 
 DRAWN = 2000  # up to this many points are drawn one by one in .svg and .pdf
@@ -179,8 +179,9 @@ def _sigma_limit(sigmas: Floats) -> float:
     size = np.abs(sigmas[np.isfinite(sigmas)])
     if not len(size):
         return 3.0
-    readable = max(2.0 * MOST_SIGMAS, 3.0 * float(np.quantile(size, 0.75)))
-    return max(min(float(size.max()), readable), 3.0)
+    readable = round_number(max(2.0 * MOST_SIGMAS, 3.0 * float(np.quantile(size, 0.75))))
+    most = float(size.max())
+    return readable if most > 2.0 * readable else max(most, 3.0)
 
 
 def _lines(

@@ -239,7 +239,7 @@ def plain(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")
 
 
-MARGIN = 0.97  # of a figure's width: the most that a line of a title takes
+MARGIN = 0.94  # of a figure's width for a line of a title: letters fitted to dots are wider
 
 
 def wrapped(text: str, width_in: float) -> str:
@@ -278,30 +278,19 @@ def text_width_pt(text: str, size_pt: float, bold: bool = False) -> float:
         bold: whether they are
     """
     from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
 
     font = FontProperties(size=size_pt, weight="bold" if bold else "normal")
     shown = "".join("W" if _is_wide(c) else c for c in text.replace(r"\$", "$"))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of letters that no font has: `save` names them
-        width, _, _ = _renderer().get_text_width_height_descent(shown, font, ismath=False)
-    return float(width) * 72.0 / MEASURED_DPI
+        width, _, _ = text_to_path.get_text_width_height_descent(shown, font, ismath=False)
+    return float(width)
 
 
 def _is_wide(letter: str) -> bool:
     """Tell whether a letter is as wide as it is high, as Chinese ones are."""
     return east_asian_width(letter) in "WF"
-
-
-MEASURED_DPI = 300.0
-
-
-@cache
-def _renderer() -> Any:
-    """Make what measures texts."""
-    from matplotlib.backends.backend_agg import RendererAgg
-
-    renderer: Any = RendererAgg  # without types of its own
-    return renderer(1, 1, MEASURED_DPI)
 
 
 SHOWN = 16  # characters of a label that are shown

@@ -7,7 +7,7 @@ import hashlib
 import io
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 import numpy as np
@@ -28,7 +28,6 @@ from vopd.report.frames import WORDS, frames_json, residual_names, shown_columns
 
 if TYPE_CHECKING:
     from jinja2 import Template
-    from matplotlib.figure import Figure
 
 
 Column = tuple[str, str, bool]
@@ -447,7 +446,7 @@ def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, 
     return figures
 
 
-def _data_uri(drawn: Figure) -> str:
+def _data_uri(drawn: Any) -> str:
     """Write a figure as SVG in an address."""
     return f"data:image/svg+xml;base64,{base64.b64encode(svg(drawn).encode()).decode()}"
 
