@@ -10,7 +10,16 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.uncertainty import ANGLES
-from vopd.figures.style import COLOURS, FLAGGED, caption, label, plain
+from vopd.figures.style import (
+    COLOURS,
+    FLAGGED,
+    LABEL_SHOWN,
+    caption,
+    label,
+    legend_below,
+    plain,
+    short,
+)
 
 # Break the lines of a figure where frames are missing and where angles wrap.
 
@@ -132,7 +141,7 @@ def draw_legend(figure: Any, histories: Sequence[History]) -> None:
             texts.append(label(history, histories))
     handles.append(Patch(color=colour, alpha=0.3, lw=0))
     texts.append(BAND)
-    figure.legend(handles, texts, loc="outside lower center", ncols=4)
+    legend_below(figure, handles, texts, 4)
 
 
 # Draw angles against time with bands of 95 %, and below them half the width of the bands.
@@ -226,7 +235,9 @@ def draw_table(figure: Any, histories: Sequence[History], names: Sequence[str]) 
             lowest = 0.0 if name.endswith("yaw") else -180.0
             cells.append(_with_half(in_range(value, lowest), float(high - low) / 2.0))
         flags = ", ".join(one.replace("_", " ") for one in flagged_frames(h)) or "none"
-        rows.append([label(h, histories), h.estimate.frame_label(k), *cells, flags])
+        rows.append(
+            [label(h, histories), short(h.estimate.frame_label(k), LABEL_SHOWN), *cells, flags]
+        )
     axis = figure.subplots()
     axis.axis("off")
     axis.set_title(
@@ -314,7 +325,7 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
 def label_time_axis(axis: Any, histories: Sequence[History]) -> None:
     """Label the axis of times; where frames have none, that of their numbers, which are whole."""
     axis.set_xlabel(histories[0].order_axis[1])
-    if not np.isfinite(histories[0].estimate.time_s).any():
+    if not any(np.isfinite(h.estimate.time_s).any() for h in histories):
         from matplotlib.ticker import MaxNLocator
 
         axis.xaxis.set_major_locator(MaxNLocator(steps=[1, 2, 5, 10], integer=True))

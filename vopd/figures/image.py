@@ -202,7 +202,7 @@ def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageSc
             text = f"{degrees:03d}° {AZIMUTHS.get(degrees, '')}".strip()
             axis.annotate(
                 text, point, (0, 9), textcoords="offset points", ha="center", fontsize=7.5,
-                color=HORIZON, bbox=BEHIND,
+                color=HORIZON, bbox=BEHIND, zorder=6,
             )  # fmt: skip
         return ["horizon: of a plain as high as the lowest landmark, azimuths from true north"]
     middle = np.array([view.size_px]) / 2.0

@@ -11,7 +11,15 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.residuals import outliers
 from vopd.figures.attitude import broken, label_time_axis
-from vopd.figures.style import COLOURS, FLAGGED, caption, label, name_text, round_number
+from vopd.figures.style import (
+    COLOURS,
+    FLAGGED,
+    caption,
+    label,
+    legend_below,
+    name_text,
+    round_number,
+)
 from vopd.findings import count_text
 
 DRAWN = 2000  # up to this many points are drawn one by one in .svg and .pdf
@@ -288,7 +296,7 @@ def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) ->
     _labels(axes[-1], [_label(histories, n) for n in numbers.tolist()])
     handles, texts = axes[0].get_legend_handles_labels()
     if len(texts) > 1:
-        figure.legend(handles, texts, loc="outside lower center", ncols=4)
+        legend_below(figure, handles, texts, 4)
     order = "; columns from left to right: the jobs" if jobs > 1 else ""
     picked = "picked" if histories[0].estimate.units.image == "px" else "measured"
     return f"{caption(histories)}\n{picked} minus computed{order}"

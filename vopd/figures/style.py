@@ -223,7 +223,36 @@ def caption(histories: Sequence[History]) -> str:
 def label(history: History, histories: Sequence[History]) -> str:
     """Label a job in a legend."""
     sources = {h.about.source for h in histories}
-    return plain(history.about.label if len(sources) > 1 else f"job {history.about.job}")
+    text = history.about.label if len(sources) > 1 else f"job {history.about.job}"
+    return plain(text if len(text) <= LABEL_SHOWN else f"…{text[1 - LABEL_SHOWN :]}")
+
+
+LABEL_SHOWN = 60  # characters of a job's label: the end, as it is of a path
+
+
+def legend_below(figure: Any, handles: Sequence[Any], texts: Sequence[str], most: int) -> None:
+    """Put a legend below the panels, in so many columns as the figure has room for.
+
+    Args:
+        figure: or part of one
+        handles: of the marks
+        texts: beside them
+        most: columns
+    """
+    wide_pt = np.array([text_width_pt(one, TITLE_PT) + HANDLE_PT for one in texts])
+    room_pt = MARGIN * 72.0 * figure.bbox.width / figure.dpi
+    columns = most
+    while columns > 1 and _columns_pt(wide_pt, columns) > room_pt:
+        columns -= 1
+    figure.legend(handles, texts, loc="outside lower center", ncols=columns)
+
+
+def _columns_pt(wide_pt: Floats, columns: int) -> float:
+    """Add up the widths of columns, which are filled one after the other."""
+    return sum(float(one.max(initial=0.0)) for one in np.array_split(wide_pt, columns))
+
+
+HANDLE_PT = 46.0  # width of a mark of a legend with the room around it
 
 
 LONGEST_TEXT = 300  # characters
