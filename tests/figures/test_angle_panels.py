@@ -382,7 +382,7 @@ def test_flags_stand_below_the_angles() -> None:
 
 
 def legend(*histories: History) -> Any:
-    figure = Figure(layout="constrained")
+    figure = Figure((9.0, 8.0), layout="constrained")
     draw_legend(figure, list(histories))
     return figure.legends[0]
 

@@ -163,7 +163,7 @@ def test_frames_without_times_have_whole_numbers(name: str) -> None:
         assert [tick for tick in axis.get_xticks() if low < tick < high] == [0.0, 1.0, 2.0]
 
 
-@pytest.mark.parametrize("length", [4, 30, 300])
+@pytest.mark.parametrize("length", [1, 30, 300])
 def test_a_legend_of_jobs_stays_in_the_figure(length: int) -> None:
     """In fewer columns if their sources have long names; of a very long one the end is shown."""
     jobs = [by_hand(3, said={"source": f"{'W' * length}{k}", "job": k + 1}) for k in range(3)]
@@ -174,4 +174,4 @@ def test_a_legend_of_jobs_stays_in_the_figure(length: int) -> None:
     assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width
     names = [text.get_text() for text in legend.get_texts()[:3]]
     assert [name.partition(",")[0][-2:] for name in names] == ["W0", "W1", "W2"]
-    assert (legend._ncols == 4) == (length == 4)
+    assert (legend._ncols == 4) == (length == 1)
