@@ -1,8 +1,9 @@
-"""Make the small example projects of the documentation: a survey from the air, and a fixed camera.
+"""Make the small example projects of the documentation: a survey from the air, two fixed cameras.
 
     python tools/example_projects.py
 
-Needs pyproj. Both lie in UTM zone 33; the picks have errors of half a pixel.
+Needs pyproj and Pillow. The first two lie in UTM zone 33, and their picks have errors of half a
+pixel. The shore's picture is rendered without the package, and its picks have errors of .3 pixel.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pyproj
+from PIL import Image, ImageDraw
 from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Floats
@@ -146,6 +148,88 @@ frames = "one"
     write(EXAMPLES / "summits", files)
 
 
+SHORE_CAMERA = (403210.0, 6052480.0, 32.0)  # east, north, height
+SHORE_DEG = (250.0, -12.0, 0.5)  # azimuth from true north, elevation, right side down
+INTRINSICS = (1280, 720, 644.2, 356.9, 1104.6, 1106.1, -0.112, 0.061, 0.0, 0.0004, -0.0002)
+"""NU, NV, c0U, c0V from (1, 1), fx, fy, d1, d2, d3, t1, t2 of CIRN's toolbox."""
+TARGETS = (  # metres away, degrees right of the view, height
+    (92, -14, 1.84), (118, 9, 2.31), (171, -6, 3.02), (214, 17, 1.47), (305, -20, 2.66),
+    (342, 3, 4.15),
+)  # fmt: skip
+
+
+def shore() -> None:
+    """One photograph of six chequered targets on a beach, control points and intrinsics."""
+    to_geodetic = pyproj.Transformer.from_crs("EPSG:25832", "EPSG:4258", always_xy=True)
+    to_earth = pyproj.Transformer.from_crs("EPSG:4979", "EPSG:4978", always_xy=True)
+    wide, high, c0u, c0v, fx, fy, d1, d2, d3, t1, t2 = INTRINSICS
+    azimuth, elevation, roll = np.radians(SHORE_DEG)
+    lon, lat = np.radians(to_geodetic.transform(*SHORE_CAMERA[:2]))
+    east = np.array([-np.sin(lon), np.cos(lon), 0.0])
+    up = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
+    enu = np.stack([east, np.cross(up, east), up])
+    level = np.array([np.cos(azimuth), -np.sin(azimuth), 0.0])
+    forward = np.array([np.sin(azimuth), np.cos(azimuth), 0.0]) * np.cos(elevation)
+    forward[2] = np.sin(elevation)
+    below = np.cross(forward, level)
+    right = np.cos(roll) * level + np.sin(roll) * below
+    down = np.cos(roll) * below - np.sin(roll) * level
+
+    def earth(place: Floats) -> Floats:
+        lon_deg, lat_deg = to_geodetic.transform(*place[:2])
+        return np.array(to_earth.transform(lon_deg, lat_deg, place[2]))
+
+    def seen(place: Floats) -> tuple[float, float, float]:
+        line = enu @ (earth(place) - earth(np.array(SHORE_CAMERA)))
+        depth = float(line @ forward)
+        x, y = line @ right / depth, line @ down / depth
+        q = x * x + y * y
+        g = 1 + d1 * q + d2 * q**2 + d3 * q**3
+        u = fx * (x * g + 2 * t1 * x * y + t2 * (q + 2 * x * x)) + c0u - 1
+        v = fy * (y * g + t1 * (q + 2 * y * y) + 2 * t2 * x * y) + c0v - 1
+        return float(u), float(v), depth
+
+    aside = azimuth + np.radians([one[1] for one in TARGETS])
+    away = np.array([one[0] for one in TARGETS])
+    places = np.array([[0.0, 0.0, one[2]] for one in TARGETS])
+    places[:, 0] = (SHORE_CAMERA[0] + away * np.sin(aside)).round(3)
+    places[:, 1] = (SHORE_CAMERA[1] + away * np.cos(aside)).round(3)
+    found = [seen(one) for one in places]
+
+    far = np.array([5000 * np.sin(azimuth), 5000 * np.cos(azimuth), -SHORE_CAMERA[2]])
+    horizon = seen(SHORE_CAMERA + far)[1]
+    v, u = np.mgrid[:high, :wide]
+    sky = v < horizon - np.tan(roll) * (u - wide / 2)
+    sea = ~sky & (u > 920 + 0.9 * (v - horizon) + 40 * np.sin(v / 60))
+    colour = np.full((high, wide, 3), (206, 190, 150), dtype=np.uint8)
+    colour[sky], colour[sea] = (168, 196, 222), (70, 110, 130)
+    picture = Image.fromarray(colour).resize((2 * wide, 2 * high))
+    draw = ImageDraw.Draw(picture)
+    for u_px, v_px, depth in found:
+        x, y, a = 2 * u_px + 1, 2 * v_px + 1, 2 * max(0.9 * fx / depth, 5)
+        b = 0.62 * a
+        draw.rectangle([x - a, y - b, x + a, y + b], fill=(20, 20, 20))
+        draw.rectangle([x, y - b, x + a, y], fill=(245, 245, 245))
+        draw.rectangle([x - a, y, x, y + b], fill=(245, 245, 245))
+    noise = np.random.default_rng(28).normal(0.0, 0.3, (len(found), 2))
+    picks = [
+        f"shore.jpg,{k},{one[0] + e[0]:.1f},{one[1] + e[1]:.1f}"
+        for k, (one, e) in enumerate(zip(found, noise, strict=True), 1)
+    ]
+    head = ["# pixels: u right, v down, (0, 0) the centre of the first pixel"]
+    files = {
+        "gcp.txt": "".join(
+            f"{k:.6f},{x:.6f},{y:.6f},{z:.6f}\n" for k, (x, y, z) in enumerate(places, 1)
+        ),
+        "intrinsics.json": json.dumps({"intrinsics": INTRINSICS}) + "\n",
+        "clicks.csv": "\n".join([*head, "image,landmark,u_px,v_px", *picks, ""]),
+    }
+    write(EXAMPLES / "shore", files)
+    small = picture.resize((wide, high), Image.Resampling.LANCZOS)
+    small.save(EXAMPLES / "shore" / "shore.jpg", quality=80)
+
+
 if __name__ == "__main__":
     survey()
     summits()
+    shore()

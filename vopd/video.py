@@ -271,10 +271,9 @@ def image_numbers(image: Sequence[str]) -> list[int]:
 
 
 def stills_in(folder: Path) -> list[Path]:
-    """List the images of a folder, in order of their names; none where it is none."""
-    if not folder.is_dir():
-        return []
-    return sorted(one for one in folder.iterdir() if one.suffix.lower() in STILLS)
+    """List the images of a folder, in order of their names, or the one image that it is."""
+    inside = folder.iterdir() if folder.is_dir() else [folder] if folder.is_file() else []
+    return sorted(one for one in inside if one.suffix.lower() in STILLS)
 
 
 def _together(paths: list[Path]) -> str:

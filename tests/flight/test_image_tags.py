@@ -256,7 +256,8 @@ def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
     (tmp_path / "more").mkdir()
     Image.new("RGB", (6, 4)).save(tmp_path / "more" / "f.jpg")
     assert [path.name for path in images_in(tmp_path)] == ["a.jpg", "b.JPEG", "c.TIF", "d.tiff"]
-    assert images_in(tmp_path / "a.jpg") == images_in(tmp_path / "none") == []
+    assert images_in(tmp_path / "a.jpg") == [tmp_path / "a.jpg"]
+    assert images_in(tmp_path / "e.png") == images_in(tmp_path / "none") == []
     xmp = b'\xfc d:GpsLatitude="1.5" d:GpsLongitude="2.5">'
     Image.new("RGB", (6, 4)).save(tmp_path / "d.tiff", tiffinfo={700: xmp})
     tags = read_tags(tmp_path / "d.tiff")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -371,7 +372,7 @@ def test_the_example_is_the_project_of_the_tests(tmp_path: Path) -> None:
                 assert a == b or abs(float(a) - float(b)) < within("shipped number")
 
 
-def test_the_survey_and_the_camera_on_the_post_are_near_their_truth(tmp_path: Path) -> None:
+def test_the_examples_of_survey_post_and_shore_are_near_their_truth(tmp_path: Path) -> None:
     """The angles that docs/drone.md and docs/fixed-camera.md state."""
     survey = EXAMPLES / "survey"
     files = ("--gcp", survey / "gcp_list.txt", "--lens", survey / "cameras.json")
@@ -380,10 +381,18 @@ def test_the_survey_and_the_camera_on_the_post_are_near_their_truth(tmp_path: Pa
     text = project.read_text().replace("# height =", "height =")
     text = text.replace("# sigma_m =", "sigma_m =").replace("= [1.0, 1.0, 2.0]", "= 0.02")
     project.write_text(text)
+    shore = EXAMPLES / "shore"
+    files = ("--landmarks", shore / "gcp.txt", "--lens", shore / "intrinsics.json")
+    place = ("--crs", "EPSG:25832", "--position", "403210,6052480,32", "--height", "same")
+    sure = ("--sigma-position", ".05", "--sigma-landmarks", ".02")
+    ran = vopd("new", tmp_path / "camera", *files, "--images", shore / "shore.jpg", *place, *sure)
+    assert ran.status == 0
+    shutil.copy(shore / "clicks.csv", tmp_path / "camera")
     truth = [[12, -84, 1.5], [10, -85, 0.8], [11, -83, -1.0], [9, -86, 2.2]]
     for path, expected in (
         (project, truth),
         (EXAMPLES / "summits" / "flight.toml", [[2.5, 6, -0.7]]),
+        (tmp_path / "camera" / "flight.toml", [[250, -12, 0.5]]),
     ):
         flight = solve_flight(path)
         off = (flight.camera_deg - expected + 180.0) % 360.0 - 180.0

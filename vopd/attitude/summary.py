@@ -327,19 +327,39 @@ LOOKS_DOWN = (
 )
 
 
-def looks_down(frames: ShownFrames) -> bool:
-    """Test whether the camera of a project looks down, and counts as the vehicle itself."""
-    if frames.head[0].about.words.source != "project":
-        return False
+def own_angles(frames: ShownFrames) -> Floats:
+    """Collect the camera's angles of a project whose camera counts as the vehicle itself.
+
+    Returns:
+        Yaw, pitch, roll of the first frames, (T, 3); none of any other source.
+    """
     camera, vehicle = (
         np.concatenate([getattr(part.estimate, name)[part.has_attitude] for part in frames.head])
         for name in ("camera_deg", "vehicle_deg")
     )
     same = (np.abs(_in_half_circle(camera - vehicle)) <= SAME_DEG).all()
-    return bool(len(camera) and same and np.median(camera[:, 1]) < DOWN_DEG)
+    is_own = frames.head[0].about.words.source == "project" and same
+    return camera if is_own else camera[:0]
 
 
-LABELS = ("how sure", "not in it", "doubtful", "next")
+def looks_down(frames: ShownFrames) -> bool:
+    """Test whether the camera of a project looks down, and counts as the vehicle itself."""
+    camera = own_angles(frames)
+    return bool(len(camera) and np.median(camera[:, 1]) < DOWN_DEG)
+
+
+def azimuth_text(frames: ShownFrames) -> str:
+    """Say how yaw and pitch are azimuth and tilt, where landmarks are on a map's grid."""
+    grid = frames.jobs[0].about.words.conventions.get("grid azimuth")
+    if grid is None or not len(own_angles(frames)):
+        return ""
+    return (
+        f"yaw is the azimuth of the view from true north; grid azimuth: {grid}; pitch is its "
+        "elevation, and 90 degrees more its tilt from straight down"
+    )
+
+
+LABELS = ("angles", "how sure", "not in it", "doubtful", "next")
 INDENT = " " * (max(map(len, LABELS)) + 2)
 
 
@@ -375,6 +395,7 @@ def text(
         if printed:
             doubts.append(f"{count_text(printed, 'warning')} above")
         paragraphs = (
+            [*filter(None, [azimuth_text(frames)])],
             [sure_text(frames)],
             [left_text(frames) or "nothing that can be stated"],
             doubts or ["no frame has a flag"],
@@ -439,7 +460,7 @@ def means_text(
         left += [missing] * bool(missing)
     table = (steps or {"table": ".mean() has all"})["table"]
     paragraphs = ("; ".join(told), "; ".join(left) or "nothing that can be stated", table)
-    for label, said in zip((LABELS[0], LABELS[1], LABELS[3]), paragraphs, strict=True):
+    for label, said in zip((LABELS[1], LABELS[2], LABELS[4]), paragraphs, strict=True):
         lines.append(wrapped(f"{label:{len(INDENT)}}{said}", columns_wide, INDENT))
     return "\n".join(lines) + "\n"
 
@@ -456,6 +477,7 @@ def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
         )
         more = frames.count - ROWS
         after = [f"{count_text(more, 'more frame')}: .to_dataframe()"] if more > 0 else []
+        after += filter(None, [azimuth_text(frames)])
         after += [sure_text(frames), f"not in it: {left_text(frames)}"]
         parts.append(
             f"<p>{escape(heading(frames))}</p><table><thead><tr>{head}</tr></thead>"

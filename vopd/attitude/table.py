@@ -303,6 +303,30 @@ BASIC = (
 """The columns that a reader looks at first."""
 
 
+OTHER_WORDS = {
+    "azimuth": "camera_yaw_deg is the azimuth of the view, clockwise from true north; with that "
+    "from the map's grid: --format opk",
+    "tilt": "camera_pitch_deg is the elevation of the view, and 90 degrees more its tilt from "
+    "straight down",
+    "swing": "camera_roll_deg is clockwise about the view as seen from behind, swing the other way",
+}
+"""Angles by the words of photogrammetry, and which column has each."""
+OTHER_WORDS["heading"] = OTHER_WORDS["azimuth"]
+OTHER_WORDS["elevation"] = OTHER_WORDS["tilt"]
+MOST_HINTED = 2  # columns that have a word in their names
+
+
+def _instead_of(name: str, every: Sequence[str]) -> str:
+    """Say which column to write in the place of one that there is not."""
+    word = name.lower().removeprefix("camera_").removesuffix("_deg")
+    if word in OTHER_WORDS:
+        return OTHER_WORDS[word]
+    within = [one for one in every if word in one.split("_")][:MOST_HINTED]
+    if near := get_close_matches(name, every, 1) or within:
+        return f"did you mean {' or '.join(near)}?"
+    return f"there are: {', '.join(every)}"
+
+
 def chosen_columns(
     histories: Sequence[History], names: Sequence[str] = ("all",), roll_180: bool = False
 ) -> tuple[TableColumn, ...]:
@@ -332,9 +356,7 @@ def chosen_columns(
         elif name in every:
             found[name] = every[name]
         else:
-            near = get_close_matches(name, every, 1)
-            hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(every)}"
-            raise VopdError(f"no column {name!r}; {hint}")
+            raise VopdError(f"no column {name!r}; {_instead_of(name, list(every))}")
     return tuple(found.values())
 
 

@@ -30,7 +30,7 @@ _FILES = (
     (
         "--images",
         "images",
-        "A folder of images: positions from their tags, or with --track the frames' times.",
+        "Images, a folder or one: positions from their tags, or with --track the frames' times.",
     ),
     ("--wind", "wind", "The wind: CSV, University of Wyoming."),
 )
@@ -297,7 +297,7 @@ def _of_deck(name: str, number: int | None) -> NewProject:
 
 
 for _option, _key, _help in _FILES:
-    _metavar = "DIR" if _key == "images" else "FILE"
+    _metavar = "DIR|IMAGE" if _key == "images" else "FILE"
     command = click.option(_option, _key, type=FILE_NAME, metavar=_metavar, help=_help)(command)
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from vopd.findings import VopdError
 from vopd.flight.new import NAME, OWN_HEAD, Answer
 from vopd.flight.project import ROWS, VIDEO, KeyValues, toml_text, written_keys
+from vopd.video import stills_in
 
 _FILES = ("picks", "landmarks", "track", "wind")
 
@@ -76,7 +77,7 @@ def _name_files(before: Earlier, folder: Path) -> None:
         del values["picks", "times"], values["picks", "video"]
         return
     for key in ("times", "video"):
-        if ("picks", key) in values and Path(names("picks", key)[0]).is_dir():
+        if ("picks", key) in values and stills_in(Path(names("picks", key)[0])):
             (before.files["images"],) = names("picks", key)
             del values["picks", key]
     track = before.files.get("track")

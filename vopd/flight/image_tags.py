@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from vopd.files import optional_package, reason
 from vopd.findings import VopdError
 from vopd.inputs import no_file, plain_number
+from vopd.video import stills_in
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
 GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF
@@ -59,10 +60,8 @@ class ImageTags(NamedTuple):
 
 
 def images_in(folder: Path) -> list[Path]:
-    """List the images of a folder, in order of their names."""
-    if not folder.is_dir():
-        return []
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
+    """List the images of a folder that may have tags, or the one image that it is."""
+    return [path for path in stills_in(folder) if path.suffix.lower() in SUFFIXES]
 
 
 def read_tags(path: Path) -> ImageTags:

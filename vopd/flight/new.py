@@ -163,13 +163,13 @@ two ways to count them that differ by 4 %."""
 
 
 def look_at_pictures(new: NewProject, values: KeyValues, folder: Path, images: str) -> None:
-    """Name the folder of the images that were picked in, and take their size.
+    """Name the images that were picked in, and take their size.
 
     Args:
         new: what is found out
         values: values by section and key
         folder: where the project will be
-        images: their folder
+        images: their folder, or the one
     """
     found = images_in(Path(images))
     if not found:
@@ -187,7 +187,7 @@ def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
     Args:
         new: what is said and asked, to be added to
         values: the keys that are known, to be added to
-        images: their folder
+        images: their folder, or the one
     """
     tags = [read_tags(path) for path in images_in(images)]
     found = {(round(one.focal_px, 1), one.size_px, one.focal_by) for one in tags if one.focal_by}
@@ -486,8 +486,10 @@ EXAMPLE_HEAD = (
     HEAD
     + """\
 The example: the video of a drone over fields, with clicks of six landmarks in its first
-frame. The frames are rendered, the clicks have errors of half a pixel, and truth.csv has
-the true angles. vopd track follows the clicks through the video, vopd attitude solves both.
+frame: of pond and yard the lowest corner in the picture, of barn and hall the lower right one,
+of court and pitch the lower left one. The frames are rendered, the clicks have errors of half a
+pixel, and truth.csv has the true angles. vopd track follows the clicks through the video, vopd
+attitude solves both.
 To make it yours, replace the files and the values that differ. Lines that begin with #
 are keys that are not used here, each with an example."""
 )
@@ -523,8 +525,8 @@ def project_of_files(
     Args:
         folder: where the project will be
         given: the files by what they are: lens, picks, landmarks, track, wind, gcp (picks
-            and landmarks in one), images (a folder, whose tags are the track, or with another
-            track by time the frames' times)
+            and landmarks in one), images (a folder or one, whose tags are the track, or with
+            another track by time the frames' times)
         answers: what the user says that no file does
         ask: asks for what is needed still, and adds it to the values
         video: the files of the video
@@ -625,16 +627,25 @@ def look_at_files(
         gcp = named.pop("gcp")
         named = {"picks": gcp, "landmarks": gcp} | named
     images = named.pop("images", None)
+    tagged = images  # whose tags are read: of one photograph's neighbours, too
+    if images is not None:
+        if Path(images).is_file() and not stills_in(Path(images)):
+            raise VopdError(
+                f"{images}: neither an image nor a folder of images; a video is given as --video"
+            )
+        open_frames([images])
+        if not Path(images).is_dir():
+            tagged = str(Path(images).parent)
     fixed = "position" in {section for section, _ in values}
     # images of kinds that have no tags bring no positions
     bare = images is not None and bool(stills_in(Path(images))) and not images_in(Path(images))
-    if "track" not in named and images is not None and not bare and not fixed:
-        named["track"] = images
+    if "track" not in named and tagged is not None and not bare and not fixed:
+        named["track"] = tagged
     if ("camera", "lens") not in values or "lens" in named:
         look_at_lens(new, values, folder, named.get("lens"))
-        tagged = images or named.get("track")  # and not whatever images the working folder has
-        if "lens" not in named and tagged and images_in(Path(tagged)):
-            look_at_focal(new, values, Path(tagged))
+        own = images or named.get("track")  # and not whatever images the working folder has
+        if "lens" not in named and own and images_in(Path(own)):
+            look_at_focal(new, values, Path(own))
     elif values["camera", "lens"].startswith("{"):
         look_at_numbers(new, values)
     if video:
@@ -663,8 +674,8 @@ def look_at_files(
         _sigma(new, "position", "sigma_m")
     else:
         track = look_at_track(new, values, folder, named.get("track"))
-        if track is not None and named["track"] != images:
-            look_at_times(new, values, folder, track, images, by_number)
+        if track is not None and named["track"] != tagged:
+            look_at_times(new, values, folder, track, tagged, by_number)
     if "wind" in named:
         look_at_wind(new, values, folder, named["wind"])
 

@@ -379,7 +379,10 @@ def read_image_folder(file: InputFile) -> TrackRows:
         of_all = "the image has no" if len(paths) == 1 else f"none of the {len(paths)} images has a"
         damaged = [path.name for path, one in zip(paths, every, strict=True) if one.damaged][:1]
         why = f" ({damaged[0]} has damaged tags)" if damaged else ""
-        raise file.error(f"{of_all} position in its tags{why}")
+        raise file.error(
+            f"{of_all} position in its tags{why}; give a track, or the position of a camera that "
+            "does not move"
+        )
     tags = [one for _, one in named]
     gimbal: Floats = np.array([one.gimbal_deg for one in tags])
     time_s: Floats = np.array([one.clock_s - one.zone_s for one in tags])
