@@ -425,3 +425,72 @@ def test_a_table_of_a_projected_crs_is_asked_for_x_and_y(tmp_path: Path) -> None
     assert "no column x_m: rename x_own_m to x_m" in found
     new = vopd("new", tmp_path / "q", "--landmarks", marks, "--crs", "EPSG:32633")
     assert "--columns landmarks:x_m=x_own_m" in new.stderr
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def hill_with(tmp_path: Path, *replaced: tuple[str, str]) -> Path:
+    shutil.copytree(EXAMPLES / "hill", tmp_path / "p")
+    path = tmp_path / "p" / "flight.toml"
+    for old, new in replaced:
+        text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new))
+    return path
+
+
+def cause(path: Path) -> str:
+    """What explains the residuals, first in the answer of `vopd check` after the misfit."""
+    (found,) = [one for one in messages(path) if "typical frame" in one or "speak for" in one][-1:]
+    return found
+
+
+def test_all_heights_in_feet_are_named_and_not_a_landmark(tmp_path: Path) -> None:
+    path = hill_with(tmp_path)
+    for name in ("landmarks.csv", "track.csv"):
+        changed(path, name, lambda r: [*r[:3], str(float(r[3]) / 0.3048), *r[4:]])
+    assert_approved(cause(path), parts=["all heights taken for feet"])
+
+
+def test_one_landmark_far_off_is_named_and_not_feet(tmp_path: Path) -> None:
+    """500 m of height at 500 m: the other five fit, and no unit explains it."""
+    path = hill_with(tmp_path)
+    changed(path, "landmarks.csv", lambda r: [*r[:3], str(float(r[3]) + 500.0 * (r[0] == "tower"))])
+    found = messages(path)
+    assert not any("feet" in one for one in found) and any("tower" in one for one in found)
+
+
+@pytest.mark.parametrize(("ratio", "is_said"), [(0.5, True), (0.7, False), (2.0, True)])
+def test_a_calibration_at_another_size_is_named(
+    ratio: float, is_said: bool, tmp_path: Path
+) -> None:
+    """The principal point of the smaller one is near the images' corner, too."""
+    path = hill_with(
+        tmp_path,
+        ("fx_px = 1500.0, fy_px = 1490.0", f"fx_px = {1500.0 * ratio}, fy_px = {1490.0 * ratio}"),
+    )
+    if ratio < 1.0:
+        text = path.read_text().replace("cx_px = 962.3", f"cx_px = {962.3 * ratio}")
+        path.write_text(text.replace("cy_px = 534.8", f"cy_px = {534.8 * ratio}"))
+    found = cause(path)
+    assert ("lens_size_px" in found) == is_said
+    assert_approved(found)
+
+
+@pytest.mark.parametrize(("first_s", "off"), [("1.9", "1 too low"), ("2.2", "2 too high")])
+def test_numbers_of_frames_that_are_off_are_named(first_s: str, off: str, tmp_path: Path) -> None:
+    """At 10 a second .1 s is one frame; .04 s are none."""
+    path = hill_with(tmp_path, ("first_frame_t_s = 2.0", f"first_frame_t_s = {first_s}"))
+    assert off in cause(path)
+    path.write_text(path.read_text().replace(f"t_s = {first_s}", "t_s = 2.04"))
+    assert "offset_s" in cause(path) and "too " not in cause(path)
+
+
+def test_grid_coordinates_in_feet_are_named(tmp_path: Path) -> None:
+    shutil.copytree(EXAMPLES / "summits", tmp_path / "p")
+    path = tmp_path / "p" / "flight.toml"
+    changed(path, "summits.csv", lambda r: [r[0], *(str(float(one) / 0.3048) for one in r[1:])])
+    found = [one for one in messages(path) if "feet" in one]
+    assert len(found) == 2
+    assert_approved(found)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
+import shutil
 import sys
 from dataclasses import replace
 from functools import cache
@@ -352,3 +353,23 @@ def test_a_flight_without_velocity_has_no_angles_of_attack() -> None:
     known = replace(one.estimate, attack_deg=np.full_like(one.estimate.attack_deg, np.nan))
     names = {row[0] for row in angle_table([history(known)])[1]}
     assert names == {row[0] for row in angle_table([one])[1]} - {"alpha", "beta", "eta"}
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_photographs_that_are_missing_are_named(tmp_path: Path) -> None:
+    """On the page and on standard error: which one, where it was looked for, what to do."""
+    shutil.copytree(DECKS.parent / "examples" / "summits", tmp_path / "post")
+    project, page = tmp_path / "post" / "flight.toml", tmp_path / "r.html"
+    said = []
+    for video in ("", 'video = "../gone/photographs"\n'):
+        text = project.read_text().replace("[picks]\n", "[picks]\n" + video)
+        project.write_text(text)
+        ran = vopd("report", project, "-o", page, "--photographs")
+        assert ran.status == 0
+        (line,) = [one for one in ran.stderr.splitlines() if "photograph:" in one]
+        assert unescape(page.read_text()).count(line) == 1
+        said.append(line)
+        assert (
+            "photograph:" not in vopd("report", project, "-o", page, "-q", "--photographs").stderr
+        )
+    assert_approved(said)

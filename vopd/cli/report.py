@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import PurePath
 
 import click
@@ -64,7 +65,10 @@ def command(
     messages: list[str] = []
     histories, status = collect_histories(sources, options, messages.append)
     rate = options.history.max_rate_deg_s
-    page = report(histories, messages, rate, failed=status == 1, photographs=photographs)
+    said = (lambda _: None) if options.quiet else partial(click.echo, err=True)
+    page = report(
+        histories, messages, rate, failed=status == 1, photographs=photographs, on_missing=said
+    )
     with whole_file(output) as file:
         file.write(page)
     ctx.exit(status)

@@ -19,7 +19,7 @@ from vopd.flight.coordinates import (
 )
 from vopd.flight.flight import Flight
 from vopd.flight.misfit import SPEAK_FOR
-from vopd.flight.mistakes import other_clock, usual_mistakes
+from vopd.flight.mistakes import M_PER_FT, other_clock, usual_mistakes
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import picks_outside, solve_flight_read
@@ -130,10 +130,21 @@ def _exchanged(flight: Flight, position_m: Floats) -> Floats:
 
 def _grid_exchanged(flight: Flight, position_m: Floats) -> Floats:
     """Exchange easting and northing in the landmarks' CRS; NaN if that is no position."""
+    return _on_grid(flight, position_m, lambda xyz: xyz[:, [1, 0, 2]])
+
+
+def _from_feet(flight: Flight, position_m: Floats) -> Floats:
+    """Take easting, northing and height for feet; NaN if that is no position."""
+    return _on_grid(flight, position_m, lambda xyz: xyz * M_PER_FT)
+
+
+def _on_grid(flight: Flight, position_m: Floats, change: Callable[[Floats], Floats]) -> Floats:
+    """Change easting, northing and height in the landmarks' CRS; NaN if that is no position."""
     grid = None if flight.grid is None else map_grid(flight.grid.crs, position_m)
     if grid is None:
         return np.full_like(position_m, np.nan)
-    coordinate = np.stack([grid.northing, grid.easting, geodetic(position_m).height_m], axis=1)
+    height_m = geodetic(position_m).height_m
+    coordinate = change(np.stack([grid.easting, grid.northing, height_m], axis=1))
     try:
         return earth_centred_positions(coordinate, False, grid.crs, HeightDatum("same"), "")
     except VopdError:
@@ -161,6 +172,10 @@ COORDINATE_MISTAKES: tuple[tuple[str, Callable[[Flight, Floats], Floats]], ...] 
     (
         "with x and y of {} exchanged they are not: x is the easting",
         _grid_exchanged,
+    ),
+    (
+        "with x and y of {} in feet they are not: give metres (.3048 to a foot), or a crs in feet",
+        _from_feet,
     ),
     ("with latitude and longitude of {} exchanged they are not", _exchanged),
     (

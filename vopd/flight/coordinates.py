@@ -281,7 +281,7 @@ def outside_area(crs: str | None, position_m: Floats) -> str | None:
     return (
         f"{name} ({_crs(name, 'crs').name}) puts them at latitude {where.latitude_deg[k]:.2f}, "
         f"longitude {where.longitude_deg[k]:.2f}, outside its area ({of}{area.north:.6g}): are "
-        "they of another coordinate reference system, or x and y exchanged?"
+        "they of another coordinate reference system, in feet, or x and y exchanged?"
     )
 
 

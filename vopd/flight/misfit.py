@@ -458,6 +458,29 @@ def _since_first_s(flight: Flight) -> Floats:
     return np.nan_to_num(flight.time_s - first_s)
 
 
+WHOLE_FRAMES = 0.3  # of a frame: a standard deviation that still tells whole frames apart
+MOST_FRAMES = 5.5  # by which numbers are taken to be off: more are whole by chance
+HALF_SIZE = (1.8, 2.2)  # ratio of focal lengths that a picture of half the size would have
+
+
+def _frames_off_text(frames: float, sigma: float) -> str:
+    """Say that the clocks differ by whole frames, if they do: their numbers may be off."""
+    count = round(frames)
+    whole = abs(frames - count) < max(2.0 * sigma, 0.05) and sigma < WHOLE_FRAMES
+    if not count or not whole or abs(frames) > MOST_FRAMES:
+        return ""
+    return f" (as if the frames' numbers were {abs(count)} too {'high' if count > 0 else 'low'})"
+
+
+def _other_size_text(ratio: float) -> str:
+    """Say that a focal length is near half or twice the stated one: of pictures of another size."""
+    least, most = HALF_SIZE
+    if not least < max(ratio, 1.0 / ratio if ratio else 0.0) < most:
+        return ""
+    size = "half the size" if ratio > 1.0 else "twice the size"
+    return f" (near that of a calibration at {size} of the images: [camera] lens_size_px)"
+
+
 def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
     """List the errors of inputs that are one for the flight, the simplest first."""
     lens = flight.lens
@@ -471,19 +494,25 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
         )
 
     if "clock" in names:
-        given_s = flight.offset_s
+        given_s, rate_hz = flight.offset_s, flight.frame_rate_hz or 0.0
         yield TriedError(
             at("clock"),
             lambda v, s: (
                 "clocks of track and frames that differ, [track] offset_s = "
                 f"{value_text('', given_s - v[0], s[0])} in the place of {given_s:g}"
+                + _frames_off_text(-v[0] * rate_hz, s[0] * rate_hz)
             ),
             ("clock",),
         )
         yield TriedError(at("clock_rate"), _rate_text(flight), ("clock_rate",))
     if "focal" in names:
-        focal = keyed("focal", float(lens.focal_px.mean()), "[camera] lens: a focal length of ")
-        yield TriedError(at("focal"), focal, ("focal",))
+        focal_px = float(lens.focal_px.mean())
+        focal = keyed("focal", focal_px, "[camera] lens: a focal length of ")
+        yield TriedError(
+            at("focal"),
+            lambda v, s: focal(v, s) + _other_size_text((focal_px + v[0]) / focal_px),
+            ("focal",),
+        )
     if "k1" in names:
         yield TriedError(at("k1"), keyed("", float(lens.k[0]), "[camera] lens: k1 = "), ("k1",))
     if "refraction" in names:
@@ -784,11 +813,11 @@ def _explanations(
             names = ", or ".join(one.error.text(one.value, one.sigma) for one in found)
             chance = chance_text(max(one.chance for one in found))
             causes = [f"{SPEAK_FOR} {names} (chance {chance}){again}"]
-        if misfit and not own:
+        if misfit:  # units and clocks explain all residuals, which one landmark may seem to
             whole = bool(causes) and min(one.rest for one in found) < REJECTED**2
-            more = usual(whole)
+            more = usual(own or whole)
             if more and not (causes and UNEXPLAINED in more[0]):
-                causes = more
+                causes, own = more, False
     left = [one for one in causes if UNEXPLAINED not in one]
     if misfit and not left and not own and stated is not None and not exact:
         some = sampled(flight)

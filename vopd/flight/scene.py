@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
@@ -240,13 +241,14 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
         (picture,) = frames.pictures([frames.place(number, name)])
         return picture
     assert flight.folder is not None
-    of_video = [one if one.is_dir() else one.parent for one in flight.video]
+    of_video = [one if one.is_dir() or not one.suffix else one.parent for one in flight.video]
     beside = (image_file(one, name) for one in (*of_video, flight.folder))
     found = next(filter(None, beside), None)
     if found is None:
+        places = dict.fromkeys(os.path.normpath(one) for one in of_video)
+        where = " or ".join([*places, "the project's folder"])
         raise VopdError(
-            f"{name} is not in the project's folder; [picks] video, or --images of vopd plot, "
-            "names its folder"
+            f"{name} is not in {where}; [picks] video, or --images of vopd plot, names its folder"
         )
     (picture,) = open_frames([str(found)]).pictures([0])
     return picture

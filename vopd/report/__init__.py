@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -42,6 +42,7 @@ def report(
     max_rate_deg_s: float | None = None,
     failed: bool = False,
     photographs: bool = False,
+    on_missing: Callable[[str], None] = lambda _: None,
 ) -> bytes:
     """Make the page about all jobs, in UTF-8; without matplotlib it has no figure and says so.
 
@@ -51,6 +52,7 @@ def report(
         max_rate_deg_s: the limit of the flag `jump` that they were made with
         failed: whether a source failed, which the page says at its head
         photographs: whether the page has the photographs of its frames, reduced
+        on_missing: takes the sentence about photographs that are missing, which the page has, too
 
     Raises:
         VopdError: where jinja2 is not installed, or no frame has an attitude
@@ -64,6 +66,8 @@ def report(
     except VopdError as error:
         no_figures = str(error)
     pictures, no_photographs = embedded_photographs(histories) if photographs else ([], "")
+    if no_photographs:
+        on_missing(no_photographs)
     page = template.render(
         about=histories[0].about,
         photographs=pictures,
