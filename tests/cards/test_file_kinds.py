@@ -97,6 +97,8 @@ OTHERS = {  # the beginning of a file: what it is
     b"1" + 70 * b" " + b"\n L-MARK LONGITUDE": "listing",
     b'{"conventions": {"program": "vopd 0.1.0", "project": "a.toml"}}\n': "results",
     b"# program: vopd 0.1.0\n# project: a.toml\nframe,yaw_deg\n": "results",
+    b'[\n  {\n    "deck": "a.toml",\n    "errors": [],\n    "warnings": []\n  }\n]\n': "results",
+    b'[\n  {\n    "deck": "a.toml",\n    "images": []\n  }\n]\n': "JSON",
     b'{"program": "another 1"}': "JSON",
     80 * b" \n" + b"PAGE 1\n L-MARK LONGITUDE\n": "listing",
 }

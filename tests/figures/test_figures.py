@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 import struct
 import sys
@@ -18,6 +19,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from PIL import Image
 
 from tests.approved.texts import refused
 from tests.kit import repeated_frame
@@ -618,6 +620,16 @@ def test_a_new_figure_has_the_style() -> None:
         assert isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine)
         assert mpl.rcParams["axes.grid"]
     assert not mpl.rcParams["axes.grid"]
+
+
+def test_a_figure_shows_itself_in_a_notebook() -> None:
+    """As a PNG, before and after it is saved; a notebook asks for _repr_png_."""
+    figure: Any = draw("attitude", [by_hand(3)])
+    width, height = figure.get_size_inches()
+    for _ in range(2):
+        with Image.open(io.BytesIO(figure._repr_png_())) as shown:
+            assert (shown.format, shown.size) == ("PNG", (round(100 * width), round(100 * height)))
+        save(figure, ".svg")
 
 
 class Saved:

@@ -362,7 +362,8 @@ _MARKUP = r"(?i)<(!doctype html|html|head|body)\b"
 
 
 _LISTING = "L-MARK LONGITUDE"
-_OF_VOPD = re.compile(r'\s*(# program: vopd \d|\{[^#]*?"program": "vopd \d)')
+_OF_CHECK = r'\[\s*\{\s*"deck": "[^"\n]*",\s*"errors": \['
+_OF_VOPD = re.compile(rf'\s*(# program: vopd \d|\{{[^#]*?"program": "vopd \d|{_OF_CHECK})')
 
 
 def refuse_other_file(start: bytes, name: str) -> None:

@@ -9,7 +9,7 @@ import warnings
 from bisect import bisect
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 from unicodedata import bidirectional, east_asian_width
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # too. Lines break where frames are missing, between jobs, and where an angle wraps.
 
 Inches = tuple[float, float]
-
+NOTEBOOK_DPI = 100
 
 SUFFIXES = (".png", ".svg", ".pdf")
 _UNDATED: dict[str, dict[str, Any]] = {  # without dates, so that the same figure is the same file
@@ -44,12 +44,16 @@ _UNDATED: dict[str, dict[str, Any]] = {  # without dates, so that the same figur
 def matplotlib_figure(size_in: Inches) -> Iterator[Any]:
     """Open a new figure, with the style of all figures in force.
 
+    It shows itself in a notebook, where matplotlib's own figures do so only behind pyplot.
+
     Raises:
         VopdError: where matplotlib is not installed
     """
     figure_class = _figure_class()
     with style():
-        yield figure_class(figsize=size_in, layout="constrained")
+        figure = figure_class(figsize=size_in, layout="constrained")
+        figure._repr_png_ = partial(save, figure, ".png", NOTEBOOK_DPI)
+        yield figure
 
 
 def save(
