@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -34,6 +35,9 @@ from tests.tolerances import assert_close, within
 from vopd.attitude.history import history
 from vopd.export import FORMATS, FileRequest
 from vopd.findings import Finding, VopdError
+from vopd.flight.result import solve_flight
+
+HILL = Path(__file__).parents[2] / "examples" / "hill"
 
 ZERO = datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
 HEADER = ["CCSDS_AEM_VERS", "COMMENT*", "CREATION_DATE", "ORIGINATOR"]
@@ -303,6 +307,19 @@ def test_infinite_variances_are_left_out_and_told() -> None:
     found = held_to_the_standard_acm(text)
     assert len(found["ATT"][0][1]) == 2 and len(found["COV"][0][1]) == 1
     assert_approved(told, parts=["DJI_0000.JPG"])
+
+
+def test_variances_that_the_residuals_contradict_are_left_out_and_told(tmp_path: Path) -> None:
+    """Clicks of one frame that are those of another moment: its angles stay, its variances go."""
+    picks = shutil.copytree(HILL, tmp_path / "p") / "picks.csv"
+    picks.write_text(picks.read_text().replace("\n4,", "\n14,"))
+    told: list[Finding] = []
+    one = solve_flight(tmp_path / "p").history()
+    text = FORMATS["acm"].render([one], FileRequest(epoch=ZERO), told.append).decode()
+    found = held_to_the_standard_acm(text)
+    assert len(found["ATT"][0][1]) == 5
+    assert found["COV"][0][1][:, 0].tolist() == [2.0, 2.1, 2.2, 2.3]
+    assert_approved([finding.message for finding in told])
 
 
 def test_without_any_variance_there_is_no_covariance_block() -> None:

@@ -336,13 +336,18 @@ def render_acm(histories: Sequence[History], request: FileRequest, report: Repor
 
 
 def _finite(segment: TimedAttitude, report: Report) -> Bools:
-    """Find the frames of a segment with finite variances (T,), and warn of the others."""
-    known = np.isfinite(_variances(segment)).all(axis=1)
+    """Find the frames of a segment whose variances hold (T,), and warn of the others."""
+    finite = np.isfinite(_variances(segment)).all(axis=1)
+    misfit = segment.history.flags.raised["misfit"][segment.frames]
     e, about = segment.history.estimate, segment.history.about
-    for k in segment.frames[~known]:
-        message = f"frame {e.frame_label(k)} has no finite variances: it is left out of COV"
-        report(Finding(message, about.source, job=about.finding_job, severity="warning"))
-    return np.asarray(known)
+    for left, why in (
+        (~finite, "has no finite variances"),
+        (finite & misfit, "has the flag misfit, its residuals contradict its variances"),
+    ):
+        for k in segment.frames[left]:
+            message = f"frame {e.frame_label(k)} {why}: it is left out of COV"
+            report(Finding(message, about.source, job=about.finding_job, severity="warning"))
+    return np.asarray(finite & ~misfit)
 
 
 def _variances(segment: TimedAttitude) -> Floats:
