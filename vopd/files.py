@@ -321,7 +321,7 @@ PLACE = r"(.*?):? \(?(?:at )?line (\d+),? column (\d+)\)?(?: \(char \d+\))?"
 
 def reason(error: BaseException) -> str:
     """Explain in plain words why a parser or a reader gave up: where, and what is wrong."""
-    if isinstance(error, RecursionError | MemoryError):
+    if isinstance(error, RecursionError | MemoryError) and not hasattr(error, "strerror"):
         return TOO_DEEP
     if isinstance(error, OverflowError):
         return "a number is too large"

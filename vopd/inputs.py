@@ -29,6 +29,7 @@ MOST_ELEMENTS = 5_000_000  # elements of XML, lists and mappings of JSON, some 1
 MOST_VALUES = 20_000_000  # values of JSON, some 32 bytes each
 MOST_NODES = 100_000  # values of YAML
 DEEPEST = 50  # lists and mappings of YAML that stand in each other
+DEEPEST_XML = 100  # elements of XML that stand in each other
 MOST_DIGITS = 18  # digits of a whole number: of a frame, a camera, a pixel
 MOST_NUMBER = 1_000_000_000_000  # of a flight's number: seconds, metres, degrees, pixels
 LONGEST_NAME = 1_000  # characters of the name of a landmark, an image or a frame
@@ -163,7 +164,8 @@ def parse_xml(text: str) -> Element:
     """Read XML; entities may not be declared, of which few lines can make gigabytes.
 
     Raises:
-        ValueError, ParseError: if it is not valid, declares an entity, or has too many elements
+        ValueError, ParseError: if it is not valid, declares an entity, or has too many elements or
+            too deep ones, through all of which readers would go once for each level
     """
     from xml.etree import ElementTree
 
@@ -171,7 +173,13 @@ def parse_xml(text: str) -> Element:
         line = text.count("\n", 0, text.index("<!ENTITY")) + 1
         raise ValueError(f"line {line}: it declares an entity; write the text itself")
     _refuse_many(text, "<", MOST_ELEMENTS)
-    return ElementTree.fromstring(text.strip())
+    root = ElementTree.fromstring(text.strip())
+    level, depth = [root], 0
+    while level:
+        level, depth = [one for above in level for one in above], depth + 1
+        if depth > DEEPEST_XML:
+            raise ValueError(f"more than {DEEPEST_XML} elements stand in each other")
+    return root
 
 
 def _refuse_many(text: str, signs: str, most: int) -> None:

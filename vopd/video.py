@@ -131,7 +131,8 @@ class VideoFrames:
         if not len(step_s):
             return told
         usual_s = float(np.median(step_s))
-        told += f" in {self.time_s[-1]:.3f} s" + (f", {1 / usual_s:.6g} a second" * (usual_s > 0))
+        told += f" in {self.time_s[-1]:.3f} s"
+        told += f", {1 / usual_s:.6g} a second" if usual_s > 0.0 else ""
         twice, gaps = int((step_s <= 0.0).sum()), int((step_s > GAP * usual_s).sum())
         even_s = step_s[(step_s > 0.0) & (step_s <= GAP * usual_s)]
         if len(even_s) and np.ptp(even_s) > VARIES * usual_s + TWO_MS:
@@ -380,7 +381,7 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
     except VopdError as error:
         raise VopdError(f"{error}; or have the program ffmpeg on the path") from error
     try:
-        with av.open(str(path)) as container:
+        with av.open(str(path), metadata_errors="replace") as container:
             if not container.streams.video:
                 raise VopdError(f"{path.name}: no video is in it; is the file complete?")
             stream = container.streams.video[0]

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import os
 import re
+import struct
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from tests.kit import flight_files
 from tests.kit.command import CASE_4, DECKS, ROOT
 from tests.kit.tagged_images import tagged_image
 
@@ -66,6 +68,15 @@ def other(key: str, name: str, content: Content) -> Files:
     """Write a project whose picks, landmarks or track are in another file."""
     toml = TOML.replace(f'file = "{key}.csv"', f'file = "{name}"')
     return HILL | {"flight.toml": toml, name: content}
+
+
+def solved_places(landmarks: str, track: str, old: str, new: str) -> Files:
+    """Write a project that solves for places too, with a number replaced in its files."""
+    files = flight_files.project(
+        flight_files.LENSES["inline"], flight_files.PICKS["CSV of frames"],
+        flight_files.LANDMARKS[landmarks], flight_files.TRACKS[track],
+    )  # fmt: skip
+    return {name: text.replace(old, new) for name, text in files.items()}
 
 
 def first_number(text: str) -> str:
@@ -140,6 +151,16 @@ def pixels(width: int, height: int) -> Callable[[Path], None]:
     return make
 
 
+def xmp(text: bytes) -> bytes:
+    """A TIFF of its header and a packet of XMP alone."""
+    tags = (
+        (256, 4, 1, 4), (257, 4, 1, 4), (258, 3, 1, 8), (262, 3, 1, 1), (273, 4, 1, 8),
+        (700, 7, len(text), 86),
+    )  # fmt: skip
+    entries = b"".join(struct.pack("<HHII", *one) for one in tags)
+    return b"II*\0\x08\0\0\0" + struct.pack("<H", len(tags)) + entries + bytes(4) + text
+
+
 def damaged(path: Path) -> None:
     """An image whose list of tags has other numbers of values than are there."""
     tagged_image(path, (48, 0, 0.0), (15, 0, 0.0), altitude_m=300.0, taken="2026:01:01 00:00:00")
@@ -173,6 +194,10 @@ KML = (
     "</Placemark></kml>"
 )
 GPX = '<gpx version="1.1">{}</gpx>'
+SRT = "".join(
+    f"{k}\n00:00:0{k},000 --> 00:00:0{k + 1},000\n[latitude: 47.6435] [longitude: 16.4759] "
+    f"[rel_alt: 1 abs_alt: 540.{k}]\n\n" for k in range(1, 6)
+)  # fmt: skip
 BATCH = ("batch in -d out",)
 IMAGES = ("new made --images img",)
 SKY = "stars solve s.csv --focal 76 --date 2020-01-15T21:00Z"
@@ -222,6 +247,9 @@ TABLE = (
     Hostile("colmap arabic", lens("txt", "1 PINHOLE 1920 1080 1000 1000 ٩٦٠ 540\n")),
     Hostile("colmap focal length of 1e308", lens("txt",
             "1 PINHOLE 1920 1080 1500 1e308 960 540\n")),
+    Hostile("colmap coefficient of 1e-320", lens("txt",
+            "1 RADIAL 1920 1080 1500 960 540 0 1e-320\n"), ("attitude flight.toml -o out.csv",),
+            others_after="speak for"),
     Hostile("colmap fov", lens("txt", "1 FOV 1920 1080 1500 1500 960 540 .9\n")),
     Hostile("opensfm true", lens("json", OPENSFM.format("true"))),
     Hostile("cvat pixel of 1e308", other("picks", "p.xml", CVAT.format("0").replace("1,2",
@@ -269,12 +297,19 @@ TABLE = (
             + "\n1 2 3 4 5 a.jpg n\n")),
     Hostile("gcp grids", other("landmarks", "g.txt", "+proj=utm +zone=33 +nadgrids=/etc/passwd\n"
             "500000 5300000 3 4 5 a.jpg n\n"), others_after="nadgrids=/etc/passwd':"),
+    Hostile("kml places in each other", other("landmarks", "l.kml", "<kml>"
+            + "<Placemark><Point/>" * 9_000 + "</Placemark>" * 9_000 + "</kml>")),
     Hostile("kml name", other("landmarks", "l.kml", KML.format("a" * 100_000))),
     Hostile("landmarks device", project(landmarks__csv=zeros)),
     # tracks
     Hostile("gpx entities", other("track", "t.gpx", BOMB + "]>" + GPX.format("&k;"))),
     Hostile("gpx depth", other("track", "t.gpx", GPX.format("<trk>" * 5_000 + "</trk>" * 5_000)),
             others_after="not valid GPX:"),
+    Hostile("srt digits", {"t.srt": SRT + "1" * 900_000}, ("new made --track t.srt",)),
+    Hostile("srt blank lines", other("track", "t.srt", "1" + "\n" * 19_999 + " " * 900_000)),
+    Hostile("srt longitude of 400 digits", other("track", "t.srt", SRT.replace("16.4759", LARGE))),
+    Hostile("srt hours of 400 digits", other("track", "t.srt", SRT.replace("00:00:05", LARGE
+            + ":00:05"))),
     Hostile("track year 1", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
             "0001-01-01T00:00:00+14:00,48,15,300\n")),
     Hostile("track year 9999", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
@@ -286,12 +321,20 @@ TABLE = (
     Hostile("track height of 1e308", project(track__csv=cell("track", 3, "1e308"))),
     Hostile("track longitude of 1e300", project(track__csv=cell("track", 2, "1e300"))),
     Hostile("landmark longitude of 400", project(landmarks__csv=cell("landmarks", 2, "400"))),
+    Hostile("landmark of the other hemisphere", project(flight__toml=TOML.replace('m = "exact"',
+            "m = 0.3"), landmarks__csv=HILL["landmarks.csv"].replace(b"47.647277", b"-7.647277")),
+            ("check flight.toml",), seconds=4.0),
+    Hostile("landmark 1,200 km away", solved_places("GeoJSON", "CSV by seconds",
+            "16.475367657481932", "0"), seconds=4.0),
+    Hostile("track latitude of 0", solved_places("CSV, geodetic", "GPX", 'lat="47.6435"',
+            'lat="0"'), ("attitude flight.toml -o out.csv",), seconds=4.0),
     Hostile("landmark height of 1e8", project(landmarks__csv=cell("landmarks", 3, "1e8")),
             ("attitude flight.toml -o out.csv",), seconds=8.0, others_after="have no image"),
     # images
     Hostile("image 196 megapixels", {"img/a.jpg": pixels(14_000, 14_000)}, IMAGES),
     Hostile("image 4 gigapixels", {"img/a.jpg": pixels(65_000, 65_000)}, IMAGES),
     Hostile("image damaged", {"img/a.jpg": damaged}, IMAGES),
+    Hostile("image with marks that do not end", {"img/a.tif": xmp(b":Latitude>" * 90_000)}, IMAGES),
     Hostile("image pipe", {"img/a.jpg": pipe}, IMAGES),
     Hostile("image beside the picks", {"p.csv": PICKS, "a.jpg": b"\xff\xd8\xff"},
             ("new made --picks p.csv",)),

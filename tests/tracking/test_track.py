@@ -388,6 +388,8 @@ def test_terrains(flight: Path) -> None:
     said.append(told(heights=mast))
     said.append(told(heights=level * np.float32(3.2808)))
     said.append(told(Affine(0.001, 0.0, east + 3.0, 0.0, -0.0005, north)))
+    said.append(told(Affine(1e-300, 0.0, east, 0.0, -1e-300, north)))
+    said.append(told(Affine(0.001, 0.0, 1e300, 0.0, -0.0005, 1e300)))
     said.append(told(crs=None))
     said.append(told(heights=np.stack([level, level])))
     told()

@@ -18,7 +18,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.new import example_project
-from vopd.video import open_frames, spread
+from vopd.video import Chapter, VideoFrames, open_frames, spread
 
 EVEN_MS = [40 * k for k in range(40)]
 UNEVEN_MS = [0, 33, 66, 100, 133, 333, 366, 400, 433]  # five frames are missing after the fifth
@@ -40,6 +40,19 @@ def test_times_of_presentation(tmp_path: Path) -> None:
     assert_approved(frames.about)
     varying = open_frames([str(write_video(tmp_path / "b.mp4", [0, 32, 80, 112, 160, 208]))])
     assert_approved(varying.about)
+
+
+def test_frames_that_are_all_shown_at_one_time() -> None:
+    chapter = Chapter(Path("a.mp4"), 0, np.zeros(3, np.int64), 1e-3, 0)
+    assert_approved(VideoFrames("a.mp4", (), np.zeros(3), chapters=(chapter,)).about)
+
+
+def test_a_video_whose_tags_are_not_utf_8(tmp_path: Path) -> None:
+    path = write_video(tmp_path / "a.mp4", [0, 40, 80])
+    content = path.read_bytes()
+    assert b"VideoHandler" in content
+    path.write_bytes(content.replace(b"VideoHandler", b"Video\xffandler"))
+    assert len(open_frames([str(path)])) == 3
 
 
 def test_a_video_that_is_cut_off_behind_its_index(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.free import LANDMARK, UNIT, shown_name, unit_factor
 from vopd.flight.project import Project, Section
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
-from vopd.inputs import parse_json
+from vopd.inputs import MOST_NUMBER, parse_json
 
 # The file
 
@@ -39,6 +39,7 @@ FIELDS = (
 )  # fmt: skip
 MATRICES = ("covariance", "by_picks")
 MOST_NAMES = 3_000
+LARGEST = float(MOST_NUMBER) ** 2  # of a variance; with larger ones eigenvalues overflow
 ROUNDING = 1e-6  # of a correlation
 SAME_S = 1e-6  # between offsets of a clock
 SPEAKS_OF = (
@@ -222,7 +223,7 @@ def _checked(file: InputFile, values: dict[str, Any]) -> CovarianceFile:
     if not isinstance(digest, dict) or not all(isinstance(one, str) for one in digest.values()):
         raise file.error(f"is not a table of digests{AGAIN}", column="sha256")
     source = values["reading_sigma_by"]
-    if source not in SOURCES:
+    if not isinstance(source, str) or source not in SOURCES:
         message = f"{shown(source)} is not known; {', '.join(SOURCES)} are"
         raise file.error(message, column="reading_sigma_by")
     unknowns = values["unknowns"]
@@ -275,16 +276,14 @@ def _numbers(file: InputFile, where: str, found: Any, count: int) -> Floats:
             f"has {size}, and {count_text(count, 'name')} need {count}{AGAIN}", column=where
         )
     for one in found:
-        if isinstance(one, bool) or not isinstance(one, int | float) or not _finite(one):
-            raise file.error(f"{shown(one)} is not a finite number{AGAIN}", column=where)
+        if isinstance(one, bool) or not isinstance(one, int | float) or not _in_range(one):
+            message = f"{shown(one)} is not a number up to {LARGEST:g}{AGAIN}"
+            raise file.error(message, column=where)
     return np.array(found, dtype=np.float64)
 
 
-def _finite(number: float) -> bool:
-    try:
-        return isfinite(number)
-    except OverflowError:
-        return False
+def _in_range(number: float) -> bool:
+    return -LARGEST <= number <= LARGEST
 
 
 def _positive(file: InputFile, where: str, found: Any) -> float:

@@ -330,6 +330,8 @@ def clicks_text(joint: JointSolution) -> str:
     model, clicks = joint.model, joint.model.flight.picks.clicks
     assert clicks is not None and isinstance(model.clicks, ClickEquations)
     error = joint.state.click_px[model.clicked]
+    if not len(error):
+        return "no click is of a frame that could be solved"
     left = np.diag(joint.factored.common)[model.of_clicks]
     count = count_text(len(error), "click")
     stated_px = float(np.sqrt((clicks.sigma_px[model.clicked] ** 2).mean()))

@@ -70,7 +70,9 @@ def earth_centred_positions(
     """
     name = crs_name(crs) if crs is not None else "EPSG:4326"
     if (np.abs(coordinate) > MOST_NUMBER).any():
-        raise VopdError(f"{where}: {np.nanmax(np.abs(coordinate)):g} is too large for a coordinate")
+        row, axis = np.unravel_index(np.nanargmax(np.abs(coordinate)), coordinate.shape)
+        largest = f"{coordinate[row, axis]:g} is too large for a coordinate"
+        raise VopdError(f"{where}: {largest}, that of position {row + 1}")
     if len(name) > LONGEST_CRS:
         raise VopdError(f"{where}: crs has more than {LONGEST_CRS} characters: write a code")
     if name in WGS84_NAMES:

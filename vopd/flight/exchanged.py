@@ -263,6 +263,7 @@ def _fitted(flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]) 
     try:
         first = solve(copies, ~used, TRIAL_PASSES)
         found = solve_jointly(copies, priors, used, first=first)
+        normal = found.normal
     except VopdError:  # nothing is known of these frames
         nothing = np.full(frames, np.nan)
         every = _Fit(nothing + np.inf, nothing)
@@ -271,10 +272,10 @@ def _fitted(flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]) 
         taken = np.bincount(frame[model.pick], minlength=frames)
         whole = (taken == np.bincount(frame[used], minlength=frames)) & (taken > 1)
         squares = np.zeros(frames)
-        residual_px = found.normal.residual / model.scale[:, None]
+        residual_px = normal.residual / model.scale[:, None]
         np.add.at(squares, frame[model.pick], (residual_px**2).sum(axis=1))
         every = _Fit(
-            np.where(whole, found.normal.frame_cost, np.inf),
+            np.where(whole, normal.frame_cost, np.inf),
             np.where(whole, np.sqrt(squares / np.maximum(2.0 * taken, 1.0)), np.nan),
         )
     ends = np.cumsum([len(group) for group in groups]).tolist()

@@ -204,7 +204,10 @@ def undetermined(flight: Flight, left_out: Bools, first: SolvedFlight) -> NotHel
     model = Model(flight, priors, used, solved, flight.picks.sigma_px, loss=LOSSES["least-squares"])
     _check_enough(model, len(unknown))
     known = np.where(solved[:, None, None], rotation, np.eye(3))
-    normal = Normal(model, model.start(known))
+    try:
+        normal = Normal(model, model.start(known))
+    except np.linalg.LinAlgError as error:
+        raise no_solution(flight) from error
     own = np.diag(normal.common).copy()
     where = [model.names.index(name) for name in unknown]
     for name, k in zip(unknown, where, strict=True):

@@ -218,7 +218,7 @@ def _text(value: Any) -> str:
 def xmp_number(xmp: str, names: tuple[str, ...]) -> float:
     """Read the first of these properties as a number, of any namespace; NaN if there is none."""
     for name in names:
-        found = re.search(rf':{name}\s*=\s*"([^"]*)"|:{name}\s*>([^<]*)<', xmp)
+        found = re.search(rf':{name}\s*=\s*"([^"]*)"|:{name}\s*>([^<]{{0,100}})<', xmp)
         if found:
             try:
                 return plain_number((found[1] or found[2] or "").strip())

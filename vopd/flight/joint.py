@@ -53,8 +53,15 @@ class JointSolution:
 
     @cached_property
     def normal(self) -> Normal:
-        """The reweighted normal equations at the solution."""
-        return self.formed or Normal(self.model, self.state)
+        """The reweighted normal equations at the solution.
+
+        Raises:
+            VopdError: if a frame's have no solution
+        """
+        try:
+            return self.formed or Normal(self.model, self.state)
+        except np.linalg.LinAlgError as error:
+            raise no_solution(self.model.flight) from error
 
     @cached_property
     def factored(self) -> Factored:
@@ -79,6 +86,9 @@ class JointSolution:
 
         With them the changes of the computed images by one standard deviation of each, in
         standard deviations of the picks, (P, 2, C).
+
+        Raises:
+            VopdError: if one is without bounds
         """
         model, state = self.model, self.state
         stated = model.flight.options.parameter_sigma.items()
@@ -91,6 +101,8 @@ class JointSolution:
         start = state._replace(parameter=np.concatenate([state.parameter, np.zeros(len(sigma))]))
         for rows in full.rows(start):
             change[rows.picks] = rows.by_parameter[..., len(model.names) :]
+        if not np.isfinite(change).all():  # as by refraction through the Earth
+            raise no_solution(model.flight)
         return sigma, change * list(sigma.values())
 
     def with_rotations(self, solved: SolvedFlight, flight: Flight) -> JointSolution:
@@ -178,10 +190,11 @@ def solve_jointly(
         # one without a solution before has none to begin with
         begun = solved & (start.rotation != np.eye(3)).any(axis=(1, 2))
         state = start._replace(rotation=np.where(begun[:, None, None], start.rotation, known))
-    begin = Normal(model, state)
-    if start is not None and not np.isfinite(begin.cost):  # a pick that was left out has no image
-        begin = Normal(model, model.start(known))
     try:
+        begin = Normal(model, state)
+        # a pick that was left out has no image
+        if start is not None and not np.isfinite(begin.cost):
+            begin = Normal(model, model.start(known))
         normal, turn, passes, settled = _descend(begin)
     except np.linalg.LinAlgError as error:
         raise no_solution(flight) from error
@@ -229,7 +242,8 @@ def no_solution(flight: Flight) -> VopdError:
     """Make the error of a flight whose equations have no solution."""
     return VopdError(
         f"{flight.source}: the equations of its positions and landmarks have no solution within "
-        'rounding; [solve] position = "fixed" holds both where they are stated'
+        'rounding: is a coordinate far off? [solve] position = "fixed" holds both where they are '
+        "stated, and warns of those that do not fit"
     )
 
 

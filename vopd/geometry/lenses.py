@@ -24,6 +24,7 @@ from vopd.geometry.rotations import partials_by_turns
 
 ROUNDS_BROWN = 60
 SMALL = 1e-15
+SMALLEST = 1e-100  # coefficient of a polynomial whose roots are looked for; a smaller one is 0
 
 
 def distort_brown(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats], Floats]:
@@ -109,7 +110,7 @@ def field_radius_brown(k: Floats) -> float:
     grown = polynomial.polyadd(over, 2.0 * polynomial.polymulx(polynomial.polyder(over)))
     shrunk = 2.0 * polynomial.polymulx(polynomial.polyder(under))
     growth = polynomial.polysub(polynomial.polymul(grown, under), polynomial.polymul(over, shrunk))
-    roots = [polynomial.polyroots(polynomial.polytrim(p)) for p in (growth, under)]
+    roots = [polynomial.polyroots(polynomial.polytrim(p, SMALLEST)) for p in (growth, under)]
     squares = np.concatenate(roots)
     real = squares.real[(np.abs(squares.imag) <= 1e-9 * np.abs(squares)) & (squares.real > 0.0)]
     return float(np.sqrt(real.min())) if len(real) else float("inf")
@@ -215,7 +216,7 @@ def _growth(k: Floats) -> Floats:
 
 def _angle_limit(k: Floats) -> float:
     """Find the angle at which the image's radius stops growing; infinite if it never does."""
-    roots = polynomial.polyroots(polynomial.polytrim(_growth(k)))
+    roots = polynomial.polyroots(polynomial.polytrim(_growth(k), SMALLEST))
     real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0.0)]
     return float(np.sqrt(real.min())) if len(real) else float("inf")
 

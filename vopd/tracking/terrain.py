@@ -175,7 +175,7 @@ class Terrain:
         longitude, latitude = self._to_crs(self._dataset.crs, "EPSG:4326", x, y)[:2]
         place = f"latitude {here.latitude_deg.mean():.4f}, "
         place += f"longitude {here.longitude_deg.mean():.4f}"
-        if not np.isfinite([*longitude, *latitude]).all():
+        if not (np.abs([*longitude, *latitude]) <= 360.0).all():
             return f"{self.name} has no height at the landmarks, {place}: is it of this place?"
         return (
             f"{self.name} has no height at the landmarks, {place}: it is of latitude "
@@ -245,7 +245,8 @@ def read_terrain(project: Project) -> Terrain | None:
     except rasterio.errors.RasterioError as error:
         message = f"{name}: not a GeoTIFF that can be read: is it complete?"
         raise section.error("terrain", message) from error
-    if dataset.crs is None or dataset.transform.is_identity:
+    placed = dataset.transform
+    if dataset.crs is None or placed.is_identity or not abs(placed.determinant) > 0.0:
         raise section.error(
             "terrain", f"{name} does not say where it is: give it a coordinate reference system, "
             "as by gdal_translate -a_srs EPSG:... -a_ullr ..."

@@ -411,7 +411,7 @@ def read_image_folder(file: InputFile) -> TrackRows:
 
 # A video, or its subtitles: vopd/flight/formats/video_track.py
 
-SUBTITLE = re.compile(r"\s*\d+\s*\n\s*\d+:\d\d:\d\d[,.]\d{1,3}\s*-->")
+SUBTITLE = re.compile(r"\s*\d+[^\S\n]*\n\s*\d+:\d\d:\d\d[,.]\d{1,3}\s*-->")
 
 
 def _read_gpmf(file: InputFile) -> TrackRows:

@@ -14,11 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.files import reason
 from vopd.findings import count_text
 from vopd.flight.files import InputFile
 from vopd.flight.formats.track import TrackRows, sigma_of_dilution_m
 from vopd.flight.image_tags import DILUTION_SAID
-from vopd.inputs import plain_number
+from vopd.inputs import plain_number, whole_number
 from vopd.video import payloads
 
 # GPMF: a packet of data a second or so, in which each sensor has a stream of keys and values.
@@ -182,7 +183,7 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
 # block a second, longitude first, with the number of satellites behind the place, and the height
 # above the take-off. A Matrice 300 has latitude first, and metres in the place of satellites.
 
-BLOCK = re.compile(r"(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->", re.ASCII)
+BLOCK = re.compile(r"(?<!\d)(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->", re.ASCII)
 FIELDS = tuple(
     re.compile(rf"\b(?:{names})\s*:\s*(-?[\d.]+)")
     for names in ("latitude", "longitude|longtitude", "abs_alt|altitude")
@@ -221,11 +222,13 @@ def read_srt(file: InputFile) -> TrackRows:
             words.append(high[1])
             above += 1
         hours, minutes, seconds, parts = start.groups()
-        t = int(hours) * 3600.0 + int(minutes) * 60.0 + int(seconds)
         try:
+            t = whole_number(hours) * 3600.0 + int(minutes) * 60.0 + int(seconds)
             place = [plain_number(one) for one in words]
         except ValueError as error:
-            raise file.error(str(error), line) from error
+            raise file.error(reason(error), line) from error
+        if not np.isfinite(place).all():
+            raise file.error("a number is too large", line)
         values.append([t + int(parts.ljust(3, "0")) / 1000.0, *place])
         lines.append(line)
     table = np.array(values).reshape(-1, 4)
