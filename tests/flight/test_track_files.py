@@ -346,6 +346,8 @@ def test_photos_without_position_are_left_out_and_loose_ones_counted(tmp_path: P
         ("47.0000000000,Lat", "nan,Lat"),
         ("47.0000000000,Lat", "147.0,Lat"),
         ("[2211]", "[99999999]"),
+        ("\t12.0", "\t1e308"),
+        ("0.03, 0.01", "0.03, -0.01"),
         ("\t50,Q", ""),
     ],
 )

@@ -178,8 +178,12 @@ def read_mrk(file: InputFile) -> TrackRows:
             photo = whole_number(fields[0])
         except ValueError as error:
             raise file.error(reason(error), line) from error
-        if not np.isfinite(row).all() or abs(row[4]) > 90.0 or not 0 < week < 10_000:
-            raise file.error("a number is not finite, or no latitude or GPS week", line)
+        real = np.isfinite(row).all() and abs(row[4]) <= 90.0 and min(row[7:10]) >= 0.0
+        if not real or not 0 < week < 10_000 or not 0.0 <= row[0] <= WEEK_S:
+            raise file.error(
+                "a number is not finite, or no latitude, GPS week, second of it or standard "
+                "deviation", line,
+            )  # fmt: skip
         if row[-1] != NO_POSITION:
             photos.append(str(photo))
             values.append([GPS_ZERO_S + week * WEEK_S + row[0], *row[1:]])
