@@ -336,7 +336,10 @@ def reason(error: BaseException) -> str:
     if isinstance(error, UnicodeDecodeError):
         return "not text in UTF-8"
     if mark := getattr(error, "problem_mark", None):  # of YAML
-        return f"line {mark.line + 1}, column {mark.column + 1}: {getattr(error, 'problem', '')}"
+        problem = getattr(error, "problem", None) or ""
+        if "nesting depth" in problem:  # PyYAML from 6.0.4 on, which looks ahead
+            return TOO_DEEP
+        return f"line {mark.line + 1}, column {mark.column + 1}: {problem}"
     text = " ".join(str(getattr(error, "strerror", None) or error).split())
     if found := re.fullmatch(PLACE, text):
         what = found[1].rpartition(": ")[2]
