@@ -20,7 +20,7 @@ from PIL import Image
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.support.ui import Select
+from selenium.webdriver.support.ui import Select, WebDriverWait
 
 from tests.kit.browser import forget, load, open_browser
 from tests.kit.command import ROOT
@@ -264,7 +264,8 @@ def test_filters(film: Any) -> None:
     assert column(film, "frame") == ["5"] and len(without) == 29 and "5" not in without
     assert film.find_element(By.ID, "now").text.startswith("frame 5,")
     film.find_element(By.CSS_SELECTOR, "#filters [type=reset]").click()
-    assert len(column(film, "frame")) == 30 and chosen(film) == "5"
+    WebDriverWait(film, 20).until(lambda one: len(column(one, "frame")) == 30)  # after the event
+    assert chosen(film) == "5"
     film.find_element(By.CSS_SELECTOR, "#answer [data-flag=misfit]").click()
     assert column(film, "frame") == ["5"]
 
