@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ import click
 from vopd.cards.deck import refuse_other_file
 from vopd.cards.read import open_deck
 from vopd.cli.adjust_deck import adjusted_deck, searched_deck
-from vopd.cli.console import Messages, Progress
+from vopd.cli.console import Messages, Progress, notes
 from vopd.cli.new import refuse_existing, write_project
 from vopd.cli.options import (
     FILE_NAME,
@@ -263,9 +262,8 @@ def _draw(made: Adjustment, figure: str, suffix: str, quiet: bool) -> None:
     from vopd.figures.style import save
     from vopd.flight.adjusted_table import changes, residual_sizes
 
-    note = (lambda _: None) if quiet else partial(click.echo, err=True)
     drawn = draw_adjusted(made.result.flight.source, changes(made), *residual_sizes(made))
-    content = save(drawn, suffix, note=note)
+    content = save(drawn, suffix, note=notes(quiet))
     with whole_file(figure) as file:
         file.write(content)
 

@@ -10,6 +10,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Hashable
+from functools import partial
 from typing import Any, ClassVar
 
 import click
@@ -30,6 +31,11 @@ def screen_columns() -> int:
     from vopd.screen import fitted
 
     return fitted(shutil.get_terminal_size((COLUMNS, 24)).columns)
+
+
+def notes(quiet: bool) -> Callable[[str], None]:
+    """Choose how notes on a picture or a page are said: on standard error, or not at all."""
+    return (lambda _: None) if quiet else partial(click.echo, err=True)
 
 
 class Messages:

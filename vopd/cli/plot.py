@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from vopd.cli.console import notes
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import (
     FILE_NAME,
@@ -255,7 +256,7 @@ def command(
     left_out = left_out_text(histories)
     if left_out and set(names) - set(OF_ONE_FRAME) and not options.quiet:
         click.echo(f"drawn are {left_out}; --job draws another", err=True)
-    note = (lambda _: None) if options.quiet else partial(click.echo, err=True)
+    note = notes(options.quiet)
     reads = None if images is None else _photographs(images)
     wanted = figure_names(names, histories)
     drawn: Any

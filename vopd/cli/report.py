@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import sys
-from functools import partial
 from pathlib import PurePath
 
 import click
 
+from vopd.cli.console import notes
 from vopd.cli.histories import collect_histories
 from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
@@ -65,9 +65,13 @@ def command(
     messages: list[str] = []
     histories, status = collect_histories(sources, options, messages.append)
     rate = options.history.max_rate_deg_s
-    said = (lambda _: None) if options.quiet else partial(click.echo, err=True)
     page = report(
-        histories, messages, rate, failed=status == 1, photographs=photographs, on_missing=said
+        histories,
+        messages,
+        rate,
+        failed=status == 1,
+        photographs=photographs,
+        on_missing=notes(options.quiet),
     )
     with whole_file(output) as file:
         file.write(page)

@@ -322,20 +322,20 @@ def render_acm(histories: Sequence[History], request: FileRequest, report: Repor
     Times are seconds after EPOCH_TZERO, which is time zero of the jobs.
     """
     segments = segments_in_order(histories, request, report)
-    finite = [_finite(segment, report) for segment in segments]
+    stated = [_stated(segment, report) for segment in segments]
     comments = stated_comments(histories, request, "sigmas", "common errors", "reading sigma")
     lines = [*header("CCSDS_ACM_VERS", 2, comments, request), ""]
-    lines += _metadata(segments, finite, request)
+    lines += _metadata(segments, stated, request)
     names = [f"JOB {k}" for k in range(1, len(segments) + 1)] if len(segments) > 1 else [""]
     for segment, name in zip(segments, names, strict=True):
         lines += ["", *_attitudes(segment, name)]
-    for segment, known, name in zip(segments, finite, names, strict=True):
+    for segment, known, name in zip(segments, stated, names, strict=True):
         if known.any():
             lines += ["", *_covariances(segment, known, name)]
     return encoded(lines)
 
 
-def _finite(segment: TimedAttitude, report: Report) -> Bools:
+def _stated(segment: TimedAttitude, report: Report) -> Bools:
     """Find the frames of a segment whose variances hold (T,), and warn of the others."""
     finite = np.isfinite(_variances(segment)).all(axis=1)
     misfit = segment.history.flags.raised["misfit"][segment.frames]
@@ -357,10 +357,10 @@ def _variances(segment: TimedAttitude) -> Floats:
 
 
 def _metadata(
-    segments: Sequence[TimedAttitude], finite: Sequence[Bools], request: FileRequest
+    segments: Sequence[TimedAttitude], stated: Sequence[Bools], request: FileRequest
 ) -> Iterator[str]:
     assert request.epoch is not None
-    blocks = ["ATT" for _ in segments] + ["COV" for known in finite if known.any()]
+    blocks = ["ATT" for _ in segments] + ["COV" for known in stated if known.any()]
     yield "META_START"
     yield f"OBJECT_NAME = {text_value(request.object_name)}"
     yield f"INTERNATIONAL_DESIGNATOR = {text_value(request.object_id)}"

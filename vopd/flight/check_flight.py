@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -54,10 +55,9 @@ def check_flight(name: str) -> list[Finding]:
     found += [f for f in result.findings if f not in found]
     if result.solved.any():
         history = result.history_parts(HistoryOptions())
-        summary = history.summary
-        told = summary.without_outlier  # by the finding on its pick
-        summary.misfits = [one for one in summary.misfits if one[0] not in told]
-        found += findings_of(history.about, summary)
+        told = history.summary.without_outlier  # by the finding on its pick
+        rest = [one for one in history.summary.misfits if one[0] not in told]
+        found += findings_of(history.about, replace(history.summary, misfits=rest))
     causes = SPEAK_FOR, WRONG, ARE_EXCHANGED
     named = any(words in one.message for one in result.findings for words in causes)
     more = [] if result.misfits else usual_mistakes(project, result, named)

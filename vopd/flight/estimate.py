@@ -428,7 +428,7 @@ class FlightEstimates:
         return replace(scene, adjusted=self._adjusted) if freed else scene
 
     def _adjusted(self) -> tuple[Sequence[Change], Sequence[str], Floats]:
-        """Describe what was solved for before and after; the flight is solved as stated, too."""
+        """Describe freed parameters and residuals before and after; it solves as stated, too."""
         from vopd.flight.adjust import adjustment_of
         from vopd.flight.adjusted_table import changes, residual_sizes
         from vopd.flight.result import FlightResult

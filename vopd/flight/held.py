@@ -16,8 +16,8 @@ from vopd.flight.joint import (
     Covariance,
     JointSolution,
     marginals,
-    no_solution,
     propagated,
+    solvable,
     solve_jointly,
 )
 from vopd.flight.normal import Factored, Normal
@@ -204,10 +204,8 @@ def undetermined(flight: Flight, left_out: Bools, first: SolvedFlight) -> NotHel
     model = Model(flight, priors, used, solved, flight.picks.sigma_px, loss=LOSSES["least-squares"])
     _check_enough(model, len(unknown))
     known = np.where(solved[:, None, None], rotation, np.eye(3))
-    try:
+    with solvable(flight):
         normal = Normal(model, model.start(known))
-    except np.linalg.LinAlgError as error:
-        raise no_solution(flight) from error
     own = np.diag(normal.common).copy()
     where = [model.names.index(name) for name in unknown]
     for name, k in zip(unknown, where, strict=True):
@@ -216,10 +214,8 @@ def undetermined(flight: Flight, left_out: Bools, first: SolvedFlight) -> NotHel
                 f"{flight.source}: free {shown_name(name)}: no pick depends on it; leave it out"
             )
     model.common_sigma[where] = np.sqrt(10.0 * UNDETERMINED / own[where])
-    try:
+    with solvable(flight):
         common = Factored(normal).common
-    except np.linalg.LinAlgError as error:
-        raise no_solution(flight) from error
     inflated = np.diag(common)[where] * own[where]
     worst = int(inflated.argmax())
     if not inflated[worst] > UNDETERMINED:

@@ -6,6 +6,8 @@ damping, and the covariances of its result by the causes of the errors.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -58,10 +60,8 @@ class JointSolution:
         Raises:
             VopdError: if a frame's have no solution
         """
-        try:
+        with solvable(self.model.flight):
             return self.formed or Normal(self.model, self.state)
-        except np.linalg.LinAlgError as error:
-            raise no_solution(self.model.flight) from error
 
     @cached_property
     def factored(self) -> Factored:
@@ -70,10 +70,8 @@ class JointSolution:
         Raises:
             VopdError: if they have no solution
         """
-        try:
+        with solvable(self.model.flight):
             return Factored(self.normal)
-        except np.linalg.LinAlgError as error:
-            raise no_solution(self.model.flight) from error
 
     @cached_property
     def covariance(self) -> Covariance:
@@ -190,14 +188,12 @@ def solve_jointly(
         # one without a solution before has none to begin with
         begun = solved & (start.rotation != np.eye(3)).any(axis=(1, 2))
         state = start._replace(rotation=np.where(begun[:, None, None], start.rotation, known))
-    try:
+    with solvable(flight):
         begin = Normal(model, state)
         # a pick that was left out has no image
         if start is not None and not np.isfinite(begin.cost):
             begin = Normal(model, model.start(known))
         normal, turn, passes, settled = _descend(begin)
-    except np.linalg.LinAlgError as error:
-        raise no_solution(flight) from error
     weight = np.zeros_like(weight)
     weight[model.pick] = normal.weight * model.scale**2
     attitudes = first.attitudes._replace(
@@ -236,6 +232,19 @@ def _check_size(model: Model) -> None:
             f"{most // 3} can be solved for with {model.frames} frames; call the best known ones "
             'exact (sigma_m exact in their rows), or hold all by [solve] position = "fixed"'
         )
+
+
+@contextmanager
+def solvable(flight: Flight) -> Iterator[None]:
+    """Refuse a flight whose equations, which are solved meanwhile, have no solution.
+
+    Raises:
+        VopdError: asking for a coordinate that is far off
+    """
+    try:
+        yield
+    except np.linalg.LinAlgError as error:
+        raise no_solution(flight) from error
 
 
 def no_solution(flight: Flight) -> VopdError:
