@@ -121,7 +121,7 @@ def test_a_new_project_of_images_is_picked_in() -> None:
     Path("lm.csv").write_text("mast,47,8,400\npond,47.001,8,400\n")
     given = "--landmarks lm.csv --columns landmarks:landmark,lat_deg,lon_deg,h_m --height same "
     given += "--position 46.999,8,450 --lens 60,60,31.5,23.5 --pixel-grid centre "
-    given += "--image-size 64,48 --sigma-landmarks .1 --sigma-position .1"
+    given += "--image-size 64x48 --sigma-landmarks .1 --sigma-position .1"
     for way in ("--images photographs", "--set picks.video=../photographs --set picks.file=c.csv"):
         assert vopd("new", "mine", *given.split(), *way.split()).status == 0
         done = vopd("pick", "mine", "-o", "p.html")

@@ -362,7 +362,7 @@ def plot(*arguments: str | Path) -> Ran:
 @pytest.mark.usefixtures("not_laid_out")
 def test_the_command_writes_what_the_suffix_says(tmp_path: Path) -> None:
     made = {s: tmp_path / f"p{s}" for s in (".png", ".svg", ".pdf")}
-    size = ("--size", "7x5", "--dpi", "60", "--figure", "image", "--frame", "65")
+    size = ("--size", "7,5", "--dpi", "60", "--figure", "image", "--frame", "65")
     assert plot(CASE_4, "-o", made[".png"], *size).status == 0
     head = made[".png"].read_bytes()[:24]
     assert head[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">2I", head[16:]) == (420, 300)

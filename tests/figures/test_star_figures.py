@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
@@ -101,6 +102,19 @@ def test_plot_takes_a_star_solution(tmp_path: Path, solved: Path) -> None:
     assert file.read_bytes() != other.read_bytes()
     missing = plot(solved, "-o", file, "--frame", "nothing")
     assert missing.status == 1 and "no photograph nothing: there are" in missing.stderr
+
+
+def test_ground_points_are_not_called_stars(tmp_path: Path) -> None:
+    """Four points in the north, one of them outside of an image that the camera took there."""
+    points = tmp_path / "points.csv"
+    points.write_text(
+        "x_px,y_px,x_m,y_m,z_m\n40.1,50,-100,1000,0\n60,50.1,100,1000,0\n50,59.9,0,1000,-100\n"
+        "49.9,-20,0,1000,700\n"
+    )
+    options = ("--camera", "0,0,0", "--focal-px", "100", "--centre", "50,50", "--size", "101,101")
+    file = tmp_path / "ground.json"
+    assert vopd("stars", "solve", points, *options, "-o", file).status == 0
+    assert_approved(plot_stars([str(file)], None, None).get_suptitle().partition(": ")[2])
 
 
 def test_what_is_read_back_is_what_was_read(solved: Path) -> None:

@@ -75,7 +75,7 @@ def in_pixels(separator: str = ",", head: str = "x_px,y_px,ra_deg,dec_deg,name")
 
 
 SCALES = {
-    "pitch and size": ("--focal", "76", "--pitch-um", "5", "--size", "6000,4000"),
+    "pitch and size": ("--focal", "76", "--pitch-um", "5", "--size", "6000x4000"),
     "pixels and centre": ("--focal-px", "15200", "--centre", "2999.5,1999.5"),
 }
 

@@ -6,6 +6,7 @@ import csv
 import re
 import shutil
 from collections.abc import Callable, Iterator
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from tests.tolerances import within
 from tools.render_video import Settings, make
 from tools.track_coverage import count
 from vopd import solve_flight
+from vopd.figures import draw as draw_figure
 from vopd.flight.project import read_project
 from vopd.tracking import follow as rooms
 from vopd.tracking.follow import TrackOptions, follow
@@ -415,7 +417,8 @@ def test_patches_of_a_strip_are_alike(flight: Path) -> None:
     every[odd] = (10, marks[0], every[odd][2] + 12.0, every[odd][3])
     clicks(*every)
     vopd("track", "flight.toml")
-    (axis,) = solve_flight("flight.toml").plot("patches").subfigs[0].axes
+    solved = solve_flight("flight.toml")
+    (axis,) = solved.plot("patches").subfigs[0].axes
     assert [text.get_text() for text in axis.get_yticklabels()] == marks
     cells = [text for text in axis.texts if len(text.get_text().split()) == 2]
     wrong = [text.get_text() for text in cells if text.get_fontweight() == "bold"]
@@ -423,6 +426,16 @@ def test_patches_of_a_strip_are_alike(flight: Path) -> None:
     like = [float(text.get_text().split()[1]) for text in cells if text.get_fontweight() != "bold"]
     assert len(like) > 30 and np.median(like) > 0.95
     assert float(wrong[0].split()[1]) < 0.5
+    numbers = solved.estimate.frame.tolist()  # named as photographs: labels stay apart
+    solved.estimate.frame_names.extend(f"DJI_20261122_{k:06d}_V.jpg" for k in numbers)
+    scene = solved.estimate.scene()
+    figure = draw_figure(
+        "patches", [solved.history()], photograph=lambda k, _: scene.photograph(k, "")
+    )
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in figure.subfigs[0].axes[0].texts]
+    pairs = combinations(boxes, 2)
+    assert len(boxes) == len(axis.texts) and not any(one.overlaps(other) for one, other in pairs)
 
 
 def test_a_video_that_ends_too_early(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -77,11 +77,12 @@ def plot_stars(
 def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
     alpha, delta, swing = one.pointing
     image = f", {short(one.image, FRAME_SHOWN)}" if one.image else ""
-    title = (
-        f"{name}{image}: {one.method}, {count_text(len(one.images), 'star')}\n"
-        f"alpha {alpha:.5f}, delta {delta:.5f}, swing {swing:.5f} degrees"
-    )
     about = one.picture
+    point, axes = ("star", "") if about is None or about.sky else ("ground point", " in their axes")
+    title = (
+        f"{name}{image}: {one.method}, {count_text(len(one.images), point)}\n"
+        f"alpha {alpha:.5f}, delta {delta:.5f}, swing {swing:.5f} degrees{axes}"
+    )
     if about is None:  # of an earlier version
         return StarPicture(title, one.images, one.residuals, one.labels, one.unit)
     measured = np.vstack([one.images, *(star.image[None] for star in about.left_out)])
@@ -94,7 +95,7 @@ def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
     )  # fmt: skip
     in_file = one.unit == "px"
     sky = partial(about.sky_at, in_file=in_file) if about.sky else None
-    drawn = drawn._replace(sky=sky, epoch=one.epoch.partition(",")[0])
+    drawn = drawn._replace(sky=sky, epoch=one.epoch.partition(",")[0], point=point)
     if not in_file:
         return drawn
     at, computed = about.in_file(measured), about.in_file(measured - residual)
@@ -324,7 +325,7 @@ def _inches(names: Sequence[str], size: str | None, dpi: int) -> Inches | None:
     if size is None:
         return None
     try:
-        width, height = (float(part) for part in size.lower().split("x"))
+        width, height = (float(part) for part in size.lower().replace(",", "x").split("x"))
     except ValueError:
         raise click.UsageError(
             f"--size: {size!r} is not a width and height, for instance 9x6."

@@ -7,6 +7,7 @@ one's camera: all of a strip are alike if they are of the same point.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import PurePath
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
 from vopd.figures.image import Photograph, camera_index
-from vopd.figures.style import COLOURS, FLAGGED, caption, name_text, plain
+from vopd.figures.style import COLOURS, FLAGGED, caption, name_text, plain, short_start
 from vopd.findings import VopdError
 from vopd.geometry.earth import local_axes
 from vopd.scene import ImageScene, JobScene
@@ -24,6 +25,7 @@ SIDE = 41  # pixels of the first frame along a side of a patch as it is drawn
 ALIKE = 25  # of which the middle is compared with the first
 COLUMNS, MOST_STRIPS = 12, 12
 GAP = 12  # pixels between patches: their labels
+FRAME_SHOWN = 7  # characters of a frame's name below a patch
 LEVELS = 31  # of grey, with which the picture is half as large
 CROSS = np.array([[-5, 0], [-2, 0], [2, 0], [5, 0], [0, -5], [0, -2], [0, 2], [0, 5]])
 FLAT = 0.1  # sine of the angle below which a line of sight grazes the ground
@@ -97,7 +99,7 @@ def _draw(figure: Any, history: History, scene: JobScene, read: Photograph) -> s
             here = (rows.frame == one.k) & rows.outlier
             odd = {history.estimate.landmark_label(n) for n in rows.landmark[here].tolist()}
             wrong = one.kind == "wrong" or scene.names[mark] in odd
-            told = history.estimate.frame_label(one.k)
+            told = short_start(PurePath(history.estimate.frame_label(one.k)).stem, FRAME_SHOWN)
             if first is None:
                 first = patch
                 low, high = np.nanpercentile(first, (1, 99)) + np.array([-20.0, 20.0])

@@ -104,6 +104,7 @@ class StarPicture(NamedTuple):
     sky: Callable[[Floats], Floats] | None = None
     """Right ascension and declination at points of the picture, degrees, (n, 2)."""
     epoch: str = ""  # what they refer to
+    point: str = "star"  # what was read, "star" or "ground point"
 
 
 def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> Figure:
@@ -143,7 +144,7 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
             sides = np.where(upward, [low_side, high_side], [high_side, low_side])
         axis.set(xlim=sides[:, 0], ylim=sides[:, 1], aspect="equal")
         axis.grid(visible=False)
-        told = [f"{count_text(outside, 'star')} outside the image"] if outside else []
+        told = [f"{count_text(outside, picture.point)} outside the image"] if outside else []
         if picture.photograph is not None:
             shown = picture.photograph.convert("RGB")
             shown.thumbnail((MOST_SHOWN_PX, MOST_SHOWN_PX))

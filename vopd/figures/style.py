@@ -228,7 +228,7 @@ def label(history: History, histories: Sequence[History]) -> str:
     """Label a job in a legend."""
     sources = {h.about.source for h in histories}
     text = history.about.label if len(sources) > 1 else f"job {history.about.job}"
-    return plain(text if len(text) <= LABEL_SHOWN else f"…{text[1 - LABEL_SHOWN :]}")
+    return plain(short_start(text, LABEL_SHOWN))
 
 
 LABEL_SHOWN = 60  # characters of a job's label: the end, as it is of a path
@@ -332,6 +332,11 @@ SHOWN = 16  # characters of a label that are shown
 def short(label: str, most: int = SHOWN) -> str:
     """Shorten a label."""
     return label if len(label) <= most else f"{label[: most - 1]}…"
+
+
+def short_start(label: str, most: int) -> str:
+    """Shorten a label whose end tells it from others, as a path or the name of an image."""
+    return label if len(label) <= most else f"…{label[1 - most :]}"
 
 
 def name_text(name: str, most: int = SHOWN) -> str:

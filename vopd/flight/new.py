@@ -730,6 +730,8 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     table = text[:1] in "{[" and text[:1] != ""
     if row.kind in ("number", "numbers", "sigma") or key[1] == "height":  # TOML knows no .05
         text = re.sub(r"(?<![\w.])\.(?=\d)", "0.", text)
+    if key[1].endswith("size_px"):  # 1920x1080
+        text = text.replace("x", ", ")
     if row.kind in ("text", "file") and key[1] == "height" and is_number(text):
         text = f"{{ undulation_m = {text} }}"
     elif row.kind in ("text", "file", "files") or text == EXACT:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,7 @@ Callback = Callable[[click.Context, click.Parameter, Any], Any]
 
 
 def numbers(count: int) -> Callback:
-    """Build a callback that reads several numbers separated by commas; None without the option."""
+    """Build a callback that reads several numbers, 1,2 or 1x2; None without the option."""
 
     def convert(ctx: click.Context, param: click.Parameter, value: Any) -> Any:
         from vopd.geometry.sexagesimal import parse_number
@@ -31,7 +32,7 @@ def numbers(count: int) -> Callback:
         if value is None or isinstance(value, tuple):
             return tuple(convert(ctx, param, one) for one in value) if value else value
         try:
-            found = tuple(parse_number(part) for part in value.split(","))
+            found = tuple(parse_number(part) for part in re.split(r",|(?<=\d)x(?=\d)", value))
         except ValueError as error:
             raise click.BadParameter(f"{value!r} is not {param.metavar}: {error}.") from None
         if len(found) != count or max(map(abs, found)) > 1e12:
