@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -428,7 +428,7 @@ def test_patches_of_a_strip_are_alike(flight: Path) -> None:
     assert float(wrong[0].split()[1]) < 0.5
     numbers = solved.estimate.frame.tolist()  # named as photographs: labels stay apart
     solved.estimate.frame_names.extend(f"DJI_20261122_{k:06d}_V.jpg" for k in numbers)
-    scene = solved.estimate.scene()
+    scene: Any = cast("Any", solved.estimate.scene)()
     figure = draw_figure(
         "patches", [solved.history()], photograph=lambda k, _: scene.photograph(k, "")
     )
