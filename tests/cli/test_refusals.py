@@ -139,7 +139,7 @@ def test_a_picture_has_100_inches_and_20000_dots_at_most(
     assert_approved(refusal.value.message, parts=[f"{size!r}", largest])
 
 
-@pytest.mark.parametrize("size", ["9", "9x6x3", "axb", "", "9,6"])
+@pytest.mark.parametrize("size", ["9", "9x6x3", "axb", "", "9;6"])
 def test_a_size_is_two_numbers(size: str) -> None:
     with refused(click.UsageError):
         plot._inches("attitude", size, 150)

@@ -49,6 +49,22 @@ def test_a_video_with_a_track_beside_it(folder: Path) -> None:
     assert_approved("\n".join([*new.said, new.then]).replace(str(folder), "FOLDER"))
 
 
+def test_clicks_in_few_frames_are_to_be_followed(folder: Path) -> None:
+    """Picks in every frame, as another program's, are not."""
+    Path("t.csv").write_text("t_s,lat_deg,lon_deg,h_m,sigma_m\n0,47,15,9,1\n1,47.001,15,9,1\n")
+    head, row = (
+        "# pixels: (0, 0) the centre of the first pixel\nframe,landmark,u_px,v_px\n",
+        "{},mast,1,2\n",
+    )
+    said = []
+    for frames in ([0], [0, 1, 2]):
+        Path("c.csv").write_text(head + "".join(map(row.format, frames)))
+        given = {"landmarks": "l.csv", "track": "t.csv", "picks": "c.csv"}
+        new = project_of_files(folder, given, video=["a.mp4"])
+        said.append(f"{values(new)['picks'].get('tracked')}: {new.said[2:4]}")
+    assert_approved("\n".join(said).replace(str(folder), "FOLDER"))
+
+
 def test_a_video_with_a_track_by_date(folder: Path) -> None:
     """Neither file says when the first frame was, and the track has a clock of its own."""
     Path("t.csv").write_text(

@@ -210,7 +210,9 @@ def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
     )
 
 
-def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> bool:
+def look_at_picks(
+    new: NewProject, values: KeyValues, folder: Path, name: str | None, of_video: int = 0
+) -> bool:
     """Say what the picks are, and ask what they leave open.
 
     Args:
@@ -218,6 +220,7 @@ def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | 
         values: the keys that are known, to be added to
         folder: where the project will be
         name: the file; None where there is none
+        of_video: how many frames the video has; 0: there is none
 
     Returns:
         Whether the frames have numbers and not names.
@@ -231,11 +234,13 @@ def look_at_picks(new: NewProject, values: KeyValues, folder: Path, name: str | 
     if isinstance(rows.size_px, tuple) and ("camera", "image_size_px") not in values:
         values["camera", "image_size_px"] = toml_numbers(*rows.size_px)
         new.needed.pop(("camera", "image_size_px"), None)
-    frames = count_text(len(set(rows.frame)), "frame")
+    frames = len(set(rows.frame))
     grid = f", {rows.grid} grid" if rows.grid else ""
-    new.said.append(
-        f"{file.name}: {rows.said}, {count_text(len(rows.landmark), 'pick')} in {frames}{grid}"
-    )
+    picks = f"{count_text(len(rows.landmark), 'pick')} in {count_text(frames, 'frame')}{grid}"
+    new.said.append(f"{file.name}: {rows.said}, {picks}")
+    if frames < of_video * FEW_PICKED:
+        values["picks", "tracked"] = toml_text(TRACKED)
+        new.said.append(f"vopd track follows them through the {of_video} frames of the video")
     return len(rows.frame) == 0 or not isinstance(rows.frame, Names)
 
 
@@ -310,7 +315,8 @@ def look_at_track(
     file, rows = _read(new, values, folder, "track", name, TRACK_FORMATS)
     if rows.time_s is not None and not rows.image and (wrong := row_out_of_order(rows)):
         raise VopdError(f"{file.name}: {wrong}")
-    new.said.append(f"{file.name}: {rows.said}")
+    what, mark, more = rows.said.partition(";")
+    new.said.append(f"{file.name}: {what}{_span(rows)}{mark}{more}")
     if ("camera", "image_size_px") not in values and images_in(file.path):
         size = read_tags(images_in(file.path)[0]).size_px
         values["camera", "image_size_px"] = toml_numbers(*size)
@@ -331,15 +337,30 @@ def look_at_track(
     return rows
 
 
+def _span(rows: TrackRows) -> str:
+    """Say from when to when a track is; nothing of one without times."""
+    if rows.time_s is None or not np.isfinite(rows.time_s).all() or not len(rows.time_s):
+        return ""
+    first_s, last_s = float(rows.time_s[0]), float(rows.time_s[-1])
+    if rows.clock == "seconds":
+        told, unit = [f"{first_s:g}", f"{last_s:g}"], " s"
+    else:
+        dates = np.array([first_s * 1e3, last_s * 1e3]).round().astype("datetime64[ms]")
+        told, unit = dates.astype(str).tolist(), ""
+    return f", {' to '.join(dict.fromkeys(told))}{unit}"
+
+
 CLICKS = "clicks.csv"
 """What `vopd pick` saves."""
 TRACKED = "tracked.csv"
 """What `vopd track` writes."""
+FEW_PICKED = 0.5
+"""Part of a video's frames; picks in fewer are to be followed through the others."""
 
 
 def look_at_video(
     new: NewProject, values: KeyValues, folder: Path, names: Sequence[str], named: dict[str, str]
-) -> None:
+) -> int:
     """Say what the video is, and what it brings: times, size of the frames, perhaps a track.
 
     Args:
@@ -348,6 +369,9 @@ def look_at_video(
         folder: where the project will be
         names: its files
         named: the other files by what they are; a track in the video or beside it is added
+
+    Returns:
+        How many frames it has.
     """
     frames = open_frames(names)
     if frames.image_name:
@@ -374,7 +398,7 @@ def look_at_video(
             f"{folder}, and follow them through the others with vopd track"
         )
     if "track" in named or any(section == "position" for section, _ in values):
-        return
+        return len(frames)
     beside = [Path(names[0]).with_suffix(suffix) for suffix in (".SRT", ".srt")]
     for track in [*(str(one) for one in beside if one.is_file()), names[0]]:
         file = open_input(track, Path())
@@ -385,7 +409,8 @@ def look_at_video(
         named["track"] = track
         if len(names) > 1:
             new.said.append(f"{track}: the track of the first file of the video alone")
-        return
+        break
+    return len(frames)
 
 
 def look_at_times(
@@ -575,6 +600,8 @@ def project_of_files(
     share_receiver_error(new, values)
     if ("landmarks", "file") in new.needed:  # nothing to click yet
         new.then = ""
+    elif ("picks", "tracked") in values and not new.needed:
+        new.then = new.then or "track {}"
     new.contents[NAME] = project_text(values, with_common_error(new.needed), OWN_HEAD).encode()
     return new
 
@@ -648,8 +675,9 @@ def look_at_files(
             look_at_focal(new, values, Path(own))
     elif values["camera", "lens"].startswith("{"):
         look_at_numbers(new, values)
+    frames = 0
     if video:
-        look_at_video(new, values, folder, video, named)
+        frames = look_at_video(new, values, folder, video, named)
         new.needed.pop(("camera", "image_size_px"), None)
     by_number = True
     if "picks" not in named and images is not None and stills_in(Path(images)):
@@ -661,7 +689,7 @@ def look_at_files(
             f"no picks yet: click landmarks with vopd pick, and save {CLICKS} in {folder}"
         )
     elif "picks" in named or not video:
-        by_number = look_at_picks(new, values, folder, named.get("picks"))
+        by_number = look_at_picks(new, values, folder, named.get("picks"), frames)
         if images is not None and not by_number:
             look_at_pictures(new, values, folder, images)
     look_at_landmarks(new, values, folder, named.get("landmarks"))
