@@ -6,7 +6,14 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from vopd.attitude.history import History
-from vopd.figures.attitude import NO_ATTACK, draw_attack, draw_attitude, has_attack, single_frames
+from vopd.figures.attitude import (
+    NO_ATTACK,
+    draw_attack,
+    draw_attitude,
+    has_attack,
+    shows_attack,
+    single_frames,
+)
 from vopd.figures.image import Photograph as Photograph
 from vopd.figures.image import draw_image
 from vopd.figures.map import draw_map
@@ -100,9 +107,7 @@ def figure_names(name: str | Sequence[str], histories: Sequence[History]) -> lis
     names = [name] if isinstance(name, str) else list(name)
     if "all" not in names:
         return list(dict.fromkeys(names))
-    of_vehicle = any(h.about.words.attack for h in histories)
-    attack = of_vehicle and has_attack(drawn_jobs(histories))
-    missing: set[str] = set() if attack else {"attack"}
+    missing: set[str] = set() if shows_attack(drawn_jobs(histories)) else {"attack"}
     missing |= set() if any(h.estimate.scene for h in histories) else {"map"}
     missing |= set() if has_patches(histories) else {"patches"}
     return [one for one in FIGURES if one not in missing]

@@ -164,7 +164,8 @@ def draw_attitude(
         histories: the jobs
     """
     bodies = ["camera", "vehicle"] if any(map(is_turned, histories)) else ["vehicle"]
-    why = "" if has_attack(histories) else f"\n{NO_ATTACK}"
+    of_vehicle = any(h.about.words.attack for h in histories)
+    why = f"\n{NO_ATTACK}" if of_vehicle and not has_attack(histories) else ""
     names = [[f"{body}_{angle}" for angle in ("yaw", "pitch", "roll")] for body in bodies]
     if single_frames(histories):
         draw_table(figure, histories, [one for column in names for one in column])
@@ -284,6 +285,15 @@ def has_attack(histories: Sequence[History]) -> bool:
         histories: of the jobs
     """
     return any(np.isfinite(h.estimate.attack_deg).any() for h in histories)
+
+
+def shows_attack(histories: Sequence[History]) -> bool:
+    """Tell whether angles of attack are shown unasked: those of a vehicle, or in a known wind.
+
+    Args:
+        histories: of the jobs
+    """
+    return has_attack([h for h in histories if h.about.words.attack])
 
 
 def draw_attack(

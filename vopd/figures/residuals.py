@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.residuals import outliers
-from vopd.figures.attitude import broken, label_time_axis
+from vopd.figures.attitude import broken, label_time_axis, picked
 from vopd.figures.style import (
     COLOURS,
     FLAGGED,
@@ -214,10 +214,12 @@ def _lines(
         if longest > MANY:
             if place < 0:
                 continue
-            time, values = _means(time, values, _of_a_mean(longest))
-        times, index = broken(time, np.zeros(len(time)))
-        look["markevery"] = 1 if len(time) <= FEW else max(len(times) // 25, 1)
-        axis.plot(times, np.where(index < 0, np.nan, values[index]), **look)
+            times, values = _means(time, values, _of_a_mean(longest))
+        else:
+            times, index = broken(time, np.zeros(len(time)))
+            values = picked(values, index)
+        look["markevery"] = 1 if len(times) <= FEW else max(len(times) // 25, 1)
+        axis.plot(times, values, **look)
     if longest > MANY:
         axis.plot(
             found.time, np.clip(data, -most, most), ",", color="0.7", zorder=0, rasterized=True
@@ -230,12 +232,15 @@ def _of_a_mean(longest: int) -> int:
 
 
 def _means(time: Floats, values: Floats, each: int) -> tuple[Floats, Floats]:
-    """Average as many residuals at a time: times and values."""
-    parts = np.array_split(np.arange(len(time)), max(len(time) // each, 1))
-    return (
-        np.array([time[part].mean() for part in parts]),
-        np.array([values[part].mean() for part in parts]),
-    )
+    """Average as many residuals at a time, none across a gap: times and values, NaN at a gap."""
+    _, index = broken(time, np.zeros(len(time)))
+    made: list[tuple[float, float]] = []
+    for run in np.split(index, np.flatnonzero(index < 0)):
+        held = run[run >= 0]
+        parts = np.array_split(held, max(len(held) // each, 1))
+        made += [(time[part].mean(), values[part].mean()) for part in parts] + [(np.nan, np.nan)]
+    times, means = np.array(made[:-1]).T
+    return times, means
 
 
 def _histogram(axis: Any, sigmas: Floats) -> int:

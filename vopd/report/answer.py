@@ -16,10 +16,10 @@ from vopd.attitude.history import History
 from vopd.figures.attitude import (
     TOLD_BY,
     from_cut,
-    has_attack,
     in_range,
     interval_of,
     is_turned,
+    shows_attack,
     unwrapped_about,
     values_of,
 )
@@ -47,7 +47,7 @@ def angle_table(histories: Sequence[History]) -> tuple[list[str], Rows]:
     names = [(f"{body} {one}", f"{body}_{one}") for body in bodies for one in AXES]
     if len(bodies) == 1:
         names = [(one, f"vehicle_{one}") for one in AXES]
-    if has_attack(histories):
+    if shows_attack(histories):
         names += [(one, one) for one in ("alpha", "beta", "eta")]
     single = sum(int(h.has_attitude.sum()) for h in histories) == 1
     head = ["angle", "degrees", "± (95 %)"] if single else ["angle", *RANGE]

@@ -15,7 +15,7 @@ from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table import TableColumn, column_name, columns_of, table_values
 from vopd.estimate import Units
 from vopd.export.tables import as_text
-from vopd.figures.attitude import TOLD_BY, is_turned
+from vopd.figures.attitude import TOLD_BY, is_turned, shows_attack
 from vopd.figures.image import camera_index, horizon_dip_deg, toward
 from vopd.figures.map import MISSED, ground
 from vopd.findings import count_text
@@ -179,6 +179,7 @@ def _jobs(histories: Sequence[History]) -> list[dict[str, Any]]:
             "count": len(h.status),
             "axis": h.order_axis[1],
             "turned": is_turned(h),
+            "attack": shows_attack([h]),
             "unit": e.units.image,
             "residual": e.units.residual,
             "per": e.units.residuals_per_image,

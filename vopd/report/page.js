@@ -757,7 +757,7 @@ function work(data) {
     link.addEventListener("click", () => { flag.value = link.dataset.flag; filter(); });
   }
   for (const option of [...group.options]) {
-    const any = (job) => (option.value === "camera" ? job.turned : option.value !== "attack" || byName.alpha_deg.values.some((one) => one !== null));
+    const any = (job) => ({ camera: job.turned, attack: job.attack })[option.value] ?? true;
     if (!jobs.some(any)) option.remove();
   }
   group.parentNode.hidden = group.options.length < 2;
