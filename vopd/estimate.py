@@ -87,6 +87,7 @@ class About(NamedTuple):
     down: str = "along the ellipsoid's normal"  # what the local vertical is
     words: Words = Words()
     epoch: datetime | None = None  # the date of time zero, if the source states it
+    doubt: str = ""  # how its residuals contradict the source as a whole; empty: they do not
 
     @property
     def label(self) -> str:

@@ -14,6 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
+from tests.approved.texts import assert_approved
 from tests.kit.command import ROOT, vopd
 from tests.kit.figures import labelled, points
 from tests.kit.histories import with_estimate
@@ -21,10 +22,11 @@ from tests.tolerances import assert_close, within
 from vopd.attitude.history import History
 from vopd.figures import draw
 from vopd.figures.map import STEPS
-from vopd.figures.style import place_names
+from vopd.figures.style import doubts_text, place_names
 from vopd.flight.result import solve_flight
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.report import embedded_photographs
+from vopd.report.answer import doubts
 
 HILL = ROOT / "examples" / "hill"
 
@@ -181,3 +183,24 @@ def test_names_do_not_cover_each_other(count: int) -> None:
     assert len(boxes) == count - left_out and (left_out > 0) == (count > 2)
     for k, one in enumerate(boxes):
         assert not any(one.overlaps(other) for other in boxes[:k])
+
+
+def test_every_title_says_that_a_flight_misfits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Tower and mast have each other's coordinates; alone, and beside the flight as it is."""
+    shutil.copytree(HILL, tmp_path / "wrong")
+    shutil.copytree(HILL, tmp_path / "right")
+    monkeypatch.chdir(tmp_path)
+    marks, other = Path("wrong/landmarks.csv"), {"tower": "mast", "mast": "tower"}
+    rows = [line.partition(",") for line in marks.read_text().splitlines()]
+    marks.write_text("".join(f"{other.get(name, name)},{rest}\n" for name, _, rest in rows))
+    wrong, right = (solve_flight(f"{name}/flight.toml").history() for name in ("wrong", "right"))
+    told = [doubts_text(made) for made in ([wrong], [wrong, right], [right])]
+    assert_approved(str(told))
+    for name in ("attitude", "residuals", "image", "map"):
+        title = " ".join(draw(name, [wrong]).subfigs[0].get_suptitle().split())
+        assert told[0][0] in title
+    both = draw("residuals", [wrong, right]).subfigs[0].get_suptitle()
+    assert told[1][0] in " ".join(both.split())
+    assert doubts([wrong])[0].text == told[0][0] and not doubts([right])

@@ -176,7 +176,8 @@ def draw_map(
         told.append("the image shows more ground, farther away than is drawn")
     if nameless:
         told.append(f"{count_text(nameless, 'name')} left out for want of room")
-    told.append(f"below: from the side, heights drawn {stretched:.2g} times as large as distances")
+    scale = f"heights drawn {stretched:.2g} times as large as distances"
+    told.append(f"below: from the side, {scale if f'{stretched:.2g}' != '1' else 'to scale'}")
     return f"{caption([history])}\n{'; '.join(told)}"
 
 

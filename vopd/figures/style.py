@@ -205,11 +205,12 @@ def _more_fonts() -> list[str]:
     return [name for name in MORE_FONTS if name in installed]
 
 
+MOST_DOUBTS = 3  # sources of which a caption says how they are contradicted
 TITLE_SHOWN = 100  # characters of a job's title: those of a card and some more
 
 
 def caption(histories: Sequence[History]) -> str:
-    """Write the caption: sources, the title if there is one job, and the fixes in force."""
+    """Write the caption: sources, the title if there is one job, fixes in force, misfits."""
     names = list(dict.fromkeys(h.about.source for h in histories))
     text = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     if len(histories) == 1:
@@ -221,7 +222,15 @@ def caption(histories: Sequence[History]) -> str:
     fixes = histories[0].about.fixes
     if fixes:
         text += f"\ncorrected run, not the original: {fixes}"
-    return plain(text)
+    return "\n".join(map(plain, [text, *doubts_text(histories)[:MOST_DOUBTS]]))
+
+
+def doubts_text(histories: Sequence[History]) -> list[str]:
+    """Say which sources are contradicted by their residuals, and how: a sentence each."""
+    doubt = {h.about.source: h.about.doubt for h in histories}
+    if len(doubt) == 1:
+        return [one for one in doubt.values() if one]
+    return [f"{source}: {one}" for source, one in doubt.items() if one]
 
 
 def label(history: History, histories: Sequence[History]) -> str:

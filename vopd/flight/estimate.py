@@ -413,6 +413,7 @@ class FlightEstimates:
         self._made: dict[bytes, Estimate] = {}
         self._outlier: Bools | None = None  # (P,)
         self._exchanged = np.zeros(0)  # (P,)
+        self.doubt = ""  # as `About.doubt`
 
     @property
     def flight(self) -> Flight:
@@ -582,6 +583,16 @@ class FlightEstimates:
             part = self.blocks.part(np.frombuffer(key, np.int64))
             self._made[key] = self._with_marks(made, part)
 
+    def contradict(self, doubt: str) -> None:
+        """Say in all estimates how the residuals contradict the flight as a whole.
+
+        Args:
+            doubt: as `About.doubt`
+        """
+        self.doubt = doubt
+        for key, made in self._made.items():
+            self._made[key] = replace(made, about=made.about._replace(doubt=doubt))
+
     def _with_marks(self, one: Estimate, part: FlightPart) -> Estimate:
         """Add to the estimate of some frames the picks that do not fit."""
         if self._outlier is None:
@@ -723,6 +734,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
             title=flight.name,
             words=whole.words,
             epoch=flight.epoch,
+            doubt=whole.doubt,
         ),
         units=FLIGHT_UNITS,
         frame=flight.frame,

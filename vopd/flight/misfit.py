@@ -727,6 +727,15 @@ class Doubts(NamedTuple):
     misfits: bool  # or its video is stabilised
     explained: bool  # by an error that is no single landmark's
 
+    @property
+    def sentence(self) -> str:
+        """Say in one sentence that the flight misfits, and by what; empty: it does not."""
+        if not self.misfits:
+            return ""
+        texts = [one.message for one in self.findings]
+        causes = [one for one in texts if not one.startswith(MISFITS)]
+        return f"{MISFITS}: {causes[0]}" if causes else texts[0]
+
 
 def flight_findings(
     flight: Flight,

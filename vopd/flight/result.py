@@ -380,6 +380,7 @@ def solve_flight_read(
 
     blunders = found.pick | swapped
     doubts = flight_findings(flight, without, apart, found.landmark, usual, blunders)
+    estimates.contradict(doubts.sentence)
     if doubts.misfits:  # of a flight as a whole it is not said which frames are not searched
         swaps = swaps._replace(not_searched=0)
         from vopd.flight.check_flight import far_landmarks  # which takes results

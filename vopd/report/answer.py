@@ -23,6 +23,7 @@ from vopd.figures.attitude import (
     unwrapped_about,
     values_of,
 )
+from vopd.figures.style import doubts_text
 from vopd.findings import count_text
 
 Rows = list[list[str]]
@@ -89,7 +90,9 @@ def _decimals(half: float) -> int:
 
 
 def doubts(histories: Sequence[History]) -> list[Doubt]:
-    """List what is doubtful: frames without an attitude, and frames by flag; most frames first.
+    """List what is doubtful: flights that misfit, frames without an attitude, and frames by flag.
+
+    The flag of most frames comes first.
 
     Args:
         histories: the jobs
@@ -117,7 +120,7 @@ def doubts(histories: Sequence[History]) -> list[Doubt]:
     if none:
         kinds = ", ".join(f"{none.count(word)} {word}" for word in dict.fromkeys(none))
         listed.insert(0, Doubt(f"{len(none)} of {of}: no attitude ({kinds})"))
-    return listed
+    return [*map(Doubt, doubts_text(histories)), *listed]
 
 
 def not_included(histories: Sequence[History]) -> list[str]:
