@@ -258,6 +258,12 @@ def command(
     if left_out and set(names) - set(OF_ONE_FRAME) and not options.quiet:
         click.echo(f"drawn are {left_out}; --job draws another", err=True)
     note = notes(options.quiet)
+    scenes = [h.estimate.scene() for h in histories if images and h.estimate.scene]
+    if images is not None and not any(scene.image for scene in scenes):
+        raise click.UsageError(
+            "--images is for flights: a deck's readings are millimetres on film. vopd new DIR "
+            "--deck DECK makes a flight project of one of its jobs."
+        )
     reads = None if images is None else _photographs(images)
     wanted = figure_names(names, histories)
     drawn: Any
