@@ -14,7 +14,7 @@ import pytest
 
 from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
-from tests.kit.flight_project import TOML, marks_m, write_project
+from tests.kit.flight_project import TOML, long_track, marks_m, write_project
 from vopd.attitude.findings import HistorySummary
 from vopd.findings import Finding, VopdError
 from vopd.flight import check_flight as check_module
@@ -46,6 +46,20 @@ def test_an_error_is_one_and_has_status_1(tmp_path: Path) -> None:
     assert ran.status == 1
     (found,) = json.loads(ran.stdout)
     assert_approved(found["errors"][0]["message"])
+
+
+@pytest.mark.parametrize(("stated_s", "wrong_s"), [(0.5, 0.4), (0.5, -0.6), (5.0, -4.0)])
+def test_a_clock_that_is_off_by_what_is_stated_is_named(
+    stated_s: float, wrong_s: float, tmp_path: Path
+) -> None:
+    """The angles are those of the clock as it is stated, and their residuals large."""
+    text = TOML.replace('sigma_t_s = "exact"', f"sigma_t_s = {stated_s}\noffset_s = {wrong_s}")
+    text = text.replace("frame_rate", "sigma_px = 0.5\nframe_rate")
+    path = write_project(tmp_path, text, noise_px=0.5)
+    long_track(tmp_path)
+    *_, said = messages(path)
+    offset_s, _, sigma_s = said.partition("offset_s = ")[2].split()[:3]
+    assert abs(float(offset_s)) < 3.0 * float(sigma_s) < 0.1
 
 
 def test_a_frame_that_misfits_is_named_as_attitude_names_it(tmp_path: Path) -> None:

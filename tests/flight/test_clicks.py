@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from tests.approved.texts import assert_approved
 from tests.kit.clicked_flights import ClickedFlight, clicked_flight, dense_solution, with_rows
 from tests.kit.flight_project import TOML, pixels, write_project
+from tests.kit.joint_flights import NED_FROM_ENU, axes, turned_out
 from tests.tolerances import assert_close
 from vopd.attitude.included import left_out_text
 from vopd.cli.new import write_project as write_adjusted
@@ -173,6 +174,38 @@ def test_the_clicks_alone_name_an_error_that_the_tracks_were_led_astray_by() -> 
     assert_approved(told.partition("a focal length of")[2].partition("px")[2])
     focal_px, _, sigma_px = told.partition("a focal length of ")[2].split(" px")[0].split(" ")
     assert abs(float(focal_px) - 3090.0) < 3.0 * float(sigma_px)
+
+
+def of_a_late_clock(one: ClickedFlight, late_s: float) -> ClickedFlight:
+    """The same flight where the camera climbs, its frames late, .5 s being stated for them."""
+    speed_m_s, path = np.array([6.0, 0.0, 8.0]), one.flight.path  # east, north, up
+    moved_m = turned_out(axes(path.position_m), np.tile(speed_m_s, (len(path.position_m), 1)))
+    path = replace(
+        path,
+        position_m=path.position_m - late_s * moved_m,
+        velocity_m_s=np.tile(speed_m_s @ NED_FROM_ENU, (len(moved_m), 1)),
+        acceleration_m_s2=np.zeros_like(moved_m),
+    )
+    options = replace(one.flight.options, parameter_sigma={"clock": 0.5})
+    return one._replace(flight=replace(one.flight, path=path, options=options))
+
+
+@pytest.mark.parametrize("late_s", [0.5, -0.5])
+def test_a_clock_that_is_off_by_what_is_stated_makes_no_click_wrong(late_s: float) -> None:
+    """The clock is named: the angles are those of the clock as it is stated."""
+    one = of_a_late_clock(clicked_flight(np.random.default_rng(5), 30, every=30), late_s)
+    result = solve_flight_read(one.flight)
+    _, said = messages(result)
+    assert result.misfits and " or " not in said
+    offset_s, _, sigma_s = said.partition("offset_s = ")[2].split()[:3]
+    assert abs(float(offset_s) + late_s) < 3.0 * float(sigma_s) < 0.1
+
+
+def test_a_wrong_click_is_named_beside_a_clock_that_is_hardly_known() -> None:
+    one = of_a_late_clock(clicked_flight(np.random.default_rng(5), 30, every=30), 0.0)
+    own = np.array(one.rows.landmark) == "P3"
+    (said,) = messages(moved(one, own, [8.0, 0.0], carried=True))
+    assert "the click of P3 does not fit the other clicks" in said
 
 
 # A project with a tracked file

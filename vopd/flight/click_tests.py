@@ -17,7 +17,7 @@ from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.findings import Finding, VopdError, count_text
 from vopd.flight.clicks import ClickEquations
 from vopd.flight.equations import Model
-from vopd.flight.errors import priors_of
+from vopd.flight.errors import every_prior, priors_of
 from vopd.flight.exchanged import exchanged_places
 from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.joint import JointSolution, solve_jointly
@@ -64,6 +64,8 @@ def _without(flight: Flight) -> FlightOfClicks:
     joint = solve_jointly(flight, priors_of(flight))
     if _is_of_all(joint):
         return FlightOfClicks(flight, [])
+    if joint.stated[0]:  # an error of clock or lens, as large as is stated, is no click's
+        joint = solve_jointly(flight, every_prior(flight))
     seems = np.zeros(len(every.frame), bool)  # wrong, and is not
     while seems.sum() < MOST_TRIED and len(tells) < MOST_WRONG * len(every.frame):
         squares = _squares(joint)
@@ -75,7 +77,7 @@ def _without(flight: Flight) -> FlightOfClicks:
         worst, clicks = int(np.nanargmax(squares)), flight.picks.clicks
         assert clicks is not None
         less = without_readings(flight, clicks.click == worst)
-        again = solve_jointly(less, priors_of(less))
+        again = solve_jointly(less, every_prior(less))
         away_px = _away_px(again, flight, worst)
         size_px = float(every.sigma_px[worst])
         if chdtrc(2.0, float((away_px**2).sum()) / size_px**2) < limit:

@@ -311,11 +311,16 @@ class Model:
 
     def with_priors(self, priors: Priors) -> Model:
         """Take the same picks with other unknowns."""
-        used = np.zeros(len(self.flight.picks.frame), bool)
-        used[self.pick] = True
         every = np.ones(self.frames, bool)
         picks = self.flight.picks.sigma_px
-        return Model(self.flight, priors, used, every, picks, self.readout, self.loss)
+        return Model(self.flight, priors, self.used, every, picks, self.readout, self.loss)
+
+    @property
+    def used(self) -> Bools:
+        """The picks of the flight that take part, marked."""
+        used = np.zeros(len(self.flight.picks.frame), bool)
+        used[self.pick] = True
+        return used
 
     def _enu(self, ned: Floats | None) -> Floats:
         """Convert vectors to east, north, up (F, 3); 0 where they are not known."""

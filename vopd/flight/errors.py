@@ -39,6 +39,13 @@ def priors_of(flight: Flight) -> Priors:
     )
 
 
+def every_prior(flight: Flight) -> Priors:
+    """Collect them with the parameters that are stated and not solved for."""
+    priors = priors_of(flight)
+    stated = {name: one for name, one in flight.options.parameter_sigma.items() if one > 0.0}
+    return replace(priors, parameter={**stated, **priors.parameter})
+
+
 SOLVED_WITH = ("landmark", "position", "focal_length", "time_s")
 """The fields of `Sigmas` besides `reading` with which a flight is solved."""
 

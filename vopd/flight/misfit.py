@@ -22,7 +22,7 @@ from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.findings import Finding, VopdError
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, Priors, Readout
-from vopd.flight.errors import priors_of
+from vopd.flight.errors import every_prior, priors_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import CameraPath, Flight, Shutter
 from vopd.flight.free import value_text
@@ -308,6 +308,8 @@ def _solved_again(
             solved.append((one, again, max(rest, flight.picks.least_variance)))
     least = min((rest for *_, rest in solved), default=1.0)
     variance = 1.0 if known and least < REJECTED**2 else least
+    # matches that are better than stated make no click better
+    of_values = variance if flight.picks.clicks is None else max(variance, 1.0)
     found = []
     for one, again, rest in solved:
         left = 0.0 if unsettled > MOST_UNSETTLED else MOST_LEFT * cost / freedom
@@ -320,7 +322,7 @@ def _solved_again(
         else:
             index = np.array([again.model.names.index(name) for name in one.parameters])
             value = again.state.parameter[index]
-        sigma = np.sqrt(variance * np.diag(np.asarray(again.factored.common))[index])
+        sigma = np.sqrt(of_values * np.diag(np.asarray(again.factored.common))[index])
         gain = max(cost - again.normal.cost, 0.0)
         chance = _chance(joint, known, len(index), gain, rest)
         gain /= variance
@@ -341,12 +343,11 @@ def _solved_with(
         usual = {**USUAL, "focal": USUAL["focal"] * float(flight.lens.focal_px.mean())}
         parameter |= {name: usual[name] for name in one.parameters}
         readout = _readout(joint) if "readout" in one.parameters else None
-    used = np.zeros(len(flight.picks.frame), bool)
-    used[joint.model.pick] = True
     value = np.array([joint.model.value(joint.state, name) for name in parameter])
     priors = replace(priors, parameter=parameter, landmark_m=landmark_m)
     start, since_s = joint.state._replace(parameter=value), _since_first_s(flight)
     try:
+        used = joint.model.used
         return solve_jointly(flight, priors, used, start, readout, joint.solved, since_s)
     except VopdError:
         return None
@@ -607,9 +608,7 @@ def sizes_text(flight: Flight, left_out: Bools | None = None) -> str:
         flight: with the standard deviations that are stated
         left_out: picks that take no part, (P,)
     """
-    priors = priors_of(flight)
-    stated = {name: one for name, one in flight.options.parameter_sigma.items() if one > 0.0}
-    priors = replace(priors, parameter={**stated, **priors.parameter})
+    priors = every_prior(flight)
     used = None if left_out is None else ~left_out
     first = solve_jointly(flight, priors, used)
     model = first.model
@@ -709,6 +708,14 @@ def sampled(flight: Flight) -> FlightPart:
     return blocks.part(np.sort(chosen))
 
 
+def of_sampled(joint: JointSolution) -> JointSolution:
+    """Solve a longer flight by its drawn frames alone."""
+    if len(joint.model.pick) <= MOST_PICKS:
+        return joint
+    some = sampled(joint.model.flight)
+    return solve_jointly(some.flight, priors_of(some.flight), joint.model.used[some.picks])
+
+
 MATCHED = 2.0  # times what a tracked file states: its sigma of a match is an estimate
 
 
@@ -797,9 +804,7 @@ def _explanations(
     stated = stated_sigma_px(flight)
     causes, own = list[str](), False  # whether it is a landmark's or a pick's own error
     exact = not joint.passes
-    if len(joint.model.pick) > MOST_PICKS:
-        some = sampled(joint.model.flight)
-        joint = solve_jointly(some.flight, priors_of(some.flight), ~left_out[some.picks])
+    joint = of_sampled(joint)
     if flight.picks.clicks is not None:
         from vopd.flight.stabilised import shifts_text  # of few flights
 
@@ -812,6 +817,8 @@ def _explanations(
         causes = exchanges(flight, expected_px)
     if not causes:
         without_px = expected_px if misfit and reading.source != "stated" else None
+        if misfit:
+            joint = with_stated_exact(joint, expected_px)
         found = significant_errors(joint, reading.source == "stated", without_px)
         again = ""
         if misfit and flight.picks.clicks is not None:
@@ -819,9 +826,7 @@ def _explanations(
         marks = [one.error.landmark for one in found]
         own = max(marks, default=-1 if not wrong.any() else 0) >= 0
         if found and not np.append(wrong, False)[marks].any():
-            names = ", or ".join(one.error.text(one.value, one.sigma) for one in found)
-            chance = chance_text(max(one.chance for one in found))
-            causes = [f"{SPEAK_FOR} {names} (chance {chance}){again}"]
+            causes = [_named_text(found) + again]
         if misfit:  # units and clocks explain all residuals, which one landmark may seem to
             whole = bool(causes) and min(one.rest for one in found) < REJECTED**2
             more = usual(own or whole)
@@ -834,6 +839,44 @@ def _explanations(
     own |= any(OF_LANDMARK in one for one in left)
     explained = any(words in one for one in left for words in (SPEAK_FOR, TYPICAL))
     return causes, explained and not own
+
+
+def with_stated_exact(joint: JointSolution, sigma_px: float) -> JointSolution:
+    """Take parameters as exact if errors of them within what is stated explain a misfit.
+
+    They are then tried as large as they are; otherwise what they leave would be named.
+
+    Args:
+        joint: the solution of a flight that misfits with them as stated
+        sigma_px: standard deviation of a pick where nothing is wrong
+    """
+    flight, used = joint.model.flight, joint.model.used
+    if not joint.stated[0]:
+        return joint
+    expected = replace(flight, picks=flight.picks.with_sigma(sigma_px))
+    every = solve_jointly(expected, every_prior(expected), used, first=joint.solved)
+    if every.normal.cost > REJECTED**2 * residuals_freedom(joint):
+        return joint
+    options = replace(flight.options, parameter_sigma={})
+    return solve_jointly(replace(flight, options=options), joint.model.priors, used, joint.state)
+
+
+def within_stated_text(joint: JointSolution, sigma_px: float) -> str:
+    """Name errors within what is stated that explain large residuals; or nothing.
+
+    Args:
+        joint: the solution of a flight
+        sigma_px: standard deviation of a pick where nothing is wrong
+    """
+    joint = of_sampled(joint)
+    exact = with_stated_exact(joint, sigma_px)
+    found = [] if exact is joint else significant_errors(exact, True)
+    return _named_text(found) if found else ""
+
+
+def _named_text(found: list[Significant]) -> str:
+    names = ", or ".join(one.error.text(one.value, one.sigma) for one in found)
+    return f"{SPEAK_FOR} {names} (chance {chance_text(max(one.chance for one in found))})"
 
 
 def _rather_by_clicks(flight: Flight, found: list[Significant]) -> tuple[list[Significant], str]:

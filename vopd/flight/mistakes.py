@@ -13,7 +13,7 @@ from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import Flight
-from vopd.flight.misfit import OF_LANDMARK, TYPICAL, UNEXPLAINED
+from vopd.flight.misfit import OF_LANDMARK, TYPICAL, UNEXPLAINED, within_stated_text
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult
@@ -61,6 +61,9 @@ def usual_mistakes(project: Project, result: FlightResult, named: bool = False) 
         if text or named:
             return [text] * bool(text)
     if before > MISFIT * sigma:
+        joint = result.estimates.joint
+        if joint is not None and (text := within_stated_text(joint, sigma)):
+            return [text]
         return [f"residuals are {before:.1f} {TYPICAL}: {UNEXPLAINED}"]
     return []
 

@@ -16,18 +16,16 @@ from scipy.special import fdtrc
 
 from vopd.arrays import Floats, Ints
 from vopd.attitude.residuals import SIGNIFICANCE
-from vopd.flight.errors import priors_of
-from vopd.flight.joint import JointSolution, solve_jointly, weighed
+from vopd.flight.joint import JointSolution, weighed
 from vopd.flight.misfit import (
     ALIKE,
     LEAST_FREEDOM,
-    MOST_PICKS,
     NOTHING_SHOWS,
     SHIFTED,
     even_path,
     input_errors,
+    of_sampled,
     residuals_freedom,
-    sampled,
 )
 
 LEAST_SHIFT_PX = 3.0  # root mean square of the shifts: smaller ones are not named
@@ -80,11 +78,7 @@ def shifts_of_frames(joint: JointSolution) -> Shifts:
     Args:
         joint: the solution of a flight
     """
-    if len(joint.model.pick) > MOST_PICKS:
-        used = np.zeros(len(joint.model.flight.picks.frame), bool)
-        used[joint.model.pick] = True
-        drawn = sampled(joint.model.flight)
-        joint = solve_jointly(drawn.flight, priors_of(drawn.flight), used[drawn.picks])
+    joint = of_sampled(joint)
     model = joint.model
     frame = model.flight.picks.frame[model.pick]
     count = np.bincount(frame, minlength=model.frames)

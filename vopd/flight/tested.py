@@ -157,8 +157,7 @@ def _solved_without(estimates: FlightEstimates, tests: LeftOut, every: int) -> L
     far = far[np.argsort(-tests.evidence[far], kind="stable")[:MOST_SOLVED]]
     if not len(far):
         return tests
-    used = np.zeros(len(flight.picks.frame), bool)
-    used[model.pick] = True
+    used = model.used
     variance = (reading.test_sigma / model.flight.picks.one_sigma_px) ** 2
     found = tests.take(far)
     for k, pick in enumerate(found.pick.tolist()):
