@@ -347,8 +347,9 @@ def _solved_with(
     priors = replace(priors, parameter=parameter, landmark_m=landmark_m)
     start, since_s = joint.state._replace(parameter=value), _since_first_s(flight)
     try:
-        used = joint.model.used
-        return solve_jointly(flight, priors, used, start, readout, joint.solved, since_s)
+        return solve_jointly(
+            flight, priors, joint.model.used, start, readout, joint.solved, since_s
+        )
     except VopdError:
         return None
 
@@ -868,9 +869,12 @@ def within_stated_text(joint: JointSolution, sigma_px: float) -> str:
         joint: the solution of a flight
         sigma_px: standard deviation of a pick where nothing is wrong
     """
-    joint = of_sampled(joint)
-    exact = with_stated_exact(joint, sigma_px)
-    found = [] if exact is joint else significant_errors(exact, True)
+    try:
+        joint = of_sampled(joint)
+        exact = with_stated_exact(joint, sigma_px)
+        found = [] if exact is joint else significant_errors(exact, True)
+    except (VopdError, np.linalg.LinAlgError):  # the angles stand without
+        return ""
     return _named_text(found) if found else ""
 
 
