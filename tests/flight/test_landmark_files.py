@@ -186,3 +186,16 @@ def test_a_table_that_has_part_of_landmarks(header: str, message: str) -> None:
     assert told(f"{header}\n{cells}\n").startswith(f"m: line 1: {message}")
     for other in ("lat_deg,h_m", "x_m,z_m", "nom"):
         assert told(f"{other}\n1,2\n").startswith("m: the format is not recognised")
+
+
+# KML
+
+
+def test_one_placemark_at_height_0_is_a_height() -> None:
+    """Files without heights have 0 in all of them."""
+    place = "<Placemark><name>{}</name><Point><coordinates>16.5,47.5,{}</coordinates></Point>"
+    place += "</Placemark>"
+    head, end = '<kml xmlns="http://www.opengis.net/kml/2.2"><Document>', "</Document></kml>"
+    marks = read(head + place.format("pier", 0) + place.format("mast", 30) + end)
+    assert [*marks.coordinate[:, 2]] == [0.0, 30.0] and marks.name == ["pier", "mast"]
+    assert_approved(told(head + place.format("pier", 0) + place.format("mast", 0) + end))

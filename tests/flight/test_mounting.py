@@ -21,9 +21,11 @@ PLAN = Plan(Errors(0.3), frames=20, landmarks=6, sigma_px=True, frame_hz=5.0, ji
 SENSOR_DEG = 0.3
 
 
-def write(folder: Path, turn_deg: list[float], keys: str, rng: np.random.Generator) -> None:
+def write(
+    folder: Path, turn_deg: list[float], keys: str, rng: np.random.Generator, plan: Plan = PLAN
+) -> None:
     """A camera that looks forward, but for a turn about the vehicle's forward, right, down."""
-    truth = write_flight(folder, PLAN, rng)
+    truth = write_flight(folder, plan, rng)
     mount = Rotation.from_rotvec(turn_deg, degrees=True).as_matrix()
     vehicle = body_to_ned(truth.angles_deg[:, 3:6]) @ mount.T
     noise = rng.normal(0.0, SENSOR_DEG, (PLAN.frames, 3))
@@ -51,6 +53,19 @@ def test_the_mount_is_within_its_standard_deviations(tmp_path: Path, keys: str) 
     assert_close("mount", sigma, SENSOR_DEG / np.sqrt(20.0))
     off = np.array([one.after for one in found]) - [1.0, -2.0, 3.0]
     assert (np.abs(off) < 4.0 * sigma).all()
+
+
+def test_late_frames_have_the_attitude_of_their_own_moment(tmp_path: Path) -> None:
+    """The vehicle turns by degrees in the .4 s that the frames' clock is fast."""
+    plan = PLAN._replace(swing_deg=15.0, speed_m_s=30.0)
+    write(tmp_path, [1.0, -2.0, 3.0], "row,t_s", np.random.default_rng(1), plan)
+    file = tmp_path / "flight.toml"
+    text = file.read_text(encoding="utf-8").replace('sigma_t_s = "exact"', "sigma_t_s = 1.0")
+    file.write_text(text.replace("first_frame_t_s = 0.0", "first_frame_t_s = 0.4"))
+    clock, *mount = adjust(file, ["mount", "clock"]).parameters
+    assert abs(clock.after + 0.4) < 4.0 * clock.sigma_after
+    off = np.array([one.after for one in mount]) - [1.0, -2.0, 3.0]
+    assert (np.abs(off) < 4.0 * np.array([one.sigma_after for one in mount])).all()
 
 
 def test_a_stated_mount_counts_by_its_standard_deviation(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
@@ -26,7 +27,7 @@ from vopd.tracking.patches import (
     warp,
 )
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
-from vopd.tracking.terrain import Terrain
+from vopd.tracking.terrain import Terrain, relief_text
 from vopd.tracking.tracker import RESIDUAL_PX, agreement
 
 EARTH_M = 6378137.0
@@ -226,3 +227,15 @@ def test_a_frame_that_has_turned() -> None:
     )
     assert likeness > 0.95
     assert_close("turn by whole frames", turn_between(NADIR, found), turn)
+
+
+@pytest.mark.parametrize(
+    ("wide_m", "high_m", "said"),
+    [(1000.0, 29.0, 0), (1000.0, 31.0, 1), (100.0, 9.0, 0), (100.0, 11.0, 1)],
+)
+def test_a_terrain_is_advised_where_it_helps(wide_m: float, high_m: float, said: int) -> None:
+    """From 3 percent of the landmarks' extent on, and from 10 m on."""
+    told = relief_text(np.array([[0.0, 0.0, 5.0], [0.0, wide_m, 5.0 + high_m]]))
+    assert len(told) == said
+    if said:
+        assert_approved(told[0], parts=[f"{high_m:.0f}"])

@@ -112,6 +112,19 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     assert strict.count("tracked") < sum(row["status"] == "tracked" for row in found) / 2
 
 
+def test_far_from_all_clicks_the_nearest_is_matched(flight: Path) -> None:
+    """Clicks in frames 0 and 20, of which each reaches two frames."""
+    places = truth()
+    both = [mark for k, mark in places if k == 0 and (20, mark) in places]
+    clicks(*((k, mark, *places[k, mark]) for k in (0, 20) for mark in both))
+    assert vopd("track", "flight.toml", "--reach", "2").status == 0
+    of_click = {
+        (int(row["frame"]), int(row["from_frame"]))
+        for row in rows(flight / "tracked.csv") if row["status"] == "tracked"
+    }  # fmt: skip
+    assert of_click == {(k, 0 if k <= 10 else 20) for k, _ in of_click} and len(of_click) > 15
+
+
 def test_another_draw_against_the_truth(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(draw(tmp_path, 6))
     assert vopd("track", "flight.toml").status == 0
