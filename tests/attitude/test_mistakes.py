@@ -34,6 +34,7 @@ from vopd.attitude.mistakes import (
     PLAUSIBLE,
     Repair,
     fitted_trials,
+    landmarks_of,
     misfit_text,
     repairs,
     trial_equations,
@@ -394,3 +395,16 @@ def test_very_many_frames_are_named_in_part_and_counted() -> None:
     text = frames_text([str(k) for k in range(0, 60, 2)])
     assert text.startswith("frames 0, 2, 4, ") and text.endswith(", 36, 38 and 10 more")
     assert frames_text([str(k) for k in range(1000)]) == "frames 0-999"
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("without 6 (chance 0.12)", ["6"]), ("without west pier", ["west pier"]),
+        ("exchange 3+7 (chance 0.42)", ["3", "7"]), ("exchange a+b and exchange c+d", [*"abcd"]),
+        ("exchange 3+7 (chance 0.31) or without 3 (chance 0.08)", []), (NOTHING, []), ("", []),
+    ],
+)  # fmt: skip
+def test_landmarks_of_a_repair(text: str, names: list[str]) -> None:
+    """Of several repairs that are as likely none is marked."""
+    assert landmarks_of(text) == names

@@ -28,7 +28,7 @@ from tests.kit.estimates import estimate
 from tests.kit.histories import about, by_hand, flight, histories, turning, with_estimate
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History, history
-from vopd.attitude.long_history import with_about
+from vopd.attitude.long_history import frame_landmarks, with_about
 from vopd.attitude.table import table
 from vopd.attitude.uncertainty import ANGLES
 from vopd.errata import fixes
@@ -231,8 +231,16 @@ def test_flagged_frames_are_marked() -> None:
 
 def test_the_image_of_a_misfit_says_what_explains_it() -> None:
     (one,) = flight()
-    title = draw("image", [one], int(one.estimate.frame[4])).subfigs[0].get_suptitle()
+    figure = draw("image", [one], int(one.estimate.frame[4]))
+    title = figure.subfigs[0].get_suptitle()
     assert f"misfit: {one.flags.detail['misfit'][4]}" in title and "without" in title
+    rows = frame_landmarks(one)
+    here = (rows.frame == 4) & rows.mends
+    (label,) = {one.estimate.landmark_label(n) for n in rows.landmark[here].tolist()}
+    assert f"without {label}" in title
+    (square,) = [line for line in figure.subfigs[0].axes[0].lines if line.get_marker() == "s"]
+    assert_close("unit element", np.transpose(square.get_data()), rows.image[here])
+    assert not (rows.mends & (rows.frame != 4)).any()
 
 
 def test_fixes_are_in_the_title() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 from collections.abc import Iterator
@@ -26,6 +27,7 @@ from vopd.cards.read import read_jobs
 from vopd.flight.directions import FrameDirections
 from vopd.flight.solve import solve_rotations
 from vopd.geometry.lenses import Lenses, project
+from vopd.report import pick
 from vopd.report.pick import PageContent, Predicted, pick_page
 from vopd.video import open_frames
 
@@ -120,6 +122,39 @@ def test_a_click_is_where_the_screen_shows_it(opened: Any, dense: float) -> None
             press(opened, "-")
     finally:
         opened.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_one_frame_is_decoded_at_a_time(opened: Any) -> None:
+    """Forty frames of 12 megapixels would take 2 GB."""
+    opened.execute_script("""
+      window.open_now = 1; window.most = 1;
+      const make = createImageBitmap, close = ImageBitmap.prototype.close;
+      window.createImageBitmap = (blob) => make(blob).then((made) => {
+        window.most = Math.max(window.most, ++window.open_now);
+        return made;
+      });
+      ImageBitmap.prototype.close = function () { window.open_now -= 1; close.call(this); };
+    """)
+    for key in (Keys.PAGE_DOWN, Keys.PAGE_UP, Keys.PAGE_DOWN):
+        press(opened, key)
+        wait_for_picture(opened)
+    assert opened.execute_script("return [open_now, most]") == [1, 1]
+
+
+@pytest.mark.parametrize(("wanted", "quality"), [(10_000_000, 92), (60_000, 75)])
+def test_a_page_of_many_frames_has_a_lower_quality(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, wanted: int, quality: int
+) -> None:
+    """Two frames of noise, 190 by 190 pixels; a page is made to be below 250 MB."""
+    assert pick.WANTED_BYTES < 250_000_000
+    noise = np.random.default_rng(1).integers(0, 256, (190, 190, 3), np.uint8)
+    for k in range(2):
+        Image.fromarray(noise).save(tmp_path / f"{k}.png")
+    monkeypatch.setattr(pick, "WANTED_BYTES", wanted)
+    made = pick_page(open_frames([str(tmp_path)]), [0, 1], PageContent(LANDMARKS))
+    own = io.BytesIO()
+    Image.fromarray(noise).save(own, "JPEG", quality=quality, subsampling=0)
+    assert made.count(base64.b64encode(own.getvalue())) == 2
 
 
 def test_keys_alone_pick_move_remove_and_undo(opened: Any) -> None:

@@ -301,6 +301,12 @@ def test_what_the_page_may_load() -> None:
     }
 
 
+def test_a_page_is_small() -> None:
+    """With 600 frames of six landmarks, scenes and figures; script and style by themselves."""
+    assert len(report(list(flight(600)))) < 1_500_000
+    assert sum(len(style_and_script()[one]) for one in ("style", "script")) < 60_000
+
+
 # The page of a batch
 
 ADDRESSES = {  # a file beside the page, as an address that no browser takes for another place

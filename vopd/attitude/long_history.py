@@ -20,7 +20,7 @@ from vopd.attitude.history import (
     histories_without_jumps,
     mark_jumps,
 )
-from vopd.attitude.mistakes import MOST_FRAMES
+from vopd.attitude.mistakes import MOST_FRAMES, landmarks_of
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import outliers
 from vopd.attitude.sigmas import Sigmas
@@ -89,6 +89,12 @@ class FrameLandmarks(NamedTuple):
     image: Floats  # (N, 2) measured image coordinates x, y
     residual: Floats  # (N, 2) measured minus computed; NaN where it takes no part
     outlier: Bools  # (N,) which does not fit the others of its frame
+    mends: Bools  # (N,) which is named alone, or with its like, as what mends a misfit
+
+    @property
+    def odd(self) -> Bools:
+        """Which is to be looked at (N,)."""
+        return self.outlier | self.mends
 
 
 def frame_landmarks(one: History) -> FrameLandmarks:
@@ -101,7 +107,20 @@ def frame_landmarks(one: History) -> FrameLandmarks:
         parts.append((frames[np.nonzero(here)[0]], *(value[here] for value in values)))
     joined = [np.concatenate(part) for part in zip(*parts, strict=True)]
     order = np.argsort(joined[0], kind="stable")
-    return FrameLandmarks(*(values[order] for values in joined))
+    frame, landmark, used, ignored, image, residual, outlier = (rows[order] for rows in joined)
+    mends = _mending(one, frame, landmark)
+    return FrameLandmarks(frame, landmark, used, ignored, image, residual, outlier, mends)
+
+
+def _mending(one: History, frame: Ints, landmark: Ints) -> Bools:
+    """Mark the landmarks that are named as what mends the misfits of their frames, (N,)."""
+    mends = np.zeros(len(frame), bool)
+    for k in np.flatnonzero(one.flags.raised["misfit"]).tolist():
+        names = landmarks_of(one.flags.detail["misfit"][k])
+        here = slice(*np.searchsorted(frame, [k, k + 1]).tolist())
+        own = map(one.estimate.landmark_label, landmark[here].tolist())
+        mends[here] = [name.replace(";", ",") in names for name in own]
+    return mends
 
 
 # History in parts

@@ -6,6 +6,7 @@ anew. What makes the residuals agree with the standard deviations in force is na
 
 from __future__ import annotations
 
+import re
 from itertools import combinations
 from typing import NamedTuple
 
@@ -184,3 +185,18 @@ def _repair_text(estimate: Estimate, frame: int, repair: Repair) -> str:
     if repair.without is not None:
         return f"without {name(repair.without)}{chance}"
     return "exchange " + "+".join(name(index) for index in repair.exchanged) + chance
+
+
+def landmarks_of(text: str) -> list[str]:
+    """List the landmarks that a frame's repair names; none where several are as likely.
+
+    Args:
+        text: of `misfit_text`
+    """
+    if " or " in text:
+        return []
+    parts = (re.fullmatch(REPAIR, one) for one in text.split(" and "))
+    return [name for one in parts if one for name in one[1].split("+")]
+
+
+REPAIR = r"(?:without|exchange) (.*?)(?: \(chance \d\.\d\d\))?"

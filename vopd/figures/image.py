@@ -170,7 +170,7 @@ def _photograph(read: Photograph, number: int, name: str) -> tuple[Any, str]:
 def _culprits(history: History, k: int, scene: JobScene, view: ImageScene) -> Bools:
     """Mark the picks of a frame that do not fit, or were set aside as blunders, (P,)."""
     rows = frame_landmarks(history)
-    here = (rows.frame == k) & rows.outlier
+    here = (rows.frame == k) & rows.odd
     odd = {history.estimate.landmark_label(one) for one in rows.landmark[here].tolist()}
     named = np.array([scene.names[one] in odd for one in view.landmark], dtype=bool)
     return named | (~view.used & ~scene.check[view.landmark])
@@ -276,9 +276,9 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     residual_arrows(axis, measured - residual, residual, scale, e.units)
     axis.plot(*(measured - residual).T, "+", color="0.2", ms=9, label="computed")
     axis.plot(*measured.T, "o", mfc="none", mec=COLOURS[0], ms=7, label="measured")
-    odd = rows.outlier[shown]
+    odd = rows.odd[shown]
     if odd.any():
-        axis.plot(*measured[odd].T, "s", mfc="none", mec=FLAGGED, ms=12, label="outlier")
+        axis.plot(*measured[odd].T, "s", mfc="none", mec=FLAGGED, ms=12, label="does not fit")
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)
     few = len(measured) <= LABELLED
     for number, point in zip(rows.landmark[shown] if few else (), measured, strict=few):

@@ -255,7 +255,7 @@ def _scene(h: History, footprints: bool) -> dict[str, Any]:
         made |= _horizons(scene, views, camera_m[order], back)
     views = _in_order(views, order)
     odd = np.zeros((len(frames), len(names)), bool)
-    odd[rows.frame[rows.outlier], own[rows.outlier]] = True
+    odd[rows.frame[rows.odd], own[rows.odd]] = True
     culprit = odd[views.frame, views.landmark]
     culprit |= ~views.used & ~scene.check[views.landmark]
     residual = (views.pixel - views.fitted) * e.units.residuals_per_image
@@ -372,7 +372,7 @@ def _film_picks(h: History, frame: Ints, own: Ints) -> dict[str, Any]:
     rows, units = frame_landmarks(h), h.estimate.units
     here = np.isfinite(rows.image).all(axis=1) & (rows.used | rows.ignored)
     residual = rows.residual[here] * units.residuals_per_image
-    state = np.where(rows.outlier, 2, np.where(rows.used, 0, 1))[here]
+    state = np.where(rows.odd, 2, np.where(rows.used, 0, 1))[here]
     return {
         "count": _numbers(np.bincount(frame[here], minlength=len(h.status))),
         "landmark": _numbers(own[here]),
