@@ -185,19 +185,19 @@ def test_what_is_drawn_image() -> None:
     """Marks where landmarks were measured and computed, as seen from behind the camera."""
     axis, _ = drawn_image(film_image(outlier=[[False, True, False, False]] * 2))
     lines = labelled(axis)
-    assert list(lines) == ["computed", "measured", "outlier", "principal point"]
+    assert list(lines) == ["computed", "measured", "does not fit", "principal point"]
     assert texts(axis.get_legend()) == list(lines)
     assert points(lines["measured"]) == POINTS.tolist()
     assert_close("table value", np.array(points(lines["computed"]), float), POINTS - RESIDUAL)
-    assert points(lines["outlier"]) == [POINTS[1].tolist()]
+    assert points(lines["does not fit"]) == [POINTS[1].tolist()]
     assert points(lines["principal point"]) == [[0.0, 0.0]]
     looks = {name: (one.get_marker(), one.get_markersize()) for name, one in lines.items()}
     assert looks == {
-        "computed": ("+", 9), "measured": ("o", 7), "outlier": ("s", 12),
+        "computed": ("+", 9), "measured": ("o", 7), "does not fit": ("s", 12),
         "principal point": ("x", 8),
     }  # fmt: skip
     edges = {name: to_hex(line.get_markeredgecolor()) for name, line in lines.items()}
-    assert edges["measured"] == OKABE_ITO[0] and edges["outlier"] == DARK_RED
+    assert edges["measured"] == OKABE_ITO[0] and edges["does not fit"] == DARK_RED
     assert lines["measured"].get_markerfacecolor() == "none"
     assert_close("table value", axis.get_xlim(), (5.4, -5.4))  # 1.35 times the farthest, 4
     assert_close("table value", axis.get_ylim(), (-5.4, 5.4))

@@ -343,7 +343,7 @@ def test_words_and_units_of_any_source() -> None:
         "length", "image", "metres_per_length", "residual", "residuals_per_image",
     )  # fmt: skip
     assert About("a.dat") == (
-        "a.dat", 1, "", "", "along the ellipsoid's normal", Words(), None,
+        "a.dat", 1, "", "", "along the ellipsoid's normal", Words(), None, "",
     )  # fmt: skip
     assert StatedSigmas() == ((0.0,) * 3, (0.0,) * 3, 0.0, 0.0, (0.0, 0.0), (0.0,) * 3, 0.0, 0.0)
     with pytest.raises(AttributeError):

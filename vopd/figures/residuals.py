@@ -144,6 +144,8 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     longest = int(np.unique(own + len(numbers) * found.job, return_counts=True)[1].max())
     if longest > MANY:
         told.append(f"lines: means of {_of_a_mean(longest)} residuals, dots: single ones")
+        if others := len(numbers) - len(coloured):
+            told[-1] += f", of {count_text(others, 'other landmark')} these alone"
     if len(known):
         rms_sigmas = np.sqrt(np.mean(known**2))
         fitted = all(h.uncertainty.reading.source in OWN_SIGMA for h in histories)

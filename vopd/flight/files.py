@@ -477,8 +477,10 @@ class CsvTable:
         used = {*self.known, *SYNONYMS, *TIME, ""}
         free = [one for one in self.header if one not in used and not is_number(one)]
         near = get_close_matches(name[:LONG_WORD], free[:MANY_WORDS], 1, 0.6)
-        if not free or not self.known:
+        if not self.known:
             return did_you_mean(name, self.header)
+        if not free:  # each has its own use
+            return f"; it has {', '.join([*filter(None, self.header)][:MANY_NAMED])}"
         feet = [one for one in free if IN_FEET.search(plain_name(one))]
         if name.endswith("_m") and feet:
             return f": {feet[0]} seems to be in feet; multiply by 0.3048 and call it {name}"
