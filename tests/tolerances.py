@@ -314,6 +314,7 @@ TOLERANCES = {
     ),
     "quantile of two decimals": Tolerance("1", 5.1e-3, "half of the last of two printed decimals"),
     "ratio": Tolerance("1", 1e-12, "two ways to the same sums and roots of a few products"),
+    "feet": Tolerance("m", 1e-6, "heights in feet are written with nine decimals"),
     "unit element": Tolerance("1", 1e-15, "elements about 1, a few roundings of 1E-16"),
     "axes after passes": Tolerance(
         "1", 1e-14, "six passes, each a product of rotations: some 6 roundings of 1.1E-16 apiece"

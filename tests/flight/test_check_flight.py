@@ -15,6 +15,7 @@ import pytest
 from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, long_track, marks_m, write_project
+from tests.tolerances import assert_close
 from vopd.attitude.findings import HistorySummary
 from vopd.findings import Finding, VopdError
 from vopd.flight import check_flight as check_module
@@ -411,6 +412,22 @@ def test_times_in_milliseconds_are_read_as_such(tmp_path: Path, own: str) -> Non
     after = read_flight(str(path))
     assert np.array_equal(after.path.position_m, before.path.position_m)
     assert_approved([one for one in after.about if one not in before.about], parts=[own])
+
+
+@pytest.mark.parametrize("own", ["Altitude (ft)", "h_ft", "elevation_feet"])
+def test_heights_in_feet_are_read_as_such(tmp_path: Path, own: str) -> None:
+    """As loggers of rockets write them, found by themselves or named."""
+    path = write_project(tmp_path)
+    before = read_flight(str(path))
+    changed(path, "track.csv", lambda r: [*r[:3], f"{float(r[3]) / 0.3048:.9f}", *r[4:]])
+    track = tmp_path / "track.csv"
+    text = track.read_text()
+    track.write_text(text.replace("h_m", own, 1))
+    after = read_flight(str(path))
+    assert_close("feet", after.path.position_m, before.path.position_m)
+    assert_approved([one for one in after.about if one not in before.about], parts=[own])
+    path.write_text(path.read_text().replace("[track]", f'[track]\ncolumns = {{ h_m = "{own}" }}'))
+    assert_close("feet", read_flight(str(path)).path.position_m, before.path.position_m)
 
 
 def test_milliseconds_since_1970_in_a_column_of_seconds_are_suspected(tmp_path: Path) -> None:

@@ -248,7 +248,7 @@ def test_a_latitude_is_90_degrees_at_most(kind: str, first: str, tmp_path: Path)
         ("landmark,lat_deg,h_m", True, "lon_deg"), ("landmark,lat_deg,lon_deg", True, "h_m"),
         ("landmark,x_m,z_m", False, "y_m"), ("landmark,y_m,z_m", False, "x_m"),
         ("landmark,x_m,y_m", False, "z_m"), ("landmark,lon_deg,h_m", True, "lat_deg"),
-        ("lat_deg,lon_deg,h_m", True, "landmark"), ("landmark,lat_deg,lon_deg,alt_ft", True, "h_m"),
+        ("lat_deg,lon_deg,h_m", True, "landmark"), ("landmark,x_ft,y_m,z_m", False, "x_m"),
     ],
 )  # fmt: skip
 def test_columns_of_landmarks(header: str, geodetic: bool, missing: str, tmp_path: Path) -> None:

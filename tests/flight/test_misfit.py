@@ -15,7 +15,7 @@ from tests.kit.command import vopd as command
 from tests.kit.flight_mistakes import MistakeRow
 from tests.kit.flight_project import TOML, long_track, write_project
 from tests.kit.joint_flights import drone, flight_of
-from tests.kit.simulated_flights import write_flight
+from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import misfit
@@ -195,6 +195,24 @@ def test_positions_that_are_worse_than_stated_are_spoken_for(tmp_path: Path) -> 
     first, text = said(result)
     assert result.misfits and "misfits" in first
     assert "positions" in text and "where 1 m is stated" in text
+
+
+def test_places_solved_far_from_where_they_are_stated_are_a_misfit(tmp_path: Path) -> None:
+    """Heights of the track in feet: from a kilometre above, three landmarks fit each other."""
+    errors = Errors(0.7, landmark_m=(0.5,), fix_m=((2.0, 2.0, 4.0),))
+    plan = Plan(
+        errors, frames=10, landmarks=6, frame_hz=3.0, height_m=(200.0, 300.0), speed_m_s=20.0
+    )
+    write_flight(tmp_path, plan, np.random.default_rng(3))
+    track = tmp_path / "track.csv"
+    head, *rows = (line.split(",") for line in track.read_text().splitlines())
+    at = head.index("h_m")
+    feet = [[*row[:at], str(float(row[at]) / 0.3048), *row[at + 1 :]] for row in rows]
+    track.write_text("".join(f"{','.join(row)}\n" for row in [head, *feet]))
+    result = vopd.solve_flight(tmp_path / "flight.toml")
+    assert result.misfits
+    first, second = said(result)[:2]
+    assert "places" in first and "feet" in second
 
 
 def test_a_reading_sigma_that_is_stated_much_too_large(tmp_path: Path) -> None:

@@ -18,9 +18,10 @@ from vopd.flight.coordinates import (
     map_grid,
     outside_area,
 )
+from vopd.flight.files import M_PER_FT
 from vopd.flight.flight import Flight
 from vopd.flight.misfit import SPEAK_FOR
-from vopd.flight.mistakes import M_PER_FT, other_clock, usual_mistakes
+from vopd.flight.mistakes import other_clock, usual_mistakes
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import picks_outside, solve_flight_read

@@ -324,6 +324,7 @@ TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 MILLISECONDS = re.compile(r"(^|_)(ms|msec|milliseconds)$")
 """Ends of names of columns of times in thousandths of a second."""
 IN_FEET = re.compile(r"(^|_)(ft|feet)$")
+M_PER_FT = 0.3048
 LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 HEIGHTS = ("h_m", "z_m")
@@ -369,6 +370,8 @@ def own_names(
             continue
         others = TIMES if name == TIME[0] else SYNONYMS.get(name, ())
         there = [plain.index(one) for one in others if one in plain]
+        if name in HEIGHTS and not there:
+            there += [k for k, one in enumerate(plain) if IN_FEET.sub("", one) in {*others} - {one}]
         there = [k for k in there if found[k] not in known]
         if len(there) > 1 and name in HEIGHTS:
             message = f"{header[there[0]]} or {header[there[1]]} is the height: say which"
@@ -447,6 +450,7 @@ class CsvTable:
         there = [k for k, own in enumerate(self.own) if own != self.header[k]]
         own, here = (", ".join(names[k] for k in there) for names in (self.own, self.header))
         unit = ", the time in milliseconds" if self.in_ms(TIME[0]) else ""
+        unit += ", the height in feet" if any(map(self.in_feet, HEIGHTS)) else ""
         return f" ({own} read as {here}{unit})" if there else ""
 
     def has(self, name: str) -> bool:
@@ -502,7 +506,7 @@ class CsvTable:
         for texts in self.blocks(name):
             found[row : row + len(texts)] = self._numbers(name, row, texts, words)
             row += len(texts)
-        return found
+        return found * M_PER_FT if self.in_feet(name) else found
 
     def sigmas(self, name: str, words: Mapping[str, float] = UNKNOWN) -> Floats:
         """Read the standard deviations of a column; NaN for an empty cell, or without the column.
@@ -598,8 +602,15 @@ class CsvTable:
 
     def in_ms(self, name: str) -> bool:
         """Tell whether the file's own name of a column of seconds says milliseconds."""
+        return name == TIME[0] and bool(MILLISECONDS.search(self._own_name(name)))
+
+    def in_feet(self, name: str) -> bool:
+        """Tell whether the file's own name of a column of heights says feet."""
+        return name in HEIGHTS and bool(IN_FEET.search(self._own_name(name)))
+
+    def _own_name(self, name: str) -> str:
         own = self.own[self.header.index(name)] if self.own and self.has(name) else ""
-        return name == TIME[0] and bool(MILLISECONDS.search(plain_name(own)))
+        return plain_name(own)
 
     def times(self, name: str) -> Floats:
         """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset."""

@@ -104,14 +104,40 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
             of = f"{expected_px:.2g} px, {USUAL_PX:g} times the spread of repeated picks"
         of += ", as sigma_px is not stated"
     ratio, freedom = sigma_px / expected_px, reading.freedom
-    if not np.isfinite(freedom) or not ratio > REJECTED:
-        return ""
-    if not chdtrc(freedom, freedom * ratio**2) < SIGNIFICANCE:
-        return ""
-    return (
-        f"{MISFITS}: its residuals speak for picks of {sigma_px:.2g} px, "
-        f"{ratio:.1f} times {of} (chance below {SIGNIFICANCE:g})"
-    )
+    large = np.isfinite(freedom) and ratio > REJECTED
+    if large and chdtrc(freedom, freedom * ratio**2) < SIGNIFICANCE:
+        return (
+            f"{MISFITS}: its residuals speak for picks of {sigma_px:.2g} px, "
+            f"{ratio:.1f} times {of} (chance below {SIGNIFICANCE:g})"
+        )
+    # picks may fit each other for it, whatever is wrong
+    moved_m, stated_m = moved_places_m(joint)
+    if moved_m > BEYOND * stated_m > 0.0:
+        far = f"{moved_m:.0f}" if moved_m >= 10.0 else f"{moved_m:.2g}"
+        return (
+            f"{MISFITS}: the cameras come out {far} m from where they are stated, "
+            f"{moved_m / stated_m:.0f} times the standard deviations of their places"
+        )
+    return ""
+
+
+def moved_places_m(joint: JointSolution) -> tuple[float, float]:
+    """Find how far the cameras come out from where they are stated, and how far they may, metres.
+
+    Args:
+        joint: the solution
+
+    Returns:
+        The median distance, and the root sum square of the standard deviations along three axes.
+    """
+    priors = joint.model.priors
+    shift_m = [priors.parameter.get(name, 0.0) for name in SHIFT]
+    own_m = np.zeros(3) if priors.fixes is None else np.median(priors.fixes.frame_sigma_m, axis=0)
+    moved_m = float(np.median(np.linalg.norm(joint.moved_m, axis=1)))
+    return moved_m, float(np.linalg.norm([*shift_m, *own_m]))
+
+
+BEYOND = 20.0  # standard deviations of places that nothing but a mistake moves them by
 
 
 def many_blunders_text(count: int, picks: int) -> str:

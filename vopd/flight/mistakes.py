@@ -12,8 +12,16 @@ from vopd.arrays import Floats
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.estimate import flight_estimate
+from vopd.flight.files import M_PER_FT
 from vopd.flight.flight import Flight
-from vopd.flight.misfit import OF_LANDMARK, TYPICAL, UNEXPLAINED, within_stated_text
+from vopd.flight.misfit import (
+    BEYOND,
+    OF_LANDMARK,
+    TYPICAL,
+    UNEXPLAINED,
+    moved_places_m,
+    within_stated_text,
+)
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult
@@ -35,7 +43,6 @@ TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
 FRAME_RATES_HZ = (10.0, 15.0, 23.976, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 59.94, 60.0, 120.0)
 MOST_RATIO, SAME = 3.0, 1e-4  # of frame rates that are tried, and of those that are the same
 MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
-M_PER_FT = 0.3048
 GPS_AHEAD_S = 18.0
 
 
@@ -49,19 +56,20 @@ def usual_mistakes(project: Project, result: FlightResult, named: bool = False) 
             named in its place if it explains all residuals
     """
     sigma = float(np.median(result.flight.picks.sigma_px))
-    flight = some_frames(result.flight)
-    estimate = result.estimate if flight is result.flight else solved_trial(flight)
+    flight, joint = some_frames(result.flight), result.estimates.joint
+    moved_m, stated_m = (0.0, 0.0) if joint is None else moved_places_m(joint)
+    far = moved_m > BEYOND * stated_m > 0.0
+    estimate = result.estimate if flight is result.flight and not far else solved_trial(flight)
     before = typical_px(flight, estimate)
     if before > DOUBTED * sigma and freedom(estimate) >= LEAST_FREEDOM:
         tables = ((), UNIT_MISTAKES) if named else (AXES_MISTAKES, USUAL_MISTAKES)
         axes, found = (explanations(table, trial_px, project, flight, estimate) for table in tables)
         # a number that is fitted never fits worse than the mistake that has its value
-        below = DOUBTED * sigma if named else np.inf
+        below = DOUBTED * sigma if named and not far else np.inf
         text = _best_text(before, axes, found, below)
         if text or named:
             return [text] * bool(text)
     if before > MISFIT * sigma:
-        joint = result.estimates.joint
         if joint is not None and (text := within_stated_text(joint, sigma)):
             return [text]
         return [f"residuals are {before:.1f} {TYPICAL}: {UNEXPLAINED}"]

@@ -90,6 +90,9 @@ def _read(
     return file, rows
 
 
+NO_LENS = "no lens: give [camera] lens, a calibration file or a table"
+
+
 def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
     """Say what the lens file is, and ask what it leaves open.
 
@@ -102,7 +105,7 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
     if name is None:
         new.needed["camera", "lens"] = "a calibration, or a table"
         new.needed["camera", "image_size_px"] = "width and height"
-        new.said.append("no lens: give [camera] lens, a calibration file or a table")
+        new.said.append(NO_LENS)
         return
     file = open_input(name, Path())
     values["camera", "lens"] = _named(file.name, folder)
@@ -199,6 +202,7 @@ def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
             new.said.append(f"{images}: {message}: name the lens of each in [camera] of_images")
         return
     ((focal_px, size_px, by),) = found
+    new.said[:] = [one for one in new.said if one != NO_LENS]
     values["camera", "lens"] = f'{{ model = "brown", fx_px = {focal_px:g} }}'
     values["camera", "image_size_px"] = toml_numbers(*size_px)
     values["uncertainty", "focal_rel"] = f"{FOCAL_REL:g}"
