@@ -237,7 +237,10 @@ def deck_scene(estimate: Estimate, job: Job) -> JobScene:
         axes = camera_axes(np.radians(estimate.camera_deg[[k]]))[0]
         focal = np.full((len(here), 1), estimate.focal_length)
         ray = np.hstack([estimate.image[k, here], focal])
-        ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+        with np.errstate(all="ignore"):  # of a focal length of 0 there is none
+            ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+        known = np.isfinite(ray).all(axis=1)
+        here, ray = here[known], ray[known]
         north, east, down = where.north_east_down[k]
         own = np.array([index[one] for one in estimate.landmark[k, here].tolist()], dtype=np.int64)
         return own, ray @ axes @ np.stack([east, north, -down])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import sys
 import time
 import warnings
@@ -78,6 +79,24 @@ SCALES = {
     "pitch and size": ("--focal", "76", "--pitch-um", "5", "--size", "6000x4000"),
     "pixels and centre": ("--focal-px", "15200", "--centre", "2999.5,1999.5"),
 }
+
+
+@pytest.mark.parametrize("size", [None, (6000, 4000), (4200, 4700)])
+def test_stars_outside_the_image_are_named(size: tuple[int, int] | None) -> None:
+    """Of the eight of Orion some have negative coordinates, as their camera's film was larger."""
+    text = in_pixels()
+    image = [[*map(float, line.split(",")[:2])] for line in text.splitlines()[1:]]
+    given = () if size is None else ("--size", f"{size[0]}x{size[1]}")
+    done = solve("--focal-px", "15200", "--centre", "2999.5,1999.5", *given, "--y-down", text=text)
+    assert done.status == 0
+    wide, high = size or (np.inf, np.inf)
+    out = [k for k, (x, y) in enumerate(image, 2) if y < -0.5 or x > wide - 0.5 or y > high - 0.5]
+    named = [line for line in done.stderr.splitlines() if "outside" in line]
+    assert len(named) == (size is not None)
+    for line in named:
+        assert [
+            *map(int, re.findall(r"\d+", line.partition(":")[2].partition(": outside")[0]))
+        ] == out
 
 
 @pytest.mark.parametrize("scale", SCALES)

@@ -661,6 +661,8 @@ def read_jobs(
         if looks_like_basic_data(deck.next_card(BASIC_DATA.number).text).any():
             frames = count_text(len(control.frame_counts), "frame")
             message += f": readings of a further frame, where group 5 counts {frames}"
+        else:
+            message += "; NGO = 1 reads a further whole deck, 3 to 12 its cards from that group on"
         report(Finding(message, name, deck.taken + 1, severity="warning"))
 
 

@@ -133,8 +133,10 @@ def moved_places_m(joint: JointSolution) -> tuple[float, float]:
     priors = joint.model.priors
     shift_m = [priors.parameter.get(name, 0.0) for name in SHIFT]
     own_m = np.zeros(3) if priors.fixes is None else np.median(priors.fixes.frame_sigma_m, axis=0)
-    moved_m = float(np.median(np.linalg.norm(joint.moved_m, axis=1)))
-    return moved_m, float(np.linalg.norm([*shift_m, *own_m]))
+    may_m = float(np.linalg.norm([*shift_m, *own_m]))
+    moved_m = np.linalg.norm(joint.moved_m, axis=1)
+    moved_m = moved_m[np.isfinite(moved_m)]
+    return float(np.median(moved_m)) if len(moved_m) else 0.0, may_m
 
 
 BEYOND = 20.0  # standard deviations of places that nothing but a mistake moves them by

@@ -345,7 +345,7 @@ def _span(rows: TrackRows) -> str:
     """Say from when to when a track is; nothing of one without times."""
     if rows.time_s is None or not np.isfinite(rows.time_s).all() or not len(rows.time_s):
         return ""
-    first_s, last_s = float(rows.time_s[0]), float(rows.time_s[-1])
+    first_s, last_s = float(rows.time_s.min()), float(rows.time_s.max())
     if rows.clock == "seconds":
         told, unit = [f"{first_s:g}", f"{last_s:g}"], " s"
     else:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import VopdError, input_error
+from vopd.findings import Finding, VopdError, input_error
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.calibration import LensOfStars, without_lens
 
@@ -95,6 +95,18 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
             text = "the image lies outside the field in which --k1 holds"
             raise file.error(text, int(outside[0]))
     return points, focal
+
+
+def outside_image(file: StarFile, axes: ImageAxes) -> list[Finding]:
+    """Warn of stars that were read outside of an image of the size that is given."""
+    if axes.size_px is None or file.unit != "px":
+        return []
+    low = file.pixels.first_centre - 0.5
+    far = (file.image < low) | (file.image > low + np.array(axes.size_px))
+    out = np.flatnonzero(far.any(axis=1)).tolist()
+    wide, high = (f"{one:g}" for one in axes.size_px)
+    text = f"outside the image of {wide} x {high} px"
+    return [file.finding(text, *out).warned()] if out else []
 
 
 def in_file_coordinates(point: Floats, file: StarFile, axes: ImageAxes) -> Floats:

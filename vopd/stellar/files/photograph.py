@@ -26,6 +26,7 @@ from vopd.stellar.files.images import (
     MissingOption,
     centred_images,
     in_file_coordinates,
+    outside_image,
     reading_errors,
 )
 from vopd.stellar.files.mistakes import Plausibility, judge, suspicious_photographs
@@ -355,6 +356,7 @@ def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
             raise file.error("ground points need columns x_m, y_m, z_m")
         file = identified(file, axes, request.sky, notes.append, focal_known=not unknown)
     points, focal = centred_images(file, axes)
+    notes += outside_image(file, axes)
     sky = None if request.resection else photograph_directions(file, request, notes.append)
     if sky is not None and unknown:
         axes = axes.with_focal(focal_by_pairs(points, sky.directions), file.unit)
