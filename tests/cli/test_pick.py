@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,16 @@ def test_frames_of_a_video(tmp_path: Path) -> None:
     assert len(names) == 12 and (names[0], names[-1]) == (0, 39) and sorted(names) == names
     assert vopd("pick", "a.mp4", "-o", "p.html", "--at", "7,3,7").status == 0
     assert [one["title"] for one in data()["frames"]] == ["3, 0.120 s", "7, 0.280 s"]
+
+
+@pytest.mark.parametrize("missing", ["jinja2", "PIL.Image"])
+def test_all_packages_that_it_takes_are_named_at_once(
+    missing: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, missing, None)
+    done = vopd("pick", "a.mp4", "-o", "p.html")
+    assert done.status == 1 and "pip install jinja2 pillow" in done.stderr.replace("'", "")
+    assert not Path("p.html").exists()
 
 
 def test_landmarks_and_picks_that_there_are(tmp_path: Path) -> None:

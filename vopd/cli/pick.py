@@ -12,7 +12,7 @@ from vopd.cli.console import Progress
 from vopd.cli.options import FILE_NAME, NumberRange, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.report import check_page_name
-from vopd.files import whole_file
+from vopd.files import optional_package, whole_file
 from vopd.findings import VopdError, count_text
 
 if TYPE_CHECKING:
@@ -90,6 +90,8 @@ def command(
     from vopd.report.pick import PageContent, Predicted, pick_page
     from vopd.video import open_frames, spread, stills_in
 
+    for package in ("jinja2", "PIL.Image"):  # one command for both, before anything is read
+        optional_package(package, "pick", "vopd pick")
     check_page_name(output)
     refuse_to_overwrite((*frames, *filter(None, (landmarks, clicks, cards))), output)
     named, project, opened = _numbers(at), None, ProjectPicks()
