@@ -93,8 +93,12 @@ class FrameLandmarks(NamedTuple):
 
     @property
     def odd(self) -> Bools:
-        """Which is to be looked at (N,)."""
+        """Mark those that are to be looked at (N,)."""
         return self.outlier | self.mends
+
+    def odd_in(self, frame: int) -> list[int]:
+        """List the numbers of those of a frame, by its index."""
+        return [int(one) for one in self.landmark[(self.frame == frame) & self.odd]]
 
 
 def frame_landmarks(one: History) -> FrameLandmarks:

@@ -170,8 +170,7 @@ def _photograph(read: Photograph, number: int, name: str) -> tuple[Any, str]:
 def _culprits(history: History, k: int, scene: JobScene, view: ImageScene) -> Bools:
     """Mark the picks of a frame that do not fit, or were set aside as blunders, (P,)."""
     rows = frame_landmarks(history)
-    here = (rows.frame == k) & rows.odd
-    odd = {history.estimate.landmark_label(one) for one in rows.landmark[here].tolist()}
+    odd = {history.estimate.landmark_label(one) for one in rows.odd_in(k)}
     named = np.array([scene.names[one] in odd for one in view.landmark], dtype=bool)
     return named | (~view.used & ~scene.check[view.landmark])
 

@@ -184,8 +184,7 @@ def draw_map(
 def _culprits(history: History, k: int, scene: JobScene) -> Bools:
     """Mark the landmarks that do not fit in this frame, (N,)."""
     rows = frame_landmarks(history)
-    here = (rows.frame == k) & rows.odd
-    odd = {history.estimate.landmark_label(one) for one in rows.landmark[here].tolist()}
+    odd = {history.estimate.landmark_label(one) for one in rows.odd_in(k)}
     return np.array([name in odd for name in scene.names], dtype=bool)
 
 

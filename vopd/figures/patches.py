@@ -96,8 +96,7 @@ def _draw(figure: Any, history: History, scene: JobScene, read: Photograph) -> s
             place, found = frames.place(one, mark)
             patch = frames.patch(one.k, place, strip[0].k, mark)
             x, y = column * step, row * step
-            here = (rows.frame == one.k) & rows.odd
-            odd = {history.estimate.landmark_label(n) for n in rows.landmark[here].tolist()}
+            odd = {history.estimate.landmark_label(n) for n in rows.odd_in(one.k)}
             wrong = one.kind == "wrong" or scene.names[mark] in odd
             told = short_start(PurePath(history.estimate.frame_label(one.k)).stem, FRAME_SHOWN)
             if first is None:

@@ -317,7 +317,7 @@ class Model:
 
     @property
     def used(self) -> Bools:
-        """The picks of the flight that take part, marked."""
+        """Mark the picks of the flight that take part, (P,)."""
         used = np.zeros(len(self.flight.picks.frame), bool)
         used[self.pick] = True
         return used

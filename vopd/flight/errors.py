@@ -40,7 +40,7 @@ def priors_of(flight: Flight) -> Priors:
 
 
 def every_prior(flight: Flight) -> Priors:
-    """Collect them with the parameters that are stated and not solved for."""
+    """Collect the unknowns of a solve, and the parameters that are stated and not solved for."""
     priors = priors_of(flight)
     stated = {name: one for name, one in flight.options.parameter_sigma.items() if one > 0.0}
     return replace(priors, parameter={**stated, **priors.parameter})
