@@ -14,6 +14,7 @@ import shlex
 import shutil
 import subprocess
 import tempfile
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -31,11 +32,13 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 STILLS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".bmp", ".webp")
+KINDS = ("JPEG", "PNG", "TIFF", "BMP", "WEBP")  # of images, as Pillow names them
 SHOWN = 3  # gaps in the numbers of images, in words
 FEWEST_NUMBERED = 3  # images from which their numbers tell a step
 MOST_GAPS = 0.2  # of the steps: with more the images were chosen
 GAP = 1.5  # of the usual time between frames: a longer one is a gap
 VARIES, TWO_MS = 0.1, 0.002  # of the usual time, beyond rounding: the rate varies
+LISTS = (b"ffconcat", b"#EXTM3U", b"<?xml", b"<MPD")  # begin files that name others, or addresses
 AT_MOST_DECODED = 1_000  # frames after a key frame, for one that is asked for
 WITH_LUMA = (
     "yuv420p", "yuv422p", "yuv444p", "yuvj420p", "yuvj422p", "yuvj444p", "nv12", "nv21", "gray",
@@ -164,8 +167,8 @@ class VideoFrames:
         file = self.images[k].read_bytes()
         if not file.startswith(b"\xff\xd8"):
             return None
-        pillow = optional_package("PIL.Image", "images", "reading images")
-        with pillow.open(io.BytesIO(file)) as image:
+        with warnings.catch_warnings(), open_image(io.BytesIO(file)) as image:
+            warnings.simplefilter("ignore")  # of damaged tags
             plain = image.mode in ("L", "RGB") and image.getexif().get(ORIENTATION, 1) == 1
         return file if plain else None
 
@@ -206,16 +209,35 @@ class VideoFrames:
         return VopdError(f"{self.source}: frame {k} cannot be decoded: is the file complete?")
 
     def _still(self, path: Path) -> Image:
-        pillow = optional_package("PIL.Image", "images", "reading images")
-        turned = optional_package("PIL.ImageOps", "images")
+        turned = optional_package("PIL.ImageOps", "images", "reading images")
         try:
-            with pillow.open(path) as image:
-                upright: Image = turned.exif_transpose(image)
-                return eight_bits(upright)
-        except (OSError, ValueError, SyntaxError, pillow.DecompressionBombError) as error:
+            with warnings.catch_warnings(), open_image(path) as image:
+                warnings.simplefilter("ignore")  # of damaged tags
+                image.load()
+                turned.exif_transpose(image, in_place=True)
+                return eight_bits(image)
+        except (OSError, ValueError, SyntaxError) as error:
             raise VopdError(
                 f"{path.name}: not an image that can be read: {reason(error)}"
             ) from error
+
+
+def open_image(source: Path | IO[bytes]) -> Image:
+    """Open an image; its pixels are decoded when they are asked for.
+
+    Raises:
+        OSError: if it is of another kind than `STILLS`: Pillow runs other programs for some
+        ValueError: if it has more pixels than Pillow decodes
+    """
+    pillow = optional_package("PIL.Image", "images", "reading images")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", pillow.DecompressionBombWarning)
+            image: Image = pillow.open(source, formats=KINDS)
+            return image
+    except pillow.DecompressionBombError as error:
+        most = 2 * pillow.MAX_IMAGE_PIXELS // 1_000_000
+        raise ValueError(f"it has more than {most} megapixels: save it smaller") from error
 
 
 def eight_bits(image: Image) -> Image:
@@ -225,10 +247,12 @@ def eight_bits(image: Image) -> Image:
         from PIL import Image as images
 
         own = np.asarray(image, dtype=float)
-        low, high = float(np.nanmin(own)), float(np.nanmax(own))
-        scaled = np.nan_to_num((own - low) * (255.0 / (high - low) if high > low else 0.0)).round()
+        known = own[np.isfinite(own)]
+        low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+        own = np.nan_to_num(own, nan=low).clip(low, high)
+        scaled = ((own - low) * (255.0 / (high - low) if high > low else 0.0)).round()
         image = images.fromarray(scaled.astype(np.uint8))
-    return image.convert("RGB")
+    return image if image.mode == "RGB" else image.convert("RGB")
 
 
 def open_frames(names: Iterable[str]) -> VideoFrames:
@@ -239,8 +263,7 @@ def open_frames(names: Iterable[str]) -> VideoFrames:
     """
     paths = [Path(name) for name in names]
     for path in paths:
-        if kind := no_file(path):
-            raise VopdError(f"{path}: {kind}")
+        _refuse_no_file(path)
         if not path.exists():
             raise VopdError(f"{path}: there is no such file or folder")
     folders = [path for path in paths if path.is_dir()]
@@ -250,6 +273,8 @@ def open_frames(names: Iterable[str]) -> VideoFrames:
         paths = stills_in(folders[0])
         if not paths:
             raise VopdError(f"{folders[0]}: no image is in it ({', '.join(STILLS)})")
+        for path in paths:
+            _refuse_no_file(path)
     moving = [path for path in paths if path.suffix.lower() not in STILLS]
     if not moving:
         _refuse_twins(paths)
@@ -300,6 +325,12 @@ def _of_chapters(paths: list[Path]) -> VideoFrames:
     return VideoFrames(_together(paths), (), np.concatenate(times), chapters=tuple(chapters))
 
 
+def _refuse_no_file(path: Path) -> None:
+    """Refuse a device, and a pipe, which may have no end."""
+    if kind := no_file(path):
+        raise VopdError(f"{path}: {kind}")
+
+
 def _refuse_twins(paths: list[Path]) -> None:
     """Refuse two images of one file name, which picks could not tell apart."""
     seen: dict[str, Path] = {}
@@ -319,6 +350,11 @@ def presentation(path: Path) -> tuple[Ints, float, int]:
         VopdError: if it cannot be read, or has no frames
     """
     lost = 0
+    with path.open("rb") as file:
+        if file.read(8).startswith(LISTS):
+            raise VopdError(
+                f"{path.name}: is a list of other files, not a video: name these, in their order"
+            )
     if has_pyav():
         with opened(path) as (container, stream):
             # the packets themselves are the whole file, and are not kept
@@ -381,7 +417,8 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
     except VopdError as error:
         raise VopdError(f"{error}; or have the program ffmpeg on the path") from error
     try:
-        with av.open(str(path), metadata_errors="replace") as container:
+        # without file: a name with a colon, such as 12:30.mp4, is a protocol of the network
+        with av.open(f"file:{path}", metadata_errors="replace") as container:
             if not container.streams.video:
                 raise VopdError(f"{path.name}: no video is in it; is the file complete?")
             stream = container.streams.video[0]

@@ -153,6 +153,7 @@ def test_frames_spread_over_a_video(tmp_path: Path) -> None:
 def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     video = write_video(tmp_path / "a.mp4", EVEN_MS)
+    Path("list.mp4").write_text("#EXTM3U\n#EXTINF:10,\na.mp4\n")
     Path("cut.mp4").write_bytes(video.read_bytes()[: video.stat().st_size // 2])
     Path("words.mp4").write_text("frame,landmark\n" * 9)
     Path("empty.png").write_bytes(b"")
@@ -163,12 +164,31 @@ def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     for names in (
         ["none.mp4"], ["words.mp4"], ["cut.mp4"], ["folder"], ["a.mp4", "a.mp4"],
         ["a.mp4", "empty.png"],
-        ["a", "empty.png"], ["a/same.png", "b/same.png"], ["/dev/zero"],
+        ["a", "empty.png"], ["a/same.png", "b/same.png"], ["/dev/zero"], ["list.mp4"],
     ):  # fmt: skip
         with refused(VopdError):
             open_frames(names)
     with refused(VopdError):
         list(open_frames(["empty.png"]).pictures([0]))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no colon stands in a name there")
+def test_a_name_with_a_colon_is_no_protocol(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_video(tmp_path / "a.mp4", EVEN_MS).rename("12:30.mp4")
+    assert len(open_frames(["12:30.mp4"])) == len(EVEN_MS)
+
+
+def test_levels_that_are_not_finite(tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
+    """They are the darkest or the brightest of those that are."""
+    levels = np.array([[np.nan, -np.inf, 2.0, 6.0, 10.0, np.inf]], np.float32)
+    Image.fromarray(levels).save(tmp_path / "a.tif")
+    Image.fromarray(np.full((2, 2), np.nan, np.float32)).save(tmp_path / "b.tif")
+    first, second = open_frames([str(tmp_path)]).pictures([0, 1])
+    assert np.asarray(first)[0, :, 0].tolist() == [0, 0, 0, 128, 255, 255]
+    assert not np.asarray(second).any() and not recwarn
 
 
 def test_chapters_are_counted_on(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from vopd.files import optional_package, reason
 from vopd.findings import VopdError
 from vopd.inputs import no_file, plain_number
-from vopd.video import stills_in
+from vopd.video import open_image, stills_in
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
 GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF
@@ -70,17 +70,17 @@ def read_tags(path: Path) -> ImageTags:
     Raises:
         VopdError: where it is no image, or Pillow is not installed
     """
-    pillow = optional_package("PIL.Image", "images", "reading the tags of images")
+    optional_package("PIL.Image", "images", "reading the tags of images")
     if kind := no_file(path):
         raise VopdError(f"{path.name}: {kind}")
     try:
-        with warnings.catch_warnings(record=True) as damage, _opened(path, pillow) as image:
+        with warnings.catch_warnings(record=True) as damage, _opened(path) as image:
             warnings.simplefilter("always")  # Pillow warns of tags that it cannot read
             every = image.getexif()
             gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
             xmp = xmp_text(image)
             size = (int(image.size[0]), int(image.size[1]))
-    except (*UNREADABLE, pillow.DecompressionBombError) as error:
+    except UNREADABLE as error:
         raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
     try:
         longitude, latitude, altitude = exif_position(gps)
@@ -101,7 +101,7 @@ def read_tags(path: Path) -> ImageTags:
     )  # fmt: skip
 
 
-def _opened(path: Path, pillow: Any) -> Any:
+def _opened(path: Path) -> Any:
     """Open an image for its tags, also one of more pixels than Pillow would decode.
 
     The pixels are not read, and so Pillow's refusal of images above 179 megapixels, which
@@ -113,9 +113,7 @@ def _opened(path: Path, pillow: Any) -> Any:
             return getattr(import_module(f"PIL.{module}"), name)(path)
         except SyntaxError:  # of another kind than its suffix says
             continue
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        image = pillow.open(path)
+    image = open_image(path)
     if image.width * image.height > MOST_PIXELS:  # of these all are decoded for their tags
         image.close()
         raise ValueError(f"{image.format} of more than {MOST_PIXELS // 1_000_000} megapixels")
