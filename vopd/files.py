@@ -178,6 +178,7 @@ SIGNATURES: tuple[tuple[bytes, str], ...] = (
     (b"7z\xbc\xaf", "a 7-Zip archive"),
     (b"{\\rtf", "an RTF document"),
     (b"\xd0\xcf\x11\xe0", "an office document"),
+    (b"\xff\xfe\0\0", "UTF-32 text"),
     (b"\xff\xfe", "UTF-16 text"),
     (b"\xfe\xff", "UTF-16 text"),
     (b"\x1aE\xdf\xa3", A_VIDEO),
@@ -207,6 +208,21 @@ def kind_by_first_bytes(start: bytes) -> str | None:
     if start[:4] == b"RIFF" and start[8:12] == b"AVI ":
         return A_VIDEO
     return next((kind for signature, kind in SIGNATURES if start.startswith(signature)), None)
+
+
+def not_utf8(start: bytes, at: int) -> str:
+    """Say what a file is that is no text in UTF-8, and what to do, as the end of a sentence.
+
+    Args:
+        start: its first bytes
+        at: where its first byte is that is not UTF-8
+    """
+    kind = kind_by_first_bytes(start)
+    if kind is None:
+        return f"not a text file in UTF-8, at byte {at}"
+    what = "; unpack it, and name the file in it" if "archive" in kind else ""
+    what = ": save it as UTF-8" if kind.endswith("text") else what
+    return f"is {kind}, which is not read{what}"
 
 
 # Optional packages, which an extra of this one installs
@@ -298,6 +314,7 @@ PARSERS = {
 
 CONVERSIONS = (
     (r"could not convert string to float: (.*)", r"\1 is not a number"),
+    (r".*\(could not convert string to float: (.*)\)", r"\1 is not a number"),  # of gpxpy
     (r"invalid literal for int\(\) with base 10: (.*)", r"\1 is not a whole number"),
     (r".*integer string conversion.*", "a whole number has thousands of digits"),
     (r".*Excessive depth in document.*", "elements stand in each other by the hundreds"),
@@ -362,15 +379,14 @@ def _plain(text: str) -> str:
 # Terminals
 
 TURNING = "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # what follows reads right to left
-CONTROL = rf"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f{TURNING}]"
+UNSEEN = "\u200b\u2028\u2029\u2060\ufeff"  # nobody sees them in a name that is not found
+CONTROL = rf"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f{TURNING}{UNSEEN}]"
+"""Control characters, but for tabs, ends of lines, and the return of a line of progress."""
 
 
 def _escape(found: re.Match[str]) -> str:
     code = ord(found[0])
     return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}"
-
-
-"""Control characters, but for tabs, ends of lines, and the return of a line of progress."""
 
 
 class Terminal(io.RawIOBase):

@@ -32,6 +32,7 @@ DEEPEST = 50  # lists and mappings of YAML that stand in each other
 DEEPEST_XML = 100  # elements of XML that stand in each other
 MOST_DIGITS = 18  # digits of a whole number: of a frame, a camera, a pixel
 MOST_NUMBER = 1_000_000_000_000  # of a flight's number: seconds, metres, degrees, pixels
+LEAST_SIGMA, MOST_SIGMA = 1e-9, 1e9  # of standard deviations: their squares are numbers still
 LONGEST_NAME = 1_000  # characters of the name of a landmark, an image or a frame
 MOST_PARTS = 50  # parts of a dotted key of TOML, whose parser takes the square of them
 
@@ -239,6 +240,22 @@ def whole_number(text: str) -> int:
     if len(digits) > MOST_DIGITS:
         raise ValueError(f"a whole number has {count_text(len(digits), 'digit')}")
     return int(text)
+
+
+def beyond_sigmas(values: Iterable[float]) -> str:
+    """Describe the first standard deviation that is too small or too large to be meant.
+
+    Args:
+        values: standard deviations; 0 is exact, NaN is none
+
+    Returns:
+        What is wrong; empty if nothing is.
+    """
+    for value in values:
+        if 0.0 < value < LEAST_SIGMA or value > MOST_SIGMA:
+            limits = f"between {LEAST_SIGMA:g} and {MOST_SIGMA:g}"
+            return f"{value:g}: a standard deviation must be {limits}"
+    return ""
 
 
 def plain_digits(texts: Sequence[str]) -> bool:

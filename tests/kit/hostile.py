@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -138,6 +139,16 @@ def damaged_matlab(path: Path) -> None:
     path.write_bytes(content[:177] + b"\1" + content[178:])
 
 
+def matlab_zeros(path: Path) -> None:
+    """A variable of 1,000,000 cells, each of no bytes, in 8 kB."""
+    empty = struct.pack("<II", 14, 0)
+    parts = struct.pack("<IIII", 6, 8, 1, 0) + struct.pack("<IIii", 5, 8, 1_000_000, 1)
+    parts += struct.pack("<II", 0x20001, 0x6366) + empty * 1_000_000
+    packed = zlib.compress(struct.pack("<II", 14, len(parts)) + parts, 9)
+    head = b"MATLAB 5.0 MAT-file".ljust(124) + b"\0\1IM"
+    path.write_bytes(head + struct.pack("<II", 15, len(packed)) + packed)
+
+
 def pixels(width: int, height: int) -> Callable[[Path], None]:
     """An image whose header says a size."""
 
@@ -200,6 +211,7 @@ SRT = "".join(
 )  # fmt: skip
 BATCH = ("batch in -d out",)
 IMAGES = ("new made --images img",)
+PAGE = ("pick img -o page.html",)
 SKY = "stars solve s.csv --focal 76 --date 2020-01-15T21:00Z"
 NAMED = "name,x_mm,y_mm\nHIP 27989,1,2\nHIP 24436,3,-1\nHIP 25336,-2,1\n"
 STAR = ("stars solve s.csv --focal 76",)
@@ -217,6 +229,7 @@ TABLE = (
     Hostile("toml sections", project("\n".join(f"[s{k}]" for k in range(5_000)))),
     Hostile("toml null", project(flight__toml=TOML.replace("picks.csv", "p\\u0000"))),
     Hostile("toml escape", project(f'\n["{ascii(ESCAPE)[1:-1].replace("x", "u00")}"]\n')),
+    Hostile("toml utf-16", project(flight__toml=TOML.encode("utf-16"))),
     Hostile("toml pipe", project(flight__toml=pipe)),
     Hostile("toml device", project(flight__toml=zeros)),
     Hostile("name of two lines", project(flight__toml=re.sub("name = .*", r'name = "a\\nb"', TOML)),
@@ -258,6 +271,7 @@ TABLE = (
             "'intrinsics': ['1_000', 1000, 960, 540], 'imagersize': [1920, 1080]}")),
     Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe}),
     Hostile("matlab damaged", lens("mat", "") | {"lens.mat": damaged_matlab}),
+    Hostile("matlab zeros", lens("mat", "") | {"lens.mat": matlab_zeros}),
     # picks
     Hostile("cvat 30 digits", other("picks", "p.xml", CVAT.format("9" * 30))),
     Hostile("cvat separator", other("picks", "p.xml", CVAT.format("1_0"))),
@@ -281,6 +295,10 @@ TABLE = (
     Hostile("picks null", project(picks__csv=PICKS + "0,\0,1,2\n")),
     Hostile("picks escape", project(picks__csv=PICKS + f"0,{ESCAPE},1,2\n")),
     Hostile("picks 4 GB", project(picks__csv=sparse)),
+    Hostile("picks sigma of 1e-300", project(picks__csv=re.sub(r"(?m)(\d)$", r"\1,1e-300",
+            PICKS).replace("v_px", "v_px,sigma_px"))),
+    Hostile("picks sigma of 1e-300 for all", project(flight__toml=TOML.replace(
+            "[picks]", "[picks]\nsigma_px = 1e-300"))),
     Hostile("picks pipe", project(picks__csv=pipe)),
     Hostile("picks device", project(picks__csv=zeros)),
     # landmarks
@@ -307,9 +325,14 @@ TABLE = (
             others_after="not valid GPX:"),
     Hostile("srt digits", {"t.srt": SRT + "1" * 900_000}, ("new made --track t.srt",)),
     Hostile("srt blank lines", other("track", "t.srt", "1" + "\n" * 19_999 + " " * 900_000)),
+    Hostile("srt decimal comma", other("track", "t.srt", SRT.replace("47.6435", "47,6435"))),
+    Hostile("gpx latitude of nan", other("track", "t.gpx", GPX.format('<trk><trkseg><trkpt '
+            'lat="nan.6" lon="16"/></trkseg></trk>'))),
     Hostile("srt longitude of 400 digits", other("track", "t.srt", SRT.replace("16.4759", LARGE))),
     Hostile("srt hours of 400 digits", other("track", "t.srt", SRT.replace("00:00:05", LARGE
             + ":00:05"))),
+    Hostile("track marks that nobody sees", project(track__csv="\ufeff\ufeff".encode()
+            + HILL["track.csv"])),
     Hostile("track year 1", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
             "0001-01-01T00:00:00+14:00,48,15,300\n")),
     Hostile("track year 9999", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
@@ -336,6 +359,13 @@ TABLE = (
     Hostile("image damaged", {"img/a.jpg": damaged}, IMAGES),
     Hostile("image with marks that do not end", {"img/a.tif": xmp(b":Latitude>" * 90_000)}, IMAGES),
     Hostile("image pipe", {"img/a.jpg": pipe}, IMAGES),
+    Hostile("picture 196 megapixels", {"img/a.jpg": pixels(14_000, 14_000)}, PAGE),
+    Hostile("picture for another program", {"img/a.jpg": "%!PS-Adobe-3.0 EPSF-3.0\n"
+            "%%BoundingBox: 0 0 9 9\n%%EndComments\n"}, PAGE),
+    Hostile("picture damaged", {"img/a.jpg": damaged}, PAGE),
+    Hostile("picture pipe", {"img/a.jpg": pipe}, PAGE),
+    Hostile("video that is a list", {"v.mp4": "ffconcat version 1.0\nfile v.mp4\n"},
+            ("pick v.mp4 -o page.html",)),
     Hostile("image beside the picks", {"p.csv": PICKS, "a.jpg": b"\xff\xd8\xff"},
             ("new made --picks p.csv",)),
     Hostile("folder that leads to itself", {"made": itself}, ("new made",)),

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from vopd.attitude.history import HistoryOptions
 from vopd.export import FORMATS
-from vopd.files import A_VIDEO, ENDS, kind_by_first_bytes, size_and_ends
+from vopd.files import A_VIDEO, ENDS, kind_by_first_bytes, not_utf8, size_and_ends
 from vopd.findings import VopdError
 from vopd.inputs import named_files, no_file, read_limited
 from vopd.pipeline import SolveOptions, is_flight
@@ -108,7 +108,7 @@ def _entries(manifest: str) -> list[str]:
         with open(manifest, "rb") as file:  # noqa: PTH123
             lines = read_limited(file).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
-        raise VopdError(f"{manifest}: not a text file in UTF-8, at byte {error.start}") from error
+        raise VopdError(f"{manifest}: {not_utf8(error.object, error.start)}") from error
     except OSError as error:
         raise VopdError(f"{manifest}: {error.strerror}") from error
     except ValueError as error:

@@ -22,14 +22,17 @@ from typing import Any, Generic, NamedTuple, TextIO, TypeVar
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.files import A_VIDEO, kind_by_first_bytes, reason
+from vopd.files import A_VIDEO, kind_by_first_bytes, not_utf8, reason
 from vopd.findings import VopdError, count_text
 from vopd.inputs import (
+    LEAST_SIGMA,
     LONGEST_LINE,
     MOST_BYTES,
     MOST_COLUMNS,
     MOST_NUMBER,
     MOST_SETTINGS,
+    MOST_SIGMA,
+    beyond_sigmas,
     is_number,
     no_file,
     plain_digits,
@@ -127,12 +130,8 @@ class InputFile:
                         raise self.error("not a text file: it has null characters")
                     yield chunk + text.readline(LONGEST_LINE)
         except UnicodeDecodeError as error:
-            if kind := kind_by_first_bytes(self._first_bytes):
-                what = "; unpack it, and name the file in it" if "archive" in kind else ""
-                what = ": save it as UTF-8" if kind.endswith("text") else what
-                raise self.error(f"is {kind}, which is not read{what}") from error
             at = _first_wrong_byte(self.path, error)
-            raise VopdError(f"{self.name}: not a text file in UTF-8, at byte {at}") from error
+            raise self.error(not_utf8(self._first_bytes, at)) from error
 
     def matlab(self, *names: str) -> dict[str, Any]:
         """Read variables of a file of MATLAB's, those of these names that are there.
@@ -521,12 +520,11 @@ class CsvTable:
         if not self.has(name):
             return np.full(len(self.line), np.nan)
         found = self.numbers(name, words)
-        low = np.flatnonzero(found <= 0.0)
-        if len(low):
-            texts = self.column(name)
-            for row in [k for k in low.tolist() if texts[k] not in words][:1]:
-                message = f"{found[row]:g} is not a standard deviation, which is above 0"
-                raise self.error(message + _instead(words), row, name)
+        wrong = np.flatnonzero((found < LEAST_SIGMA) | (found > MOST_SIGMA))
+        texts = self.column(name) if len(wrong) else []
+        for row in [k for k in wrong.tolist() if texts[k] not in words][:1]:
+            message = f"{found[row]:g} is not a standard deviation, which is above 0"
+            raise self.error((beyond_sigmas([found[row]]) or message) + _instead(words), row, name)
         return found
 
     def sigmas_of_axes(self, axes: tuple[str, ...], all_axes: str | None = None) -> Floats | None:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from vopd.files import reason
+from vopd.files import not_utf8, reason
 from vopd.findings import NeededError, VopdError
 from vopd.flight.coordinates import HEIGHTS
 from vopd.flight.files import (
@@ -27,7 +27,14 @@ from vopd.flight.files import (
 from vopd.flight.formats.lens import GRID_TO_CENTRE, MODELS_OPENCV
 from vopd.flight.solve import LOSSES
 from vopd.geometry.lenses import LensKind
-from vopd.inputs import MOST_NUMBER, MOST_SETTINGS, no_file, parse_toml, read_limited
+from vopd.inputs import (
+    MOST_NUMBER,
+    MOST_SETTINGS,
+    beyond_sigmas,
+    no_file,
+    parse_toml,
+    read_limited,
+)
 
 R = TypeVar("R")
 
@@ -330,21 +337,6 @@ def keys_of(section: str) -> list[str]:
 
 # A project file that has been read
 
-LEAST_SIGMA, MOST_SIGMA = 1e-9, 1e9  # their squares and inverses are numbers still
-
-
-def beyond_sigmas(values: Iterable[float]) -> str | None:
-    """Describe the first standard deviation that is too small or too large to be meant.
-
-    Args:
-        values: standard deviations; NaN is none
-    """
-    for value in values:
-        if 0.0 < value < LEAST_SIGMA or value > MOST_SIGMA:
-            limits = f"between {LEAST_SIGMA:g} and {MOST_SIGMA:g}, or 0"
-            return f"{value:g}: a standard deviation must be {limits}"
-    return None
-
 
 @dataclass(frozen=True)
 class Section:
@@ -420,8 +412,8 @@ class Section:
             found = (self._number(key, value),) * row.size
         if min(found) < 0.0:
             raise self.error(key, f"{min(found):g}: a standard deviation is not below 0")
-        if (beyond := beyond_sigmas(found)) is not None:
-            raise self.error(key, beyond)
+        if beyond := beyond_sigmas(found):
+            raise self.error(key, f"{beyond}, or 0")
         return found
 
     def numbers(self, key: str) -> tuple[float, ...]:
@@ -610,7 +602,7 @@ def read_project(name: str, location: str | None = None) -> Project:
     except OSError as error:
         raise VopdError(f"{name}: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise VopdError(f"{name}: not a text file in UTF-8") from error
+        raise VopdError(f"{name}: {not_utf8(error.object, error.start)}") from error
     except (ValueError, RecursionError) as error:
         raise VopdError(f"{name}: not valid TOML: {reason(error)}") from error
     sections = {}

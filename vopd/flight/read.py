@@ -58,7 +58,7 @@ from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
-from vopd.inputs import LONGEST_NAME, MOST_NUMBER
+from vopd.inputs import LONGEST_NAME, MOST_NUMBER, beyond_sigmas
 
 # The lens: an inline table, or a file
 
@@ -356,6 +356,8 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     way = section.text("v")
     up_from = size_px[..., 1] - 1.0 if way == "up" else None
     stated = section.number("sigma_px")
+    if beyond := beyond_sigmas([stated]):
+        raise section.error("sigma_px", beyond)
     own = np.isfinite(rows.sigma_px)
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {count_text(len(sigma), 'pick')}, {grid} grid, v {way}"

@@ -12,17 +12,9 @@ from vopd.findings import NeededError, VopdError
 from vopd.flight.equations import COMPONENT, LENS_COEFFICIENTS
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.formats.lens import LensRead
-from vopd.flight.project import (
-    LEAST_SIGMA,
-    MOST_SIGMA,
-    ROWS,
-    WIDTH,
-    Project,
-    Section,
-    beyond_sigmas,
-    with_common_error,
-)
+from vopd.flight.project import ROWS, WIDTH, Project, Section, with_common_error
 from vopd.geometry.lenses import LensKind
+from vopd.inputs import LEAST_SIGMA, MOST_SIGMA, beyond_sigmas
 
 
 class MissingSigma(NamedTuple):
@@ -68,7 +60,7 @@ def row_sigmas(section: Section, key: str, rows: RowSigmas, notes: Notes) -> Flo
     beyond = ((own > 0.0) & (own < LEAST_SIGMA)) | (own > MOST_SIGMA)
     for k in np.flatnonzero(beyond.any(axis=1)).tolist():
         where = f"line {rows.line[k]}" if len(rows.line) else f"position {k + 1}"
-        raise VopdError(f"{rows.file}: {where}: {beyond_sigmas(own[k].tolist())}")
+        raise VopdError(f"{rows.file}: {where}: {beyond_sigmas(own[k].tolist())}, or 0")
     lacking: Bools = np.asarray(np.isnan(own).any(axis=1))
     without = int(lacking.sum())
     if without < rows.total:

@@ -15,6 +15,7 @@ import numpy as np
 
 HEADER = 128  # bytes
 MOST = 16_000_000  # bytes of a variable that is compressed
+MOST_ELEMENTS = 100_000  # elements of a variable
 DEEPEST = 20  # cells and structures that stand in each other
 NUMBERS = {
     1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8",
@@ -60,8 +61,11 @@ def read_variables(data: bytes, names: Sequence[str]) -> dict[str, Any]:
 
 def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
     """Split data into elements: the type of each, and its bytes."""
-    at = 0
+    at = count = 0
     while at < len(data):
+        count += 1
+        if count > MOST_ELEMENTS:
+            raise ValueError(f"it has more than {MOST_ELEMENTS} elements")
         kind, size = np.frombuffer(data[at : at + 8], order + "u4", 2).tolist()
         first, most = at + 8, len(data) - at - 8
         if kind >> 16:  # four bytes at most, in the tag itself

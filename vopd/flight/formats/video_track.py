@@ -185,7 +185,7 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
 
 BLOCK = re.compile(r"(?<!\d)(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->", re.ASCII)
 FIELDS = tuple(
-    re.compile(rf"\b(?:{names})\s*:\s*(-?[\d.]+)")
+    re.compile(rf"\b(?:{names})\s*:\s*(-?[\d.]+(?:,\d+|[eE][-+]?\d+)?)")
     for names in ("latitude", "longitude|longtitude", "abs_alt|altitude")
 )
 BEFORE = re.compile(r"\bGPS\s*\(\s*(-?[\d.]+)\s*,\s*(-?[\d.]+)\s*,\s*(?:\d+|-?[\d.]+(M))\s*\)")
