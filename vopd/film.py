@@ -42,7 +42,13 @@ from vopd.program.constants import factor, ftpkm, rad
 from vopd.program.frames import WIND_ALTITUDES
 from vopd.program.ftlup import Tables, ftlup_each
 from vopd.program.orient import Sight, equations
-from vopd.program.positions import TRAJECTORY_TIMES, directions, earth_fixed, origin_of
+from vopd.program.positions import (
+    TRAJECTORY_TIMES,
+    directions,
+    earth_fixed,
+    group_9,
+    origin_of,
+)
 from vopd.program.vopd import run_jobs
 from vopd.results import Outcome, Results, SolvedJob
 
@@ -212,16 +218,16 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
         )
     ]
     return [
-        replace(one, scene=partial(deck_scene, one, job))
+        replace(one, scene=partial(deck_scene, one, job, results.fixes))
         for one, (_, job) in zip(estimates, parts, strict=True)
     ]
 
 
-def deck_scene(estimate: Estimate, job: Job) -> JobScene:
+def deck_scene(estimate: Estimate, job: Job, fixes: Fixes) -> JobScene:
     """Describe the surroundings of a job's frames, for figures.
 
     Positions are drawn on WGS 84: their latitudes, longitudes and altitudes are those of the
-    cards.
+    cards. Places on the film are those of the run's own Earth.
     """
     marks, where = job.landmarks, estimate.position
     metres = estimate.units.metres_per_length
@@ -245,6 +251,22 @@ def deck_scene(estimate: Estimate, job: Job) -> JobScene:
         own = np.array([index[one] for one in estimate.landmark[k, here].tolist()], dtype=np.int64)
         return own, ray @ axes @ np.stack([east, north, -down])
 
+    @np.errstate(all="ignore")
+    def film(indices: Ints) -> tuple[Floats, Floats]:
+        read = {int(one): k for k, one in enumerate(job.readings.frame)}
+        own = [read[int(one)] for one in estimate.frame[indices]]
+        corner = job.readings.fiducial_in[own].mean(axis=2) * factor
+        corner -= corner.mean(axis=1, keepdims=True)
+        around = np.argsort(np.arctan2(corner[..., 1], corner[..., 0]), axis=1)
+        each = (len(indices), len(number))
+        thj, phij, rj = (np.broadcast_to(one, each) for one in group_9(marks, fixes))
+        vehicle_ft = estimate.displacement[indices]
+        toward = directions(origin_of(job), fixes, vehicle_ft, thj, phij, rj)
+        seen = toward @ camera_axes(np.radians(estimate.camera_deg[indices])).swapaxes(1, 2)
+        depth = np.where(seen[..., 2:] > 0.0, seen[..., 2:], np.nan)
+        place = estimate.focal_length * seen[..., :2] / depth
+        return np.take_along_axis(corner, around[..., None], axis=1), place
+
     from vopd.scene import JobScene
 
     return JobScene(
@@ -258,6 +280,7 @@ def deck_scene(estimate: Estimate, job: Job) -> JobScene:
         earth_centred_m(where.latitude_deg, where.longitude_deg, where.altitude * metres),
         index_of,
         sight,
+        film=film,
     )
 
 

@@ -278,6 +278,26 @@ def test_landmarks_where_they_were_measured_and_arrows_to_scale(frame: int) -> N
     assert left > right  # x grows to the left
 
 
+def test_the_frame_of_a_film_and_landmarks_that_were_not_used() -> None:
+    """The fiducials by their readings; landmark 65 of case 2, which is ignored, as computed."""
+    (one,) = histories("appendix_h/case2")
+    (axis,) = panels(draw("image", [one]))
+    (frame,) = axis.patches
+    read = read_deck(DECKS / "appendix_h" / "case2.dat")[0].readings.fiducial_in[0]
+    corners = read.mean(axis=1) * 0.713816400205  # mm on the film an inch of the reader
+    corners -= corners.mean(axis=0)
+    assert_close("film length", frame.get_xy()[:4], corners)
+    by_label = {line.get_label(): np.column_stack(line.get_data()) for line in axis.lines}
+    (place,) = by_label["not used: computed place"]
+    estimate = one.estimate
+    scene = estimate.scene() if estimate.scene else None
+    assert scene is not None and scene.film is not None
+    _, computed = scene.film(np.array([0]))
+    assert_close("film of eight digits", computed[0, 1:], by_label["computed"])
+    assert_close("film length", place, computed[0, 0])
+    assert {text.get_text() for text in axis.texts} == {"65", "66", "67"}
+
+
 @pytest.mark.usefixtures("not_laid_out")
 def test_residuals_that_are_all_zero_have_no_key_arrow() -> None:
     """Whose residuals vanish: nothing to scale, and no warning."""

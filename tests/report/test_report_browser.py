@@ -353,6 +353,37 @@ def test_a_frame_without_an_interval_has_no_band(browser: Any, tmp_path: Path) -
     assert browser.execute_script(script) == [14, 44, 14, 44, 12, 44]
 
 
+def test_curves_as_people_read_them(browser: Any, tmp_path: Path) -> None:
+    """Roll beyond 180 is negative, a gap breaks the line, and one fact has one row of marks."""
+    angles = np.tile([10.0, -60.0, 190.0, 10.0, -60.0, 190.0, 0.0, 0.0, 0.0], (5, 1))
+    times = np.array([0.0, 1.0, 2.0, 3.0, 9.0])
+    flags = {"two_landmarks": [1, 2], "second_solution": [1, 2], "jump": [4]}
+    one = by_hand(5, angles_deg=angles, time_s=times, flags=flags)
+    load(browser, tmp_path, report([one]))
+    values = [text.text for text in browser.find_elements(By.CSS_SELECTOR, "#curve-box .value")]
+    assert float(values[2].split()[0]) == -170.0 and float(values[0].split()[0]) == 10.0
+    flags_drawn = browser.find_elements(By.CSS_SELECTOR, "#curve-box .flagname")
+    assert [text.text for text in flags_drawn] == ["two_landmarks (2)", "jump (1)"]
+    line = browser.find_element(By.CSS_SELECTOR, "#curve-box path.curve").get_attribute("d")
+    assert line.count("M") == 2 and line.count("L") == 3
+
+
+def test_curves_are_those_of_the_chosen_job(browser: Any, tmp_path: Path) -> None:
+    """Of two jobs of five and three frames: choosing a frame of the other draws its curves."""
+    second = by_hand(3, said={"job": 2})
+    load(browser, tmp_path, report([by_hand(5), second]))
+    script = """
+      const line = () => document.querySelector("#curve-box path.curve").getAttribute("d");
+      const before = line().split(/[ML]/).length - 1;
+      const rows = [...document.querySelectorAll("#frames-table tbody tr")];
+      rows.at(-1).click();
+      return [before, line().split(/[ML]/).length - 1, document.getElementById("now").textContent];
+    """
+    before, after, now = browser.execute_script(script)
+    assert (before, after) == (5, 3)
+    assert now.startswith(f"{second.about.label}, ")
+
+
 def test_image_map_and_residuals_are_those_of_the_frame(hill: Any) -> None:
     """Against the picks of the project's file, and the track that goes east by 5 m a frame."""
     picks = list(csv.DictReader((HILL.parent / "picks.csv").read_text().splitlines()))
@@ -377,7 +408,55 @@ def test_image_map_and_residuals_are_those_of_the_frame(hill: Any) -> None:
     assert set(own) <= set(texts)
 
 
-@pytest.mark.parametrize("name", ["hill", "long film", "9000"])
+def test_the_map_has_places_where_they_are(hill: Any) -> None:
+    """North up and east to the right, of one scale, which is that of the bar."""
+    (job,) = data_of(page_of("hill").decode())["jobs"]
+    marks, (bar, told) = hill.execute_script("""
+      const numbers = (path) => path.getAttribute("d").match(/-?[\\d.]+/g).slice(0, 2).map(Number);
+      const bar = document.querySelector("#map-box .bar");
+      return [[...document.querySelectorAll("#map-box g .mark, #map-box g .other")].map(numbers),
+        [bar.getAttribute("x2") - bar.getAttribute("x1"), bar.nextSibling.textContent]];
+    """)
+    east, north = (np.array(job["places"][name], float) for name in ("east_m", "north_m"))
+    x, y = np.array(marks).T
+    scale = float(bar) / float(told.removesuffix(" m"))
+    assert_close("mark on a page", x - x[0], (east - east[0]) * scale)
+    assert_close("mark on a page", y - y[0], (north[0] - north) * scale)
+
+
+def test_arrows_are_as_many_times_as_long_as_is_said(film: Any) -> None:
+    """Those of a film are in micrometres, its places in millimetres; the key is an arrow too."""
+    (job,) = data_of(page_of("film").decode())["jobs"]
+    said, width, marks, arrows, key = film.execute_script("""
+      const all = (name) => [...document.querySelectorAll(`#image-box ${name}`)];
+      const ends = (path) => path.getAttribute("d").match(/-?[\\d.]+/g).slice(0, 4).map(Number);
+      return [document.getElementById("image-text").textContent,
+        document.querySelector("#image-box svg").viewBox.baseVal.width,
+        all("circle.picked").map((one) => [one.getAttribute("cx"), one.getAttribute("cy")]),
+        all("path.residual").map(ends), all("text.name").at(-1).textContent];
+    """)
+    times = float(re.findall(r"residuals, ([\d.]+) times", said)[0])
+    k = int(chosen(film)) - 1
+    picks = {name: np.array(values, float) for name, values in job["picks"].items()}
+    ends = np.cumsum(picks["count"]).astype(int)
+    own = slice(ends[k] - int(picks["count"][k]), ends[k])
+    du, dv, u, state = (picks[name][own] for name in ("du", "dv", "u", "state"))
+    unit = np.ptp(np.array(marks, float)[:, 0]) / np.ptp(u[state == 0])
+    *own_arrows, of_key = np.array(arrows)
+    lengths = np.array([np.hypot(one[2] - one[0], one[3] - one[1]) for one in own_arrows])
+    expected = np.hypot(du, dv) / 1000.0 * times * unit
+    assert times > 1.0 and np.median(lengths) > 0.005 * width
+    drawn = np.sort(expected[(expected > 0.5) & (expected <= 0.3 * width)])
+    np.testing.assert_allclose(np.sort(lengths), drawn, atol=0.3)
+    long_um = float(key.split()[0])
+    np.testing.assert_allclose(of_key[2] - of_key[0], long_um / 1000.0 * times * unit, atol=0.3)
+
+
+PAGES = {"hill": 6, "long film": 8, "9000": 8}
+"""Sheets of paper at most, without the figures of matplotlib."""
+
+
+@pytest.mark.parametrize("name", PAGES)
 def test_widths_and_paper(name: str, browser: Any, tmp_path: Path) -> None:
     """The page is never wider than the screen, on paper no table is, and the pages are few."""
     load(forget(browser), tmp_path, page_of(name))
@@ -405,7 +484,7 @@ def test_widths_and_paper(name: str, browser: Any, tmp_path: Path) -> None:
         browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
     printed = browser.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"]
-    assert len(re.findall(rb"/Type /Page\b", base64.b64decode(printed))) <= 12
+    assert len(re.findall(rb"/Type /Page\b", base64.b64decode(printed))) <= PAGES[name]
     assert browser.get_log("browser") == []
 
 
@@ -433,6 +512,28 @@ def test_text_is_readable_in_light_and_dark(film: Any) -> None:
         for one, other in pairs:
             assert contrast(one, other) >= 4.5, (scheme, one, other)
     assert pairs[0][1] != [255, 255, 255]  # the dark one is dark
+
+
+def test_figures_are_light_or_dark_as_their_page(case4: Any) -> None:
+    """The ground of the figure is the page's, and everything in it can be told from it."""
+    image = case4.find_element(By.CSS_SELECTOR, "#residuals img")
+    grounds = []
+    for scheme in ("light", "dark"):
+        feature = [{"name": "prefers-color-scheme", "value": scheme}]
+        case4.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": feature})
+        picture = np.asarray(Image.open(io.BytesIO(image.screenshot_as_png)).convert("RGB"))
+        case4.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+        ground = picture[3, 3].tolist()
+        far = np.abs(picture.astype(int) - ground).sum(axis=2)
+        ink = picture.reshape(-1, 3)[far.argmax()].tolist()
+        assert contrast(ink, ground) >= 12.0, scheme
+        grounds.append(ground)
+    assert grounds == [[255, 255, 255], [22, 24, 27]]  # --back of page.css
+    address = image.get_attribute("src").partition(",")[2]
+    dark = base64.b64decode(address).decode().partition("prefers-color-scheme:dark")[2]
+    colours = re.findall(r"--c\d+:#(\w\w)(\w\w)(\w\w)", dark)
+    levels = [contrast([int(part, 16) for part in one], [22, 24, 27]) for one in colours]
+    assert len(levels) > 2 and sum(level < 3.0 for level in levels) <= 2  # ground and grid
 
 
 def contrast(one: list[int], other: list[int]) -> float:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats
+from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
 from vopd.estimate import Units
@@ -17,6 +17,7 @@ from vopd.figures.style import (
     FLAGGED,
     caption,
     halo,
+    legend_below,
     name_text,
     place_names,
     plain,
@@ -268,33 +269,92 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     rows = frame_landmarks(history)
     shown = (rows.frame == k) & rows.used
     shown &= np.isfinite(rows.image).all(axis=1) & np.isfinite(rows.residual).all(axis=1)
-    measured, residual = rows.image[shown], rows.residual[shown]
+    measured, residual, odd = rows.image[shown], rows.residual[shown], rows.odd[shown]
+    scene = e.scene() if e.scene is not None else None
+    corner, inside, computed = (one[0] for one in film_frames(history, scene, [k]))
+    corners = corner[np.isfinite(corner).all(axis=1)]
+    others = np.array(scene.names if scene is not None else (), dtype=str)[inside].tolist()
     axis = figure.subplots()
-    far = max(float(np.abs(measured).max(initial=0.0)), 1e-3) * ROOM
-    scale = max(arrow_scale(residual, 2.0 * far), 1.0)
-    residual_arrows(axis, measured - residual, residual, scale, e.units)
-    axis.plot(*(measured - residual).T, "+", color="0.2", ms=9, label="computed")
-    axis.plot(*measured.T, "o", mfc="none", mec=COLOURS[0], ms=7, label="measured")
-    odd = rows.odd[shown]
-    if odd.any():
-        axis.plot(*measured[odd].T, "s", mfc="none", mec=FLAGGED, ms=12, label="does not fit")
+    extent = np.vstack([measured, corners])
+    far = np.maximum(np.abs(extent).max(axis=0, initial=0.0), 1e-3)
+    far = far * (1.03 if len(corners) else ROOM)
+    if len(corners):
+        axis.fill(*corners.T, fc="0.97", ec="black", lw=1.0, zorder=0, label="joins the fiducials")
+    else:
+        far[:] = far.max()
+    fitted = measured - residual
+    scale = max(arrow_scale(residual, 2.0 * far[0]), 1.0)
+    residual_arrows(axis, fitted, residual, scale, e.units)
+    axis.plot(*fitted.T, "+", color="0.2", ms=9, label="computed")
+    for marks, mark, colour, size, text in (
+        (measured, "o", COLOURS[0], 7, "measured"),
+        (measured[odd], "s", FLAGGED, 12, "does not fit"),
+        (computed[inside], "^", "0.3", 6, "not used: computed place"),
+    ):
+        if len(marks):
+            axis.plot(*marks.T, mark, mfc="none", mec=colour, ms=size, label=text)
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)
-    few = len(measured) <= LABELLED
-    for number, point in zip(rows.landmark[shown] if few else (), measured, strict=few):
-        label = name_text(e.landmark_label(number), 40)
-        axis.annotate(label, point, (7, 7), textcoords="offset points")
-    axis.set(xlim=(far, -far), ylim=(-far, far), aspect="equal")  # x grows to the left
+    order = np.argsort(~odd, kind="stable")
+    numbers = rows.landmark[shown][order].tolist()
+    names = [name_text(e.landmark_label(one), NAME_SHOWN) for one in numbers]
+    names = [f"{one}: does not fit" if n < odd.sum() else one for n, one in enumerate(names)]
+    names = [*names, *(name_text(one, NAME_SHOWN) for one in others)][:LABELLED]
+    places = np.vstack([measured[order], computed[inside]])
+    unit = float((72.0 * (_size_in(figure) - FILM_ROOM_IN) / (2.0 * far)).min())
+    along = (fitted[:, None] + residual[:, None] * scale * ALONG).reshape(-1, 2)
+    nameless = place_names(
+        axis, places[:LABELLED], names, np.array([-unit, unit]), np.stack([-far, far]),
+        np.arange(len(names)) < odd.sum(), along,
+    )  # fmt: skip
+    nameless += len(places) - len(names)
+    axis.set(xlim=(far[0], -far[0]), ylim=(-far[1], far[1]), aspect="equal")  # x grows to the left
     axis.set_xlabel(f"x, {e.units.image} {words.surface}, to the left")
     axis.set_ylabel(f"y, {e.units.image} {words.surface}, up")
-    axis.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
+    handles, texts = axis.get_legend_handles_labels()
+    legend_below(figure, handles, texts, 4)
     when = f"{e.time_s[k]:.3f} s, " if np.isfinite(e.time_s[k]) else ""
+    left_out = f"; {count_text(nameless, 'name')} left out for want of room" if nameless else ""
     return (
         f"{caption([history])}\nframe {name_text(e.frame_label(k), FRAME_SHOWN)}, {when}"
-        f"{count_text(history.landmarks[k], 'landmark')}; corrected for distortion"
-        f"{'' if few else '; too many landmarks to label'}\n"
+        f"{count_text(history.landmarks[k], 'landmark')}; corrected for distortion{left_out}\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
         f"{_misfit(history, k)}"
     )
+
+
+FILM_ROOM_IN = (2.0, 2.2)  # width and height of a figure that labels, title, key and legend take
+
+
+def film_frames(
+    history: History, scene: JobScene | None, frames: Sequence[int] | Ints
+) -> tuple[Floats, Bools, Floats]:
+    """Find the frames of a film, and the landmarks in them that no residual shows.
+
+    Args:
+        history: the job
+        scene: its surroundings of N landmarks; None: nothing is found
+        frames: indices of n frames
+
+    Returns:
+        Corners in order, NaN where they are not known, (n, 4, 2); which landmarks are in the
+        frame and were not measured or not used, (n, N); and where they were computed (n, N, 2).
+    """
+    if scene is None or scene.film is None:
+        none = np.full((len(frames), 4, 2), np.nan)
+        return none, np.zeros((len(frames), 0), bool), none[:, :0]
+    corners, computed = scene.film(np.array([camera_index(history, k, scene) for k in frames]))
+    known = np.isfinite(corners).all(axis=(1, 2)) & np.ptp(corners, axis=1).all(axis=1)
+    corners = np.where(known[:, None, None], corners, np.nan)
+    with np.errstate(invalid="ignore"):
+        shown = (np.abs(computed) <= np.abs(corners).max(axis=1)[:, None]).all(axis=2)
+    rows = frame_landmarks(history)
+    index = {name: n for n, name in enumerate(scene.names)}
+    place = {int(k): n for n, k in enumerate(frames)}
+    measured = np.isfinite(rows.image).all(axis=1) & rows.used
+    for frame, number in zip(rows.frame[measured], rows.landmark[measured], strict=True):
+        if int(frame) in place:
+            shown[place[int(frame)], index[history.estimate.landmark_label(int(number))]] = False
+    return corners, shown, computed
 
 
 def _misfit(history: History, k: int) -> str:

@@ -258,7 +258,7 @@ def _histogram(axis: Any, sigmas: Floats) -> int:
     axis.hist(held, edges, density=True, orientation="horizontal", color=COLOURS[4], alpha=0.6)
     size = np.linspace(edges[0], edges[-1], 101)
     axis.plot(np.exp(-(size**2) / 2.0) / np.sqrt(2.0 * np.pi), size, color="black", lw=1.0)
-    axis.set_xlabel("how many;\nblack: as expected")
+    axis.set_xlabel("how many;\nline: as expected")
     return int((np.abs(values) > MOST_SIGMAS).sum())
 
 

@@ -8,6 +8,7 @@ import re
 import warnings
 from bisect import bisect
 from collections.abc import Callable, Iterator, Sequence
+from colorsys import hls_to_rgb, rgb_to_hls
 from contextlib import contextmanager
 from functools import cache, partial
 from math import floor, log10
@@ -138,8 +139,33 @@ def _renamed(text: bytes) -> bytes:
 
 
 def svg(figure: Figure) -> str:
-    """Write the figure as SVG text."""
-    return save(figure, ".svg").decode("utf-8")
+    """Write the figure as SVG text that is light or dark, as the page is that shows it."""
+    text = save(figure, ".svg").decode("utf-8")
+    colours = {one: f"--c{k}" for k, one in enumerate(dict.fromkeys(HEX.findall(text)))}
+    names = {"light": dict(zip(colours.values(), colours, strict=True))}
+    names["dark"] = {name: _on_dark(one) for name, one in names["light"].items()}
+    light, dark = (
+        "".join(f"{name}:{one};" for name, one in scheme.items()) for scheme in names.values()
+    )
+    rules = f":root{{{light}fill:#000000}}@media (prefers-color-scheme:dark)"
+    rules += f"{{:root{{{dark}fill:{_on_dark('#000000')}}}}}"
+    text = HEX.sub(lambda found: f"var({colours[found[0]]})", text)
+    return text.replace("</style>", f"{rules}</style>", 1)
+
+
+HEX = re.compile(r"#[0-9a-f]{6}\b")
+DARK_RGB, LIGHT_RGB = (22, 24, 27), (232, 232, 232)  # ground and text of a dark page
+
+
+def _on_dark(colour: str) -> str:
+    """Choose the colour on a dark page: greys are turned round, other colours are made lighter."""
+    rgb = [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]
+    hue, light, strong = rgb_to_hls(*rgb)
+    if strong < 0.1:
+        made = [a + (b - a) * light for a, b in zip(LIGHT_RGB, DARK_RGB, strict=True)]
+    else:
+        made = [255.0 * one for one in hls_to_rgb(hue, 0.42 + 0.45 * light, min(strong, 0.75))]
+    return "#" + "".join(f"{round(one):02x}" for one in made)
 
 
 def ready() -> None:

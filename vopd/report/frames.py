@@ -16,7 +16,7 @@ from vopd.attitude.table import TableColumn, column_name, columns_of, table_valu
 from vopd.estimate import Units
 from vopd.export.tables import as_text
 from vopd.figures.attitude import TOLD_BY, is_turned, shows_attack
-from vopd.figures.image import camera_index, horizon_dip_deg, toward
+from vopd.figures.image import camera_index, film_frames, horizon_dip_deg, toward
 from vopd.figures.map import MISSED, ground
 from vopd.findings import count_text
 from vopd.geometry.earth import geodetic, local_axes
@@ -247,7 +247,8 @@ def _scene(h: History, footprints: bool) -> dict[str, Any]:
         "camera": plan.places(camera_m),
     }
     if scene.views is None:
-        return made | {"picks": _film_picks(h, rows.frame, own)}
+        made["picks"] = _film_picks(h, rows.frame, own)
+        return made | _film_frames(h, scene) if footprints else made
     order = np.argsort(frames)
     views = scene.views(frames[order])
     back = np.argsort(order)
@@ -381,6 +382,26 @@ def _film_picks(h: History, frame: Ints, own: Ints) -> dict[str, Any]:
         "du": _numbers(residual[:, 0], 2),
         "dv": _numbers(residual[:, 1], 2),
         "state": _numbers(state),
+    }
+
+
+def _film_frames(h: History, scene: JobScene) -> dict[str, Any]:
+    """Describe the frames of a film by their corners, and the landmarks in them without a pick."""
+    corners, shown, computed = film_frames(h, scene, np.arange(len(h.status)))
+    known = np.isfinite(corners).all(axis=(1, 2))
+    at, mark = np.nonzero(shown)
+    return {
+        "corners": {
+            "count": _numbers(np.where(known, 4, 0)),
+            "u": _numbers(corners[known][..., 0], 2),
+            "v": _numbers(corners[known][..., 1], 2),
+        },
+        "others": {
+            "count": _numbers(np.bincount(at, minlength=len(corners))),
+            "landmark": _numbers(mark),
+            "u": _numbers(computed[at, mark, 0], 2),
+            "v": _numbers(computed[at, mark, 1], 2),
+        },
     }
 
 

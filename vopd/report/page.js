@@ -530,7 +530,7 @@ function work(data) {
       [width, height, across] = [w * unit, h * unit, w];
       [x, y] = [(u) => (u + 0.5) * unit, (v) => (v + 0.5) * unit];
     } else {
-      job.far ??= [job.picks.u, job.picks.v].map((all) => 1.3 * Math.max(...extent(all).map(Math.abs), 1e-3));
+      job.far ??= ["u", "v"].map((one) => Math.max(1.3 * Math.max(...extent(job.picks[one]).map(Math.abs), 1e-3), ...extent(job.corners?.[one] ?? []).map((end) => (Number.isFinite(end) ? 1.03 * Math.abs(end) : 0))));
       unit = Math.min(width / (2 * job.far[0]), 300 / job.far[1]);
       [width, height, across] = [2 * job.far[0] * unit, 2 * job.far[1] * unit, 2 * job.far[0]];
       [x, y] = [(u) => width / 2 - u * unit, (v) => height / 2 - v * unit]; // x grows to the left
@@ -541,7 +541,8 @@ function work(data) {
     const said = `${described(now)}: ${list.length} picks${largest}${odd.length ? `; does not fit: ${odd.join(", ")}` : ""}`;
     const svg = canvas(box, width, height, `Image of ${said}`);
     const photograph = of(`photograph${now}`);
-    svg.append(node("rect", { x: 0.5, y: 0.5, width: round(width - 1), height: round(height - 1), class: "border" }));
+    const corners = some(job.corners, job).map((n) => [x(job.corners.u[n]), y(job.corners.v[n])]);
+    svg.append(corners.length ? path(`${along(corners)}Z`, "border") : node("rect", { x: 0.5, y: 0.5, width: round(width - 1), height: round(height - 1), class: "border" }));
     if (photograph) svg.append(node("image", { href: `data:image/jpeg;base64,${photograph.textContent}`, width: round(width), height: round(height), preserveAspectRatio: "none" }));
     svg.classList.toggle("photo", Boolean(photograph));
     const scale = arrowScale(job, across);
@@ -576,9 +577,9 @@ function work(data) {
       const long = (key / job.per) * scale * unit;
       if (long < 0.4 * width) svg.append(arrow(width - 14 - long, height - 10, width - 14, height - 10, "residual"), label(width - 14, height - 17, `${key} ${job.residual}`, "name", "end"));
     }
-    const signs = ["○ picked", "+ computed", list.some((one) => one.state === 1) && "◇ picked, not used", odd.length && "□ does not fit", job.others?.count[now - job.first] && "△ not picked: computed place"];
+    const signs = ["○ picked", "+ computed", list.some((one) => one.state === 1) && "◇ picked, not used", odd.length && "□ does not fit", job.others?.count[now - job.first] && (job.sizes ? "△ not picked: computed place" : "△ not used: computed place")];
     const more = `${outside ? `; ${outside} outside the image` : ""}${left ? `; ${left} names left out for want of room` : ""}`;
-    const plane = job.sizes ? "" : `; seen from behind the camera, ${job.surface}, corrected for distortion`;
+    const plane = job.sizes ? "" : `; seen from behind the camera, ${job.surface}, corrected for distortion${corners.length ? "; the border joins the fiducials" : ""}`;
     of("image-text").textContent = `${said}. ${signs.filter(Boolean).join(", ")}; arrows: residuals, ${scale} times as long${scale > 1 ? ", dashed where that is too long" : ""}${toward}${plane}${more}.`;
   }
 
