@@ -25,6 +25,7 @@ TOLERANCES = {
         "1", 0.03, "two decimals; a lens whose centre is 3 px beside the middle"
     ),
     "true north on a map": Tolerance("deg", 0.01, "the next term of the convergence is .001"),
+    "corner on a screen": Tolerance("px", 0.51, "a frame begins at a whole pixel of the screen"),
     "mark on a page": Tolerance("px", 0.35, "a tenth of a screen's pixel, 3.3 of the image"),
     "click on a page": Tolerance("px", 0.05, "what the page promises; two decimals are .005"),
     "rotation on a page": Tolerance("deg", 1e-6, "what the page promises"),

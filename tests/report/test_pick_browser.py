@@ -182,6 +182,44 @@ def test_a_reload_loses_nothing(opened: Any) -> None:
     assert opened.find_element(By.ID, "kept").text
 
 
+def test_names_of_the_project_join_those_that_were_kept(opened: Any) -> None:
+    """As where a landmark was added to the project since the page was used."""
+    kept = '{names: ["mast", "old"], picks: [], hidden: [], frame: 0, landmark: 0}'
+    opened.execute_script(f"localStorage.setItem(place, JSON.stringify({kept}))")
+    opened.refresh()
+    ready(opened)
+    assert opened.execute_script("return names") == [*LANDMARKS, "old"]
+
+
+def test_letters_in_a_field_are_no_commands_and_the_hidden_is_not_asked_for(opened: Any) -> None:
+    opened.find_element(By.ID, "name").send_keys("hnp", Keys.ENTER)
+    assert opened.execute_script("return [names, hidden]") == [[*LANDMARKS, "hnp"], []]
+    press(opened, "n", "n", "h")  # mast, the next, which is hidden here
+    press(opened, "p", "n")
+    script = "return document.querySelector('[aria-pressed=true]').firstChild.textContent"
+    assert opened.execute_script(script) == "hnp"
+
+
+def test_a_pick_stays_in_its_frame_and_in_its_place_when_enlarged(opened: Any) -> None:
+    """The frame's edge is half a pixel beyond the centre of its first; the loupe makes way."""
+    opened.execute_script("put(-3, 2)")
+    assert rows(opened) == ["0.png,mast,-0.50,2.00"]
+    opened.execute_script("put(50, 10)")
+    place = "return on(...cross)"
+    press(opened, "0")
+    before, scale = opened.execute_script(place), where(opened)[2]
+    press(opened, "-")
+    assert where(opened)[2] < scale
+    assert_close("corner on a screen", opened.execute_script(place), before)
+    script = """
+      cross = [(canvas.width - 20 - view.x) / view.scale, (20 - view.y) / view.scale];
+      draw();
+      return [loupe.getBoundingClientRect().left, canvas.getBoundingClientRect().left];
+    """
+    loupe, canvas = opened.execute_script(script)
+    assert 0.0 <= loupe - canvas < 20.0
+
+
 def test_it_asks_for_nothing_and_names_stay_text(browser: Any, tmp_path: Path, page: bytes) -> None:
     shown = ready(load(forget(browser), tmp_path, page))
     browser.execute_script("localStorage.clear()")
@@ -321,6 +359,7 @@ def test_a_film_on_cards(browser: Any, tmp_path: Path) -> None:
         assert [*read_jobs(io.BytesIO(found), "page")] == [*read_jobs(io.BytesIO(expected), "deck")]
         assert browser.execute_script("return cards().missing") == []
     ready(browser, 0.0)
+    assert not browser.find_element(By.ID, "add").is_displayed()
     press(browser, Keys.ENTER)
     assert "has its three readings" in text(browser, "kept")
     press(browser, Keys.DELETE)

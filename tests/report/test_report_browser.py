@@ -447,9 +447,9 @@ def test_arrows_are_as_many_times_as_long_as_is_said(film: Any) -> None:
     expected = np.hypot(du, dv) / 1000.0 * times * unit
     assert times > 1.0 and np.median(lengths) > 0.005 * width
     drawn = np.sort(expected[(expected > 0.5) & (expected <= 0.3 * width)])
-    np.testing.assert_allclose(np.sort(lengths), drawn, atol=0.3)
+    assert_close("mark on a page", np.sort(lengths), drawn)
     long_um = float(key.split()[0])
-    np.testing.assert_allclose(of_key[2] - of_key[0], long_um / 1000.0 * times * unit, atol=0.3)
+    assert_close("mark on a page", of_key[2] - of_key[0], long_um / 1000.0 * times * unit)
 
 
 PAGES = {"hill": 6, "long film": 8, "9000": 8}
