@@ -171,16 +171,43 @@ RECORD = SourceRecord("a", "a.dat", SOLVED, "", "digest", "1", "options")
 def test_a_record_is_read_as_it_was_written() -> None:
     full = replace(
         RECORD, source="Zürich \udcff", error="line\nline", jobs=2, frames=3, attitudes=4,
-        flagged=5, not_converged=6, warnings=7, flags={"jump": 8}, outputs={"a.csv": "x"},
-        seconds=0.25,
+        flagged=5, not_converged=6, warnings=7, flags={"jump": 8}, seconds=0.25,
+        outputs={"Zürich \udcff.csv": "x"},
     )  # fmt: skip
     line = full.line()
     assert line.endswith(b"}\n") and line.count(b"\n") == 1
     again = read_record(line.decode("utf-8"))
     assert again == full
     assert set(full.row()) == {field.name for field in fields(SourceRecord)} - {"seconds"}
-    for other in ("", "{", line.decode()[:-20], "[]", "3", '{"source": "a"}', '{"no": 1}'):
+    for other in (
+        "",
+        "{",
+        line.decode()[:-20],
+        "[]",
+        "3",
+        '{"source": "a"}',
+        '{"no": 1}',
+        "[" * 9999,
+    ):
         assert read_record(other) is None
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"source": None}, {"path": 7}, {"status": "x"}, {"status": []}, {"version": 9},
+        {"options": {}}, {"frames": "x"}, {"frames": -1}, {"jobs": True}, {"jobs": 10**400},
+        {"flagged": None}, {"errata": {}}, {"seconds": "x"}, {"seconds": float("nan")},
+        {"flags": []}, {"flags": None}, {"flags": {"jump": "x"}}, {"outputs": {"a.csv": None}},
+        {"outputs": ["a.csv"]}, {"outputs": {"a.csv\0": "x"}},
+        {"outputs": {"../a.csv": "x"}}, {"outputs": {"/a.csv": "x"}},
+        {"outputs": {"a./../../b": "x"}}, {"outputs": {"b.csv": "x"}},
+    ],
+)  # fmt: skip
+def test_a_record_that_no_batch_writes_is_none(changes: dict[str, Any]) -> None:
+    """They ended `--resume` with a traceback; an output may not be a file of another folder."""
+    assert read_record(RECORD.line().decode()) == RECORD
+    assert read_record(json.dumps(vars(RECORD) | changes)) is None
 
 
 @pytest.mark.parametrize(

@@ -212,6 +212,21 @@ def test_times_that_cannot_be_read_are_not_known(text: str, tmp_path: Path) -> N
     assert begin(tmp_path, (1, 1), resume=True)["a"].seconds == 2.5
 
 
+@pytest.mark.parametrize("name", ["summary.jsonl", "times.jsonl", ".vopd-batch/1-of-1.jsonl"])
+def test_a_pipe_in_the_place_of_records_is_not_read(name: str, tmp_path: Path) -> None:
+    """`--resume` waited for it without an end."""
+    pipe = tmp_path / name
+    pipe.parent.mkdir(exist_ok=True)
+    try:
+        os.mkfifo(pipe)
+    except (AttributeError, OSError):
+        pytest.skip("no pipes with names here")
+    if name == "times.jsonl":
+        assert begin(tmp_path, (1, 1), resume=True) == {}
+    else:
+        assert_approved(refusal(tmp_path, (1, 1), resume=True))
+
+
 PLAN = [BatchSource(f"{name}.dat", name, 1) for name in ("b", "a", "c")]
 
 

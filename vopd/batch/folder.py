@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import socket
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from vopd.batch.sources import PAGE, BatchSettings, BatchSource, file_sha256, in
 from vopd.export import FORMATS
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError, count_text, one_line
+from vopd.inputs import LONGEST_LINE, MOST_NUMBER, no_file
 from vopd.screen import aligned
 from vopd.version import __version__
 
@@ -175,15 +177,35 @@ def json_line(row: dict[str, Any]) -> bytes:
 
 
 def read_record(line: str) -> SourceRecord | None:
-    """Read the record of a line; None if the line is another, or was not written to its end.
+    """Read the record of a line; None if no batch writes it so, or it was not written to its end.
 
     Args:
-        line: one line of a summary or of a journal
+        line: one line of a summary or of a journal, which may have come from somebody else
     """
     try:
-        return SourceRecord(**json.loads(line))
-    except (ValueError, TypeError):
+        record = SourceRecord(**json.loads(line))
+        return record if _is_sound(record) else None
+    except (ValueError, TypeError, AttributeError, RecursionError):
         return None
+
+
+def _is_sound(record: SourceRecord) -> bool:
+    """Tell whether every value is of its kind, and outputs are named by their source.
+
+    An output that is not written again is removed, and must not be a file of somewhere else.
+    """
+    values: dict[str, list[Any]] = {}
+    for one in fields(SourceRecord):
+        values.setdefault(str(one.type), []).append(getattr(record, one.name))
+    texts = [*values["str"], *record.flags, *record.outputs, *record.outputs.values()]
+    counts = [*values["int"], *record.flags.values()]
+    return (
+        all(isinstance(one, str) for one in texts)
+        and all(type(one) is int and 0 <= one < MOST_NUMBER for one in counts)
+        and 0.0 <= record.seconds < MOST_NUMBER
+        and record.status in WORST_FIRST
+        and all(re.fullmatch(rf"{re.escape(record.source)}\.[\w.]+", one) for one in record.outputs)
+    )
 
 
 # The folder, its journal, and the end of all shards
@@ -350,21 +372,33 @@ class BatchFolder:
 
 def _read(file: Path) -> Iterator[SourceRecord]:
     """Read a summary or a journal; a line that a kill has cut short is left out."""
-    try:
-        text = file.read_bytes().decode("utf-8", "replace")
-    except FileNotFoundError:
-        return
-    for line in text.split("\n"):
+    for line in _lines(file):
         record = read_record(line)
         if record is not None:
             yield record
 
 
 def _seconds(file: Path) -> Iterator[tuple[str, float]]:
-    with suppress(OSError, ValueError, KeyError, TypeError):
-        for line in file.read_text(encoding="utf-8").splitlines():
+    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError, OutputError):
+        for line in _lines(file):
             row = json.loads(line)
-            yield row["source"], row["seconds"]
+            yield str(row["source"]), float(row["seconds"])
+
+
+def _lines(file: Path) -> Iterator[str]:
+    """Read the lines of a file that an earlier run has written; none if there is no file.
+
+    Raises:
+        OutputError: where it is a pipe or a device
+    """
+    if no_file(file):
+        raise OutputError(f"{file}: not a file that a batch has written; name another folder")
+    try:
+        with file.open("rb") as lines:
+            while line := lines.readline(LONGEST_LINE):
+                yield line.decode("utf-8", "replace")
+    except FileNotFoundError:
+        return
 
 
 # Outputs: what an earlier run has left, and what this one writes
