@@ -144,6 +144,18 @@ class VopdError(Exception):
         return shortened(super().__str__())
 
 
+def refuse_other_kind(
+    value: object, kinds: type | tuple[type, ...], function: str, takes: str
+) -> None:
+    """Refuse an argument of a public function that is of another kind.
+
+    Raises:
+        VopdError: with what the function takes
+    """
+    if not isinstance(value, kinds):
+        raise VopdError(f"{function} takes {takes}, not a {type(value).__name__}")
+
+
 class NeededError(VopdError):
     """A value is missing that no file has; there may be others."""
 

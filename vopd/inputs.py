@@ -56,8 +56,10 @@ def no_file(path: str | os.PathLike[str], pipes: bool = False) -> str:
     """Say why a path is not to be read: it is a device, a pipe or a socket; empty if it may be."""
     try:
         mode = os.stat(path).st_mode  # noqa: PTH116
-    except (OSError, ValueError):  # opening it says why
+    except OSError:  # opening it says why
         return ""
+    except ValueError:
+        return "no file can have this name: a null character or half a character is in it"
     if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
         return ""
     if stat.S_ISCHR(mode):

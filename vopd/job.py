@@ -211,6 +211,6 @@ class Deck(Sequence[Job]):
             )
         if number is None and len(self) > 1:
             raise VopdError(f"{self.name}: {len(self)} jobs; choose one with --job")
-        if number is not None and number > len(self):
+        if number is not None and number not in range(1, len(self) + 1):
             raise VopdError(f"{self.name}: there is no job {number}; the deck has {len(self)}")
         return self.jobs[(number or 1) - 1]

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar, get_args
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.errata import NO_FIXES, Fix, Fixes
-from vopd.findings import BASIC_DATA, Finding, InputError, VopdError, frames_text, raising
+from vopd.findings import (
+    BASIC_DATA,
+    Finding,
+    InputError,
+    VopdError,
+    frames_text,
+    raising,
+    refuse_other_kind,
+)
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job, copied_readings_text
 from vopd.results import Outcome, Results, SolvedJob, SourceEnd
@@ -49,6 +57,12 @@ class SolveOptions:
     initial: Initial = "deck"
     compare_initial: bool = False
     limits_1974: bool = False
+
+    def __post_init__(self) -> None:
+        refuse_other_kind(self.fixes, Fixes, "vopd.run", "fixes that vopd.errata.fixes makes")
+        if self.initial not in get_args(Initial):
+            known = " or ".join(map(repr, get_args(Initial)))
+            raise VopdError(f"initial is {self.initial!r}, not {known}")
 
 
 class ReadJob(NamedTuple):
@@ -95,7 +109,7 @@ def run(
             does not have a row for every frame; where the deck cannot be read, or it is a flight
     """
     if isinstance(jobs, str | PathLike):
-        if is_flight(str(jobs)) or Path(jobs).is_dir():
+        if is_flight(str(jobs)) or os.path.isdir(jobs):  # noqa: PTH112 (the name may be too long)
             raise VopdError(f"{jobs}: a flight project: vopd.solve_flight({str(jobs)!r}) solves it")
         jobs = read_deck(jobs)
     if not isinstance(jobs, Sequence) and not isinstance(jobs, Job):
@@ -103,6 +117,8 @@ def run(
             f"a {type(jobs).__name__} is no deck of jobs: vopd.solve_flight solves a flight project"
         )
     several: list[Job] = [jobs] if isinstance(jobs, Job) else list(jobs)
+    for one in several:
+        refuse_other_kind(one, Job, "vopd.run", "the path of a deck, or jobs of vopd.read_deck")
     deck = jobs if isinstance(jobs, Deck) else Deck(tuple(several))
     options = SolveOptions(fixes, initial, compare_initial)
     solved: list[SolvedJob] = []
@@ -198,6 +214,7 @@ def read_deck(path: str | PathLike[str], *, limits_1974: bool = False) -> Deck:
 
     Source: TM X-3050, Appendix F.
     """
+    refuse_other_kind(path, (str, PathLike), "vopd.read_deck", "the path of a deck")
     name, jobs = str(path), []
     findings: list[Finding] = []
     for one in read_decks([name], limits_1974):

@@ -389,6 +389,10 @@ TABLE = (
     Hostile("stars columns", {"s.csv": "x_mm,y_mm" + ",a" * 1_000_000 + "\n1,2\n"},
             (*STAR, "stars radec s.csv --focal 76 --attitude 1,2,3")),
     Hostile("stars arabic", {"s.csv": NAMED.replace("27989", "٢٧٩٨٩")}, (SKY,)),
+    Hostile("stars 5,000 times the same", {"s.csv": STARS.rstrip() + "\n" + 4_990
+            * (STARS.rstrip().rpartition("\n")[2] + "\n")}, STAR, seconds=4.0),
+    Hostile("listing of a million blank lines", {"a.lst": "\n" * 1_000_000}, (
+            "diff a.lst a.lst",)),
     Hostile("stars lists", {"s.json": f'{{"matched_centroids": {DEEP}}}'},
             ("stars solve s.json --focal 76",)),
     Hostile("ephemeris cut short", {"s.csv": NAMED, "e.bsp": cut_ephemeris},
@@ -407,4 +411,10 @@ TABLE = (
             ("stars solve s.csv --focal 76 --reading-sigma 1e-300",)),
     Hostile("option of 900 lists", {}, (f"new made --set flight.name={'[' * 900}",)),
     Hostile("name of a file", {}, ("check a\x1b[31m", "stars solve a\x1b[31m")),
+    Hostile("name of a project of 300 characters", HILL | {"m": f"flight.toml\n{'a' * 300}.toml\n"},
+            (f"attitude -q {'a' * 300}.toml flight.toml -o o.csv", "batch -q --manifest m -d out"),
+            seconds=4.0),
+    Hostile("whole number of 400 digits", {}, (f"demo --jobs {LARGE}", f"demo --frames -{LARGE}")),
+    Hostile("column of no name", {"x.dat": CASE_4.read_bytes()}, (
+            "attitude x.dat --columns ''",)),
 )  # fmt: skip

@@ -1,15 +1,18 @@
-"""Costs of unusual inputs; files that ask for much stand in the table of kit/hostile.py."""
+"""Costs of unusual inputs, arguments of another kind; hostile files are in kit/hostile.py."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from tests.kit.command import DECKS, ROOT
+import vopd
+from tests.approved.texts import refused
+from tests.kit.command import CASE_4, DECKS, ROOT
 from tests.kit.flight_project import write_project
 from tests.kit.tagged_images import tagged_image
 from vopd.flight import read as reader
@@ -73,3 +76,29 @@ def test_warnings_of_a_run_load_no_masked_arrays() -> None:
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=ROOT)
     *said, loaded = done.stderr.splitlines()
     assert any(line.startswith("warning:") for line in said) and loaded == "False"
+
+
+JOBS = vopd.read_deck(CASE_4)
+OTHER_KINDS: dict[str, Callable[[], object]] = {
+    "a name with a null character": lambda: vopd.read_deck("a\0b"),
+    "a name with half a character": lambda: vopd.run("\ud800"),
+    "a name that is too long": lambda: vopd.run("a" * 300),
+    "a project whose name is too long": lambda: vopd.solve_flight("a" * 300),
+    "a deck in the place of its path": lambda: vopd.read_deck(JOBS),  # type: ignore[arg-type]
+    "several paths": lambda: vopd.run([str(CASE_4)] * 2),  # type: ignore[list-item]
+    "a run in the place of jobs": lambda: vopd.run(vopd.run(JOBS)),  # type: ignore[arg-type]
+    "names of fixes": lambda: vopd.run(JOBS, ["restart"]),  # type: ignore[arg-type]
+    "another start": lambda: vopd.run(JOBS, initial="closed form"),  # type: ignore[arg-type]
+    "a path in the place of results": lambda: vopd.listing_text("x.dat"),  # type: ignore[arg-type]
+    "no results": lambda: vopd.listing_text(None),  # type: ignore[arg-type]
+    "a path in the place of jobs": lambda: vopd.write_deck("x.dat"),  # type: ignore[arg-type]
+    "a job before the first": lambda: JOBS.chosen(-1),
+    "a deck to adjust": lambda: vopd.adjust(JOBS, "focal"),  # type: ignore[arg-type]
+}
+
+
+@pytest.mark.parametrize("kind", OTHER_KINDS)
+def test_arguments_of_another_kind(kind: str) -> None:
+    """Python's own errors, endless recursion, and a start that was the closed form unasked."""
+    with refused(vopd.VopdError):
+        OTHER_KINDS[kind]()

@@ -13,21 +13,21 @@ from vopd.cards.format import BASIC_DATA, GROUPS, FormatItem, format_items
 from vopd.cards.numbers import nearest_that_fits, write_number
 from vopd.cards.read import read_jobs
 from vopd.cards.text import COLUMNS
-from vopd.findings import VopdError, group_text
+from vopd.findings import VopdError, group_text, refuse_other_kind
 from vopd.job import Job
 
 Rows = Sequence[Sequence[float]]
 
 
-def write_deck(jobs: Sequence[Job]) -> str:
+def write_deck(jobs: Job | Sequence[Job]) -> str:
     """Write the card deck of one job, or of several that are stacked.
 
     Every number is punched so that reading it gives the same bits. A number
     that has too many digits for its columns must be rounded before.
 
     Args:
-        jobs: the jobs in order. Each but the first is read from the return group of the one
-            before it, so what comes before that group must be the same in both.
+        jobs: one job, or several in order. Each but the first is read from the return group of the
+            one before it, so what comes before that group must be the same in both.
 
     Returns:
         The deck as text, a card a line, without trailing blanks.
@@ -38,9 +38,12 @@ def write_deck(jobs: Sequence[Job]) -> str:
 
     Source: TM X-3050, Appendix F.
     """
+    several: Sequence[Job] = jobs if isinstance(jobs, Sequence) else [jobs]
+    for job in several:
+        refuse_other_kind(job, Job, "vopd.write_deck", "jobs, as vopd.read_deck reads them")
     cards: list[str] = []
     start = 1
-    for job in jobs:
+    for job in several:
         control = _control_cards(job)
         for number in range(start, 13):
             cards += control[number]
@@ -48,7 +51,7 @@ def write_deck(jobs: Sequence[Job]) -> str:
             cards += basic_data_cards(job)
         start = job.return_group
     deck = "\n".join(card.rstrip() for card in cards) + "\n"
-    _check(deck, jobs)
+    _check(deck, several)
     return deck
 
 

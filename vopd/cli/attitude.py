@@ -152,11 +152,11 @@ def command(
     """Write the attitude table, or the attitude history in the format of another tool."""
     screen = form == TEXT or (form is None and output == "-" and sys.stdout.isatty())
     chosen = FORMATS["csv"] if screen else _format(output, form)
-    if mean and (columns or roll):
+    if mean and (columns is not None or roll):
         raise click.UsageError("--columns and --roll are for a row a frame: leave out --mean.")
     if mean and chosen.name not in MEAN_FORMATS:
         raise click.UsageError(f"--mean is for {', '.join(MEAN_FORMATS)}, not {chosen.name}.")
-    names["columns"] = columns and tuple(columns.replace(" ", "").split(","))
+    names["columns"] = None if columns is None else tuple(columns.replace(" ", "").split(","))
     names["roll_180"] = roll and roll == "180"
     request = _request(chosen, epoch, names, any(map(is_flight, sources)))
     refuse_to_overwrite(sources, output)
@@ -166,7 +166,7 @@ def command(
     found = collect_jobs(sources, options, chosen.by_parts and not mean, misfits=mean or not screen)
     request = _with_epoch(chosen, request, [job.head for job in found.jobs])
     messages = Messages(options.quiet)
-    if columns:
+    if columns is not None:
         _check_columns(found, request)
     progress = Progress(
         "frames written",
@@ -178,7 +178,7 @@ def command(
     with whole_file(output) as file:
         if screen and mean:
             file.write(_means(jobs).encode(coding, ESCAPED))
-        elif screen and not columns:
+        elif screen and columns is None:
             file.write(_short(jobs, sources, found, options.quiet).encode(coding, ESCAPED))
         elif screen:
             file.write(_listed(jobs, request, roll).encode(coding, ESCAPED))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, refuse_other_kind
 from vopd.flight.adjusted import adjusted_from
 from vopd.flight.errors import covariance_of_common
 from vopd.flight.flight import Flight
@@ -123,6 +123,8 @@ def adjust(
         VopdError: where a file cannot be read, a name is not known, or the flight has no such
             parameter
     """
+    kinds = (Flight, str, PathLike)
+    refuse_other_kind(source, kinds, "vopd.adjust", "the path of a flight project, or a flight")
     flight = source if isinstance(source, Flight) else flight_to_adjust(str(source))[0]
     names = tuple(dict.fromkeys(names_of(free) if isinstance(free, str) else free))
     freed = replace(flight, options=replace(flight.options, free=names, kept=()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -276,9 +277,9 @@ def solve_flight(
         )
     name = str(source)
     path = Path(location or name)
-    if path.is_dir():
+    if os.path.isdir(path):  # noqa: PTH112 (a path that is too long for the system is none)
         name, location = str(Path(name) / NAME), str(path / NAME)
-    elif path.suffix.lower() != ".toml" and path.is_file():
+    elif path.suffix.lower() != ".toml" and os.path.isfile(path):  # noqa: PTH113
         raise VopdError(
             f"{name}: a flight project is a .toml that names its files; vopd.run({name!r}) solves "
             "a deck of 80-column cards"

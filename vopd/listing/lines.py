@@ -99,7 +99,7 @@ def is_listing(text: str) -> bool:
     """Recognise a listing by a line that only listings have."""
     return any(
         line.rstrip() in HEADINGS or any(_has_text_of(kind, line) for kind in _WITH_TEXT)
-        for line in text.split("\n")
+        for line in set(text.split("\n"))  # a million blank lines are one
     )
 
 

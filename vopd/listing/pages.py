@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.findings import refuse_other_kind
 from vopd.listing.formats import LINES, Field, exponential, fixed, general, line_without_numbers
 from vopd.records import alike_together
 from vopd.results import Outcome, Results, Stage, Stop
@@ -27,6 +28,8 @@ def listing_text(results: Results | Sequence[Results]) -> str:
     """
     if isinstance(results, Results):
         return b"".join(pages(results)).decode("ascii")
+    for one in results if isinstance(results, Sequence) else [results]:
+        refuse_other_kind(one, Results, "vopd.listing_text", "what vopd.run returns")
     text = "".join(listing_text(one) for one in results)
     stopped = len(results) > 0 and results[-1].stop is not None
     return text if stopped else text + end_of_case().decode("ascii")

@@ -62,6 +62,7 @@ class Plan:
             value = getattr(self, name)
             for number in value if isinstance(value, tuple) else (value,):
                 if not low <= number <= high:  # nor for what is not a number
-                    raise PlanError(name, f"{number:,.9g} is not within {low:,.9g} to {high:,.9g}")
+                    said = f"{number:,}" if isinstance(number, int) else f"{number:,.9g}"
+                    raise PlanError(name, f"{said} is not within {low:,.9g} to {high:,.9g}")
         if self.earth not in EARTHS:
             raise PlanError("earth", f"{self.earth!r} is not one of {', '.join(EARTHS)}")

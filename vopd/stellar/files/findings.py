@@ -81,17 +81,21 @@ def _first_coincidence(vectors: Floats) -> tuple[int, int] | None:
     """
     distance = np.abs(vectors @ PLANE)
     order = np.argsort(distance, kind="stable")
-    found: list[tuple[int, int]] = []
+    found: tuple[int, int] | None = None
     for offset in range(1, len(vectors)):
         first, second = order[:-offset], order[offset:]
         near = distance[second] - distance[first] < DEGENERATE
         if not near.any():
             break
+        if found is not None:  # of thousands of stars that are the same, few pairs come before
+            near &= np.minimum(first, second) <= found[0]
         first, second = first[near], second[near]
         same = coincide(vectors[first], vectors[second])
-        pairs = np.sort(np.column_stack([first, second])[same], axis=1).tolist()
-        found += [(one, other) for one, other in pairs]
-    return min(found, default=None)
+        pairs = np.sort(np.column_stack([first, second])[same], axis=1)
+        if len(pairs):
+            one, other = pairs[np.lexsort(pairs.T[::-1])[0]].tolist()
+            found = min(found or (one, other), (one, other))
+    return found
 
 
 def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindOfFinding]:
