@@ -202,7 +202,11 @@ def test_a_journal_that_cannot_be_written(tmp_path: Path) -> None:
         file.rmdir()
 
 
-@pytest.mark.parametrize("text", ["", "not JSON", "[1]", '{"source": "a"}', '{"seconds": 1}', "3"])
+@pytest.mark.parametrize(
+    "text",
+    ["", "not JSON", "[1]", '{"source": "a"}', '{"seconds": 1}', "3",
+     '{"source": "a", "seconds": NaN}', '{"source": "a", "seconds": "x"}', "[" * 9999],
+)  # fmt: skip
 def test_times_that_cannot_be_read_are_not_known(text: str, tmp_path: Path) -> None:
     written(tmp_path / "summary.jsonl", replace(RECORD, seconds=0.0))
     good = json.dumps({"source": "a", "seconds": 2.5})

@@ -382,7 +382,8 @@ def _seconds(file: Path) -> Iterator[tuple[str, float]]:
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError, OutputError):
         for line in _lines(file):
             row = json.loads(line)
-            yield str(row["source"]), float(row["seconds"])
+            if 0.0 <= row["seconds"] < MOST_NUMBER:
+                yield str(row["source"]), row["seconds"]
 
 
 def _lines(file: Path) -> Iterator[str]:
