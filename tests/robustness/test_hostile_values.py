@@ -84,16 +84,16 @@ OTHER_KINDS: dict[str, Callable[[], object]] = {
     "a name with half a character": lambda: vopd.run("\ud800"),
     "a name that is too long": lambda: vopd.run("a" * 300),
     "a project whose name is too long": lambda: vopd.solve_flight("a" * 300),
-    "a deck in the place of its path": lambda: vopd.read_deck(JOBS),  # type: ignore[arg-type]
-    "several paths": lambda: vopd.run([str(CASE_4)] * 2),  # type: ignore[list-item]
-    "a run in the place of jobs": lambda: vopd.run(vopd.run(JOBS)),  # type: ignore[arg-type]
-    "names of fixes": lambda: vopd.run(JOBS, ["restart"]),  # type: ignore[arg-type]
-    "another start": lambda: vopd.run(JOBS, initial="closed form"),  # type: ignore[arg-type]
-    "a path in the place of results": lambda: vopd.listing_text("x.dat"),  # type: ignore[arg-type]
-    "no results": lambda: vopd.listing_text(None),  # type: ignore[arg-type]
-    "a path in the place of jobs": lambda: vopd.write_deck("x.dat"),  # type: ignore[arg-type]
+    "a deck in the place of its path": lambda: vopd.read_deck(JOBS),
+    "several paths": lambda: vopd.run([str(CASE_4)] * 2),
+    "a run in the place of jobs": lambda: vopd.run(vopd.run(JOBS)),
+    "names of fixes": lambda: vopd.run(JOBS, ["restart"]),
+    "another start": lambda: vopd.run(JOBS, initial="closed form"),
+    "a path in the place of results": lambda: vopd.listing_text("x.dat"),
+    "no results": lambda: vopd.listing_text(None),
+    "a path in the place of jobs": lambda: vopd.write_deck("x.dat"),
     "a job before the first": lambda: JOBS.chosen(-1),
-    "a deck to adjust": lambda: vopd.adjust(JOBS, "focal"),  # type: ignore[arg-type]
+    "a deck to adjust": lambda: vopd.adjust(JOBS, "focal"),
 }
 
 
