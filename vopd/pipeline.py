@@ -117,8 +117,8 @@ def run(
             f"a {type(jobs).__name__} is no deck of jobs: vopd.solve_flight solves a flight project"
         )
     several: list[Job] = [jobs] if isinstance(jobs, Job) else list(jobs)
-    for one in several:
-        refuse_other_kind(one, Job, "vopd.run", "the path of a deck, or jobs of vopd.read_deck")
+    for job in several:
+        refuse_other_kind(job, Job, "vopd.run", "the path of a deck, or jobs of vopd.read_deck")
     deck = jobs if isinstance(jobs, Deck) else Deck(tuple(several))
     options = SolveOptions(fixes, initial, compare_initial)
     solved: list[SolvedJob] = []
