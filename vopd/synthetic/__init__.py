@@ -62,7 +62,8 @@ class Plan:
             value = getattr(self, name)
             for number in value if isinstance(value, tuple) else (value,):
                 if not low <= number <= high:  # nor for what is not a number
-                    said = f"{number:,}" if isinstance(number, int) else f"{number:,.9g}"
+                    huge = isinstance(number, int) and abs(number) > 1e300  # for a float
+                    said = f"{number:,}" if huge else f"{number:,.9g}"
                     raise PlanError(name, f"{said} is not within {low:,.9g} to {high:,.9g}")
         if self.earth not in EARTHS:
             raise PlanError("earth", f"{self.earth!r} is not one of {', '.join(EARTHS)}")
