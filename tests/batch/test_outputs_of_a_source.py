@@ -66,7 +66,8 @@ def test_all_outputs_of_a_deck(write: Any) -> None:
 
 
 def test_only_what_is_doubtful_has_a_page_unless_all_are_asked_for(write: Any) -> None:
-    sound, flagged = source(), source(histories=[history(4, 3, jump=[1])])
+    sound = source(histories=[history(4, 3, jump=[], outlier=[])])
+    flagged = source(histories=[history(4, 3, jump=[1], outlier=[])])
     for now, asked, pages in (
         (sound, "", 0), (sound, "flagged", 0), (sound, "all", 1), (flagged, "flagged", 1),
         (source(error=VopdError("broken")), "flagged", 1),

@@ -481,9 +481,9 @@ TEXT = Path(CASE_1).read_text("ascii")
 RECORDS = "".join(card.ljust(80) for card in TEXT.splitlines())
 
 
-def described(width: int = 0) -> bytes:
+def described(width: int = 0, text: str = TEXT) -> bytes:
     """Write each card as a record of variable length: two bytes of length, two zeros, EBCDIC."""
-    cards = [card.ljust(width).encode("cp037") for card in TEXT.splitlines()]
+    cards = [card.ljust(width).encode("cp037") for card in text.splitlines()]
     return b"".join(bytes([0, 4 + len(card), 0, 0]) + card for card in cards)
 
 
@@ -507,6 +507,11 @@ def test_a_deck_in_another_code_or_in_records(content: tuple[str, bytes]) -> Non
     (job,) = read_jobs(io.BytesIO(content[1]), "a")
     (usual,) = read_jobs(io.BytesIO(TEXT.encode()), "a")
     assert job == usual
+
+
+def test_a_blank_card_may_be_a_record_without_columns() -> None:
+    text = "".join(f"{card}\n" for card in ("", *TEXT.splitlines()[:9], "", "", "end"))
+    assert CardText(io.BytesIO(described(text=text))).all("deck").decode() == text
 
 
 def test_a_record_without_its_descriptor_is_a_bad_card() -> None:

@@ -136,6 +136,23 @@ def test_angles_and_sigmas_are_those_of_the_joint_solution(
     assert_alike(adjusted(tmp_path, plan, *free, more=more))
 
 
+def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:
+    """The rows of these frames are all of one time, and 16 ms are far off."""
+    source = tmp_path / "source"
+    source.mkdir()
+    write_flight(source, DRONE._replace(swing_deg=15.0), np.random.default_rng(1))
+    file = source / "flight.toml"
+    keys = 'readout_ms = 16.0\nreadout = "down"\nframe_time = "middle"\n'
+    text = file.read_text(encoding="utf-8").replace("[camera]\n", f"[camera]\n{keys}", 1)
+    text = text.replace("[uncertainty]\n", "[uncertainty]\nreadout_ms = 2.0\n", 1)
+    file.write_text(text, encoding="utf-8")
+    both = again(tmp_path, file, "readout")
+    (readout,) = both.joint.parameters
+    project = tomllib.loads((both.folder / "flight.toml").read_text(encoding="utf-8"))
+    assert abs(readout.after) < 4.0
+    assert_close("table value", project["camera"]["readout_ms"], readout.after)
+
+
 def history_with(folder: Path, change: Callable[[dict[str, Any]], None]) -> History:
     file = folder / "covariance.json"
     values = json.loads(file.read_text(encoding="utf-8"))

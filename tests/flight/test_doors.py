@@ -23,6 +23,7 @@ from vopd.flight.formats.lens import (
     LensRead,
     make_lens,
 )
+from vopd.flight.formats.matlab import read_variables
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.project import Project, Section
@@ -76,6 +77,10 @@ MARKERS = """<document version="1.2.0"><chunk><cameras><camera id="4" label="A.J
 </markers></frame></frames>
 <reference>PROJCS["x",GEOGCS["y",AUTHORITY["EPSG","4326"]],AUTHORITY["EPSG","32633"]]</reference>
 </chunk></document>"""
+
+
+KML = """<kml xmlns="http://www.opengis.net/kml/2.2"><Placemark><name>A</name><Point>
+<altitudeMode>%s</altitudeMode><coordinates>15,48,300</coordinates></Point></Placemark></kml>"""
 
 
 def test_ground_control_of_opensfm(tmp_path: Path) -> None:
@@ -162,11 +167,39 @@ def test_files_of_cirn_and_caltech(tmp_path: Path) -> None:
         (PICK_FORMATS, MARKERS.replace('id="4"', 'id="5"', 1)),
         (PICK_FORMATS, MARKERS.replace('label="mast"', 'label="church"')),
         (LANDMARK_FORMATS, "1.000000,2,3,4\n2.5,3,4,5\n"),
+        (LANDMARK_FORMATS, json.dumps(CONTROL).replace('"latitude"', '"lat"')),
+        (LANDMARK_FORMATS, json.dumps(CONTROL).replace('"longitude"', '"lon"')),
+        (LANDMARK_FORMATS, KML % "relativeToGround"),
+        (TRACK_FORMATS, json.dumps([SHOTS[0] | {"shots": {}}])),
+        (TRACK_FORMATS, '[{"shots": []}]'),
+        (TRACK_FORMATS, json.dumps(SHOTS_GEOJSON).replace("48.0", "148.0")),
+        (LANDMARK_FORMATS, MARKERS.replace("512345.5", "1e999")),
+        (LANDMARK_FORMATS, MARKERS.replace("label", "name")),
     ],
 )  # fmt: skip
 def test_files_that_are_refused(formats: Any, text: str) -> None:
     with refused(VopdError):
         read_text(formats, "file", text)
+
+
+INTRINSICS = [11, 9, 5, 4, 9, 8, 0.1, 0.2, 0.5, 0.3, 0.4]
+
+
+@pytest.mark.parametrize(
+    "intrinsics", [["11", *INTRINSICS[1:]], INTRINSICS[:-1], "none"], ids=["text", "ten", "word"]
+)
+def test_intrinsics_that_are_refused(intrinsics: Any) -> None:
+    with refused(VopdError):
+        read_text(LENS_FORMATS, "i.json", json.dumps({"intrinsics": intrinsics}), LensQuestion())
+
+
+@pytest.mark.parametrize("kind", ["i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8"])
+def test_numbers_of_every_type_of_matlab(kind: str, tmp_path: Path) -> None:
+    """As MATLAB itself stores numbers: in the smallest type that holds them."""
+    values = np.array([[1, 2, 3], [100, 5, 7]], kind)
+    savemat(tmp_path / "a.mat", {"x": values})
+    found = read_variables((tmp_path / "a.mat").read_bytes(), ["x"])["x"]
+    assert found.dtype == np.float64 and found.tolist() == values.tolist()
 
 
 def test_files_of_matlab_that_are_refused(tmp_path: Path) -> None:

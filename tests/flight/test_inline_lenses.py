@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from tests.approved.texts import assert_approved
 from vopd.findings import VopdError
 from vopd.flight.formats.lens import LensRead
+from vopd.flight.new import lens_of_numbers
 from vopd.flight.project import Project, Section
 from vopd.flight.read import read_lens
 
@@ -136,3 +138,22 @@ def test_inline_lenses_at_their_limits() -> None:
     both = found({"model": "brown"} | sensor, pixel_grid="corner")
     assert_approved(both.said)
     assert both.lens.skew_px == 0.5
+
+
+LENGTHS = {1: None, 4: None, 5: 4, 6: 4, 8: 4, 9: 5}  # how many numbers are given, and k has
+
+
+@pytest.mark.parametrize("count", range(1, 12))
+def test_a_lens_of_numbers_has_those_that_opencv_has(count: int) -> None:
+    """Focal length; or fx, fy, cx, cy and k1, k2, p1, p2, k3, of which two or four may lack."""
+    numbers = [float(k) for k in range(1, count + 1)]
+    text = lens_of_numbers(", ".join(map(str, numbers)))
+    if count not in LENGTHS:
+        assert text == ""
+        return
+    found = tomllib.loads(f"lens = {text}")["lens"]
+    names = ("fx_px", "fy_px", "cx_px", "cy_px")
+    expected: dict[str, Any] = {"model": "brown", **dict(zip(names, numbers, strict=False))}
+    if (length := LENGTHS[count]) is not None:
+        expected["k"] = [*numbers[4:], *[0.0] * (length + 4 - count)]
+    assert found == expected

@@ -18,6 +18,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
+from tests.approved.texts import assert_approved
 from tests.kit.browser import forget, load, open_browser
 from tests.kit.command import DECKS
 from tests.kit.random_flights import SIZE, lenses, random_frame
@@ -334,6 +335,25 @@ def test_the_rotation_is_that_of_a_solve_with_the_position_fixed(
     ]
     browser.refresh()
     assert browser.execute_script("return document.getElementById('csv').value") == saved
+
+    # every sentence about the fit
+    sentences = browser.execute_script("""
+      const swap = { pair: ["mast", "well"], off: 0.5 }, said = [];
+      for (const [count, other] of [[0, null], [2, null], [5, null], [5, swap], [0, swap]]) {
+        [seen, exchange] = [count ? { count, off: 2 } : null, other];
+        said.push(told());
+      }
+      data.leftOut = "refraction";
+      seen = { count: 2, off: 0 };
+      said.push(told());
+      data.frames[frame].to = data.frames[frame].to.map(() => null);
+      said.push(told());
+      data.sighted = [];
+      said.push(told());
+      data.unpredicted = "there is no lens";
+      return [...said, told()];
+    """)
+    assert_approved(sentences)
     assert browser.get_log("browser") == []
 
 

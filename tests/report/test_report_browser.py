@@ -277,6 +277,8 @@ def test_a_range_filters_and_a_pasted_number_may_have_blanks(film: Any) -> None:
     paste(film, high, "\u00a014\t")
     assert column(film, "frame") == ["11", "12", "13", "14"] and chosen(film) == "11"
     assert film.find_element(By.ID, "slider").get_attribute("max") == "3"
+    paste(film, low, "11,5")
+    assert column(film, "frame") == ["12", "13", "14"]  # a decimal comma
     paste(film, low, "eleven")
     assert low.get_attribute("aria-invalid") == "true" and len(column(film, "frame")) == 14
     paste(film, film.find_element(By.ID, "number"), " 12\n")
@@ -406,6 +408,8 @@ def test_image_map_and_residuals_are_those_of_the_frame(hill: Any) -> None:
     assert photograph.get_attribute("href").startswith("data:image/jpeg;base64,")
     texts = [one.text for one in hill.find_elements(By.CSS_SELECTOR, "#map-box text.name")]
     assert set(own) <= set(texts)
+    script = "return [0.3, 1, 1.9, 2, 4.9, 5, 9.9, 10, 0].map(roundNumber)"  # of bars and arrows
+    assert hill.execute_script(script) == [0.2, 1, 1, 2, 2, 5, 5, 10, 1]
 
 
 def test_the_map_has_places_where_they_are(hill: Any) -> None:

@@ -692,6 +692,19 @@ ASK = "below the horizon at that time and place: "
 ASK += "is the date in UTC, is the longitude positive toward east?"
 
 
+@pytest.mark.parametrize(("altitude_deg", "told"), [(-0.99, False), (0.5, False), (-1.01, True)])
+def test_a_star_within_a_degree_of_the_horizon_may_be_seen(
+    altitude_deg: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = star_file_directions("ra_deg,dec_deg", [[0.0, 0.0], [90.0, 0.0]])
+    frame = apparent_places(STAR, SkyRequest(MOMENT))[2]
+    found = np.eye(3)[:2], np.array([50.0, altitude_deg]), frame
+    monkeypatch.setattr(places, "apparent_places", lambda stars, sky: found)
+    said: list[Finding] = []
+    places.sky_directions(file, SkyRequest(MOMENT), said.append)
+    assert [ASK in str(one) for one in said] == [True] * told
+
+
 # Directions of a star file by each kind of position, and how findings name its lines
 
 

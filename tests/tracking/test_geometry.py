@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,7 +30,7 @@ from vopd.tracking.patches import (
 )
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
 from vopd.tracking.terrain import Terrain, relief_text
-from vopd.tracking.tracker import RESIDUAL_PX, agreement
+from vopd.tracking.tracker import RESIDUAL_PX, Tracker, agreement
 
 EARTH_M = 6378137.0
 SIZE = (201, 161)
@@ -139,6 +141,15 @@ def test_rows_of_a_rolling_shutter() -> None:
     moved = view(0, NADIR, rate, 50.0)
     again, _ = scene.pixels(moved, start + back * 1000.0)
     assert_close("row of a rolling shutter", again, pixel)
+
+
+@pytest.mark.parametrize(("way", "part"), [("down", 0.25), ("up", 0.25), ("left", -0.4)])
+def test_when_a_patch_is_read(way: Any, part: float) -> None:
+    """Pixel 20.1, 120.75 of 201 by 161: a quarter behind the middle row, .4 before the column."""
+    scene = above(1000.0, 1000.0, shutter=Shutter(0.1, way, False))
+    tracker = SimpleNamespace(scene=scene)
+    late = Tracker._late(tracker, SimpleNamespace(clicked=np.array([[20.1, 120.75]])))  # type: ignore[arg-type]
+    assert_close("row of a rolling shutter", late, [part])
 
 
 def test_a_patch_moved_brighter_and_flatter() -> None:

@@ -18,7 +18,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.new import example_project
-from vopd.video import Chapter, VideoFrames, open_frames, spread
+from vopd.video import Chapter, VideoFrames, grey_frames, open_frames, spread
 
 EVEN_MS = [40 * k for k in range(40)]
 UNEVEN_MS = [0, 33, 66, 100, 133, 333, 366, 400, 433]  # five frames are missing after the fifth
@@ -117,6 +117,20 @@ def test_images_have_their_names_and_stand_upright(tmp_path: Path) -> None:
     assert [thermal.getpixel((u, 0)) for u in (0, 1)] == [(0, 0, 0), (255, 255, 255)]
     assert turned.size == (20, 30)
     assert np.asarray(turned)[:, 19].min() == 255 and np.asarray(turned)[:, :19].max() == 0
+
+
+def test_the_file_of_a_photograph_serves_where_browsers_show_it_upright(tmp_path: Path) -> None:
+    """Others are decoded: one that lies on its side, one of a printer's four inks, a .png."""
+    turned = Image.Exif()
+    turned[0x0112] = 6
+    for name, mode, more in (
+        ("a.jpg", "RGB", {}), ("b.jpg", "L", {}), ("c.jpg", "CMYK", {}),
+        ("d.jpg", "RGB", {"exif": turned}), ("e.png", "RGB", {}),
+    ):  # fmt: skip
+        Image.new(mode, (30, 20)).save(tmp_path / name, **more)
+    frames = open_frames([str(tmp_path)])
+    assert [frames.jpeg(k) is not None for k in range(5)] == [True, True, False, False, False]
+    assert frames.jpeg(0) == (tmp_path / "a.jpg").read_bytes()
 
 
 def test_a_video_of_a_turned_camera_stands_upright(
@@ -238,3 +252,9 @@ def test_a_frame_that_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     video.write_bytes(video.read_bytes()[: video.stat().st_size // 2])
     with refused(VopdError):
         list(frames.pictures([39]))
+    write_video(video, EVEN_MS)
+    video.write_bytes(video.read_bytes()[: video.stat().st_size * 3 // 4])
+    seen = [k for k, _ in grey_frames(frames, 0, 39)]  # those before it serve
+    assert seen == list(range(len(seen))) and 0 < len(seen) < 40
+    with refused(VopdError):
+        list(grey_frames(frames, 39, 39))

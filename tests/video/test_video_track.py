@@ -54,6 +54,21 @@ def gps9(rows: list[tuple[float, float, int]]) -> bytes:
     )
 
 
+def karma(rows: list[tuple[float, float, float, float]]) -> bytes:
+    """Seconds of a clock, latitude, and standard deviations; at 15 east, 300 m, with a fix."""
+    scale = 10**6, 10**7, 10**7, 1000, 100, 100, 100, 100, 1
+    content = b"".join(
+        struct.pack(">Q3l4HB", round(s * 1e6), round(a * 1e7), 15 * 10**7, 300_000,
+                    round(across * 100), round(up * 100), 0, 0, 3)
+        for s, a, across, up in rows
+    )  # fmt: skip
+    return device(
+        klv("TYPE", "c", 1, 9, b"JlllSSSSB"),
+        klv("SCAL", "l", 4, 9, struct.pack(">9l", *scale)),
+        klv("GPRI", "?", 29, len(rows), content),
+    )
+
+
 def test_gps5_is_spread_over_its_packets(tmp_path: Path) -> None:
     """The first second has no fix; 7.5 m and 12.5 m are 3 and 5 m times a dilution of 2.5."""
     places = [(47.1, 15.2, 400.5), (47.2, 15.3, 401.0), (47.3, 15.4, 402.0)]
@@ -73,6 +88,21 @@ def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
     assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5])
     assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.1])
     assert_approved(rows.said)
+
+
+def test_a_karma_states_its_standard_deviations(tmp_path: Path) -> None:
+    """One for east and north, one upward; 0 where it does not know."""
+    packets = [(0, karma([(100.0, 47.0, 1.5, 2.5), (100.5, 47.1, 0.0, 3.0)]))]
+    rows = read(write_gpmf(tmp_path / "a.mp4", packets))
+    assert rows.time_s is not None and rows.sigma_m is not None
+    assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5])
+    assert_close(
+        "place or time as a file has it", rows.coordinate, [[15, 47, 300], [15, 47.1, 300]]
+    )
+    assert_close("place or time as a file has it", rows.sigma_m[0], [1.5, 1.5, 2.5])
+    assert_close("place or time as a file has it", rows.sigma_m[1, 2], 3.0)
+    assert np.isnan(rows.sigma_m[1, :2]).all()
+    assert_approved([rows.said, rows.sigma_by])
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the stub is a script")
