@@ -171,13 +171,15 @@ def test_a_pdf_has_a_page_a_figure(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("count", [2, 60])
-def test_names_do_not_cover_each_other(count: int) -> None:
-    """Those that have no room are left out, and counted."""
+@pytest.mark.parametrize("upward", [1.0, -1.0])
+def test_names_do_not_cover_each_other(upward: float, count: int) -> None:
+    """Those that have no room are left out, and counted; also where y grows downward."""
     figure = Figure(figsize=(6.0, 6.0), dpi=72)
     axis = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axis.set(xlim=(0.0, 432.0), ylim=(0.0, 432.0))
+    axis.set(xlim=(0.0, 432.0), ylim=(0.0, 432.0)[:: int(upward)])
     at = np.random.default_rng(3).uniform(150.0, 280.0, (count, 2))
-    left_out = place_names(axis, at, [f"landmark {k}" for k in range(count)], np.ones(2))
+    names, whole = [f"landmark {k}" for k in range(count)], np.array([[0.0, 0.0], [432.0, 432.0]])
+    left_out = place_names(axis, at, names, np.array([1.0, upward]), whole)
     figure.draw_without_rendering()
     boxes = [text.get_window_extent() for text in axis.texts]
     assert len(boxes) == count - left_out and (left_out > 0) == (count > 2)

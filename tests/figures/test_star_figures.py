@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 
 from tests.approved.texts import assert_approved
 from tests.kit.command import DECKS, Ran, vopd
 from tests.kit.figures import OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
 from tests.tolerances import assert_close
+from vopd.arrays import Floats
 from vopd.cli.plot import plot_stars
-from vopd.figures.stars import StarPicture, draw_errors_by_pair, draw_star_residuals
+from vopd.figures.stars import StarPicture, _draw_sky, draw_errors_by_pair, draw_star_residuals
 from vopd.stellar.files.picture import StarCamera
 from vopd.stellar.files.table import read_solutions
 
@@ -266,6 +268,20 @@ def test_the_sky_of_a_picture() -> None:
     points = [[500.0, 380.0], [500.0, 380.0 - 1200.0], [500.0 + 1200.0, 380.0]]
     sky = camera.sky_at(np.array(points), in_file=True)
     assert_close("table value", sky, [[90.0, 0.0], [90.0, 45.0], [45.0, 0.0]])
+
+
+@pytest.mark.parametrize("middle_deg", [90.0, 0.0, 359.0])
+def test_the_sky_has_the_same_lines_across_zero_hours(middle_deg: float) -> None:
+    """Ten degrees by ten: meridians every 10 minutes, parallels every 2 degrees."""
+    axis = Figure().add_subplot()
+    edges = (-5.1, 5.1, -5.1, 5.1)
+    axis.set(xlim=edges[:2], ylim=edges[2:])
+
+    def sky(at: Floats) -> Floats:
+        return np.stack([(at[:, 0] + middle_deg) % 360.0, at[:, 1]], axis=1)
+
+    _draw_sky(axis, sky, edges, "black", np.zeros((1, 2)))
+    assert_approved(sorted(one.get_text() for one in axis.texts))
 
 
 @pytest.mark.parametrize("name", ["orion.csv", "orion_misidentified.csv"])

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from tests.kit.flight_project import EAST_NORTH_UP, FRAMES, MARKS, truth_deg, wr
 from tests.tolerances import assert_close, within
 from vopd.arrays import Bools
 from vopd.attitude.residuals import equations_of
-from vopd.flight.blunders import find_blunders, gross_picks
+from vopd.flight.blunders import _together, find_blunders, gross_picks
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.read import read_flight
@@ -224,3 +226,12 @@ def test_residuals_of_picks_left_out_are_those_they_would_have(
 
 def test_the_landmarks_are_where_the_tests_say() -> None:
     assert EAST_NORTH_UP[TOWER].tolist() == [20.0, 610.0, 60.0]
+
+
+@pytest.mark.parametrize("count", [1, 3, 4])
+@pytest.mark.parametrize("dropped", [False, True])
+def test_three_that_do_not_fit_are_named_and_further_ones_counted(
+    dropped: bool, count: int
+) -> None:
+    options: Any = SimpleNamespace(options=SimpleNamespace(drop_blunders=dropped))
+    assert_approved(_together(["a", "b", "c", "d"][:count], options))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,6 +86,14 @@ def test_frames_are_named_in_order() -> None:
     assert named == ["1.jpg", "2.jpg", "4.jpg"]
     (text,) = (one for one in told([3, *[4] * 12], [0], drop=True) if ARE_EXCHANGED in one)
     assert_approved(text)
+
+
+def test_of_exchanges_with_a_pick_in_common_the_likeliest_is_kept() -> None:
+    def likely(gain: float, *pair: int) -> Any:
+        return SimpleNamespace(gain=gain, trial=SimpleNamespace(pair=pair))
+
+    found = [likely(3.0, 1, 2), likely(5.0, 2, 3), likely(4.0, 3, 4), likely(1.0, 0, 5)]
+    assert [one.trial.pair for one in exchanged._disjoint(found)] == [(0, 5), (2, 3)]
 
 
 def test_labels_exchanged_in_most_frames_are_the_flight_s() -> None:

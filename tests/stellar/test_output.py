@@ -9,6 +9,7 @@ import sys
 from dataclasses import replace
 from math import acos, degrees
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,7 @@ from vopd.stellar.files.table import (
     solution_table,
     stated_conventions,
 )
+from vopd.stellar.files.text import _residuals
 from vopd.stellar.methods.run import SolvedStars
 from vopd.stellar.radec import read_typed
 from vopd.stellar.tables_1987 import DIRECTIONS, PERTURBED_MM
@@ -658,3 +660,11 @@ def test_the_uncertainty_of_weighted_church_has_the_reading_sigma() -> None:
     other = solved(MISREAD, "--reading-sigma .006 --method church-weighted")
     ratio = other["sigma_kappa_deg"] / one["sigma_kappa_deg"]
     assert 1.5 < ratio < 2.5  # twice, but for the weight of the one star
+
+
+def test_a_star_counts_as_long_as_one_of_its_coordinates_does() -> None:
+    """It is marked where both weights are below a half, and only in a robust solution."""
+    weights = [[0.4, 0.49], [0.4, 0.51], [1.0, 0.1]]
+    one: Any = SimpleNamespace(stars=[1, 2, 3], residuals=np.zeros((3, 2)), weights=weights)
+    file: Any = SimpleNamespace(unit="mm", names=["", "", ""])
+    assert_approved([_residuals(one, file, robust=robust) for robust in (True, False)])

@@ -148,7 +148,7 @@ def test_when_a_patch_is_read(way: Any, part: float) -> None:
     """Pixel 20.1, 120.75 of 201 by 161: a quarter behind the middle row, .4 before the column."""
     scene = above(1000.0, 1000.0, shutter=Shutter(0.1, way, False))
     tracker = SimpleNamespace(scene=scene)
-    late = Tracker._late(tracker, SimpleNamespace(clicked=np.array([[20.1, 120.75]])))  # type: ignore[arg-type]
+    late = Tracker._late(tracker, SimpleNamespace(clicked=np.array([[20.1, 120.75]])))
     assert_close("row of a rolling shutter", late, [part])
 
 
