@@ -769,6 +769,12 @@ def test_the_caption(sources: tuple[str, ...]) -> None:
     assert caption(fixed) == CAPTIONS[sources] + words
 
 
+def test_a_long_path_leaves_room_for_the_title() -> None:
+    """Its end tells it from others."""
+    text = caption([of_source("folder/" * 100 + "flight.toml")])
+    assert len(text) < 100 and text.endswith("folder/flight.toml, job 1: a title")
+
+
 def test_the_label_of_a_job() -> None:
     one, two, other = of_source("a"), of_source("a", 2), of_source("b", 3)
     assert [label(h, [one, two]) for h in (one, two)] == ["job 1", "job 2"]

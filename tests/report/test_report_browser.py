@@ -424,8 +424,45 @@ def test_the_map_has_places_where_they_are(hill: Any) -> None:
     east, north = (np.array(job["places"][name], float) for name in ("east_m", "north_m"))
     x, y = np.array(marks).T
     scale = float(bar) / float(told.removesuffix(" m"))
+    border = hill.find_element(By.CSS_SELECTOR, "#map-box rect.border")
+    assert bar <= 0.25 * float(border.get_attribute("width")) < 2.5 * bar  # 1, 2, 5 or 10 m
     assert_close("mark on a page", x - x[0], (east - east[0]) * scale)
     assert_close("mark on a page", y - y[0], (north[0] - north) * scale)
+
+
+def test_the_side_view_has_distances_along_its_azimuth(hill: Any) -> None:
+    (job,) = data_of(page_of("hill").decode())["jobs"]
+    azimuth_deg, camera, marks = hill.execute_script("""
+      const side = document.querySelector("#map-box svg");
+      const x = (path) => Number(path.getAttribute("d").match(/-?[\\d.]+/)[0]);
+      return [Number(side.textContent.match(/toward azimuth (\\d+)/)[1]),
+        Number(side.querySelector(":scope > circle.camera").getAttribute("cx")),
+        [...side.querySelectorAll(":scope > path.mark")].map(x)];
+    """)
+    away = [
+        np.array(job["places"][name], float) - float(job["camera"][name][0])
+        for name in ("east_m", "north_m")
+    ]
+    along = away[0] * np.sin(np.radians(azimuth_deg)) + away[1] * np.cos(np.radians(azimuth_deg))
+    shown = np.array(marks) - camera
+    assert len(shown) == len(along) and np.corrcoef(shown, along)[0, 1] > 0.999
+
+
+def test_every_control_has_a_name_and_wide_figures_scroll(case4: Any) -> None:
+    script = """
+      const named = (one) => one.ariaLabel || (one.matches("input, select") ? one.labels.length
+        : one.textContent.trim());
+      return [[...document.querySelectorAll("button, input, select, a, [tabindex], [role]")]
+        .filter((one) => !named(one)).map((one) => one.outerHTML),
+        getComputedStyle(document.querySelector(".picture")).overflowX];
+    """
+    assert case4.execute_script(script) == [[], "auto"]
+
+
+def test_a_number_below_zero_keeps_its_sign(browser: Any, tmp_path: Path) -> None:
+    angles = np.tile([10.0, -1e-9, 20.0], (3, 3))
+    load(browser, tmp_path, report([by_hand(3, angles_deg=angles)]))
+    assert column(browser, "vehicle_pitch_deg") == ["-0.000000"] * 3
 
 
 def test_arrows_are_as_many_times_as_long_as_is_said(film: Any) -> None:
@@ -482,6 +519,8 @@ def test_widths_and_paper(name: str, browser: Any, tmp_path: Path) -> None:
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", paper)
         wide = "return [...document.querySelectorAll('table')].map((one) => one.offsetWidth)"
         assert max(browser.execute_script(wide)) <= 1047
+        repeated = "return getComputedStyle(document.querySelector('#frames-table thead')).display"
+        assert browser.execute_script(repeated) == "table-header-group"  # on each sheet
         assert not browser.find_element(By.ID, "flag").is_displayed()
         assert not browser.find_element(By.ID, "more").is_displayed()
     finally:
@@ -607,6 +646,8 @@ def test_wide_names_cover_no_mark(browser: Any, tmp_path: Path) -> None:
     """
     for marks, names, under in browser.execute_script(covered):
         assert marks >= 2 and names >= 3 and under == 0
+    written = [one.text for one in browser.find_elements(By.CSS_SELECTOR, "svg text.name")]
+    assert max(len(one.removesuffix(": does not fit")) for one in written) == 24
     curve = """
       const lines = [...document.querySelectorAll("#curve-box path.curve")];
       return lines.map((one) => one.getAttribute("d").split("M").length - 1);

@@ -232,13 +232,15 @@ def _more_fonts() -> list[str]:
 
 
 MOST_DOUBTS = 3  # sources of which a caption says how they are contradicted
+SOURCE_SHOWN = 80  # characters of the path of a source: its end
 TITLE_SHOWN = 100  # characters of a job's title: those of a card and some more
 
 
 def caption(histories: Sequence[History]) -> str:
     """Write the caption: sources, the title if there is one job, fixes in force, misfits."""
     names = list(dict.fromkeys(h.about.source for h in histories))
-    text = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+    text = ", ".join(short_start(one, SOURCE_SHOWN) for one in names[:3])
+    text += f" and {len(names) - 3} more" if len(names) > 3 else ""
     if len(histories) == 1:
         about = histories[0].about
         text += f", job {about.job}" if about.words.jobs else ""
