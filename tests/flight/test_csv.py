@@ -263,6 +263,49 @@ def test_columns_of_landmarks(header: str, geodetic: bool, missing: str, tmp_pat
         assert (rows.crs, rows.said, rows.name) == (None, "CSV", ["1"])
 
 
+@pytest.mark.parametrize(
+    ("header", "height_m"),
+    [
+        ("Site,GPS Lat,GPS Lng,Elev (m AGL)", 4.0),
+        ("Station,Latitude (deg),Longitude (deg),Alt AGL (ft)", 4.0 * 0.3048),
+        ("name,latitude_wgs84,lon_deg,Altitude (ft MSL)", 4.0 * 0.3048),
+        ("id,gnss_lat,gnss_long,height above sea level (m)", 4.0),
+        ("label,lat,lon,altitude_above_takeoff(feet)", 4.0 * 0.3048),
+    ],
+)
+def test_names_of_coordinates_with_receiver_level_and_unit(
+    header: str, height_m: float, tmp_path: Path
+) -> None:
+    rows = read(tmp_path, "landmarks", f"{header}\na,2,3,4\n")
+    assert rows.name == ["a"] and rows.coordinate.tolist() == [[3.0, 2.0, height_m]]
+
+
+def test_names_of_grid_coordinates_with_units(tmp_path: Path) -> None:
+    """Feet along a grid are not metres, whatever stands before them."""
+    rows = read(
+        tmp_path, "landmarks", "Point,UTM Easting (m),Northing [m],Elevation (ft)\na,2,3,4\n"
+    )
+    assert rows.coordinate.tolist() == [[2.0, 3.0, 4.0 * 0.3048]]
+    assert_approved(told_of(tmp_path, "landmarks", "Point,E (ft),N (m),h\na,2,3,4\n"))
+
+
+def test_two_heights_of_two_levels_are_asked_for(tmp_path: Path) -> None:
+    header = "name,lat,lon,altitude_above_takeoff(feet),altitude_above_seaLevel(feet)"
+    assert_approved(told_of(tmp_path, "landmarks", f"{header}\na,2,3,4,5\n"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("landmarks", "name,lat,Laenge,Hoehe\na,1,2,3\n"),
+        ("track", "t_s,x,Hochwert,Hoehe\n1,2,3,4\n"),
+        ("picks", "frame,mark it,u,down\n1,a,2,3\n"),
+    ],
+)
+def test_all_missing_columns_are_named_at_once(kind: str, text: str, tmp_path: Path) -> None:
+    assert_approved(told_of(tmp_path, kind, text))
+
+
 @pytest.mark.parametrize("key", ["landmark", "name", "Name", "NAME", "label", "id"])
 def test_names_in_geojson(key: str, tmp_path: Path) -> None:
     """A property of these names, the first of them; or the feature's own id."""

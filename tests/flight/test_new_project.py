@@ -354,3 +354,15 @@ def test_the_error_of_a_receiver_without_a_base_is_common(
     assert run("new", tmp_path / "here", *arguments).status == 0
     track = read_project(tmp_path / "here" / "flight.toml").sections["track"].values
     assert (track["sigma_m"], track.get("sigma_bias_m")) == (own, common)
+
+
+def test_errors_of_several_files_are_told_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "marks.csv").write_text("name,lat,My East,Height?\na,47,15,400\n")
+    (tmp_path / "clicks.csv").write_text("frame,mark it,u,v\n0,a,1,2\n")
+    files = ["--landmarks", "marks.csv", "--picks", "clicks.csv", "--track", "none.csv"]
+    monkeypatch.chdir(tmp_path)
+    ran = run("new", "p", *files)
+    assert ran.status == 1 and not Path("p").exists()
+    assert_approved(ran.stderr.splitlines())

@@ -286,19 +286,16 @@ SYNONYMS = {
     for name, others in {
         "frame": "frame_number frame_no frame_id frame_index",
         "image": "image_name filename file_name file photo picture img",
-        "landmark": "name label point point_name landmark_name marker target gcp gcp_name id "
-        "point_id",
+        "landmark": "name label point point_name landmark_name marker target gcp gcp_name site "
+        "station id point_id",
         "u_px": "u x px x_px pixel_x image_x image_u im_x col column",
         "v_px": "v y py y_px pixel_y image_y image_v im_y row",
-        "lat_deg": "lat latitude latitude_deg gps_lat gps_latitude gps_lat_deg",
-        "lon_deg": "lon lng long longitude longitude_deg lng_deg gps_lon gps_long gps_longitude "
-        "gps_lon_deg gps_long_deg",
-        "h_m": "h alt altitude height elevation elev ele alt_m altitude_m height_m elevation_m "
-        "gps_alt gps_altitude gps_alt_m",
-        "x_m": "x east easting e east_m easting_m",
-        "y_m": "y north northing n north_m northing_m",
-        "z_m": "z up height elevation elev ele alt altitude h h_m up_m height_m elevation_m alt_m "
-        "altitude_m",
+        "lat_deg": "lat latitude",
+        "lon_deg": "lon lng long longitude",
+        "h_m": "h alt altitude height elevation elev ele gps_alt gps_altitude gps_alt_m",
+        "x_m": "x east easting e",
+        "y_m": "y north northing n",
+        "z_m": "z up height elevation elev ele alt altitude h",
         "from_deg": "direction wind_direction wind_dir dir wdir direction_deg wind_direction_deg",
         "speed_m_s": "speed_ms wind_speed_m_s wind_speed_ms",
         "speed_kt": "speed_knots speed_kts wind_speed_kt wind_speed_knots",
@@ -322,10 +319,18 @@ NO_ZONE = re.compile(r":\d\d(\.\d*)?$")
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 MILLISECONDS = re.compile(r"(^|_)(ms|msec|milliseconds)$")
 """Ends of names of columns of times in thousandths of a second."""
-IN_FEET = re.compile(r"(^|_)(ft|feet)$")
+IN_FEET = re.compile(r"(^|_)(ft|feet)(?=_|$)")
+IN_METRES = re.compile(r"(^|_)(m|meters?|metres?)(?=_|$)")
+BESIDE = re.compile(r"(^|_)(gps|gnss|utm|wgs84|deg|degrees?|dd|decimal)(?=_|$)")
+"""Words of the name of a coordinate that leave it the same: its receiver, system or unit."""
+LEVEL = re.compile(
+    r"(^|_)(baro|rel|relative|agl|asl|a?msl|above(_[a-z]+)*?(?=_(m|ft|feet)$|$))(?=_|$)"
+)
+"""Those of a height alone: what it is counted from, which the project says."""
 M_PER_FT = 0.3048
 LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
+COORDINATES = (*PLANE, *GEODETIC)
 HEIGHTS = ("h_m", "z_m")
 ENOUGH = ((("frame", "image"), ("frame", "image")), (TIME, (*TIME, "image")))
 """Columns, and those that are not looked for under other names where one of the first is there."""
@@ -334,6 +339,20 @@ ENOUGH = ((("frame", "image"), ("frame", "image")), (TIME, (*TIME, "image")))
 def plain_name(text: str) -> str:
     """Write the name of a column in lower case, with _ for all that is no letter or digit."""
     return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")
+
+
+def _bare_name(name: str, plain: str) -> str:
+    """Take the words off the plain name of a column that leave a coordinate the same.
+
+    Args:
+        name: what the column may be here
+        plain: its plain name
+    """
+    some = (BESIDE, IN_METRES)
+    some += (IN_FEET, LEVEL) if name in HEIGHTS else ()
+    for words in some:
+        plain = words.sub("", plain).strip("_")
+    return plain
 
 
 def own_names(
@@ -361,16 +380,17 @@ def own_names(
         found[header.index(own)] = name
     plain = [plain_name(name) for name in found]
     left_out = {name for some, rest in ENOUGH if {*some} & {*found} for name in rest}
+    latitudes = {*SYNONYMS["lat_deg"]}
     if "lat_deg" in known and "x_m" in known:
-        x = "x_m" in found or not {*plain} & {*SYNONYMS["lat_deg"]}
+        x = "x_m" in found or not {_bare_name("lat_deg", one) for one in plain} & latitudes
         left_out |= {*GEODETIC} if x else {*PLANE}
     for name in known:
         if name in found or name in left_out:
             continue
         others = TIMES if name == TIME[0] else SYNONYMS.get(name, ())
         there = [plain.index(one) for one in others if one in plain]
-        if name in HEIGHTS and not there:
-            there += [k for k, one in enumerate(plain) if IN_FEET.sub("", one) in {*others} - {one}]
+        if name in COORDINATES and not there:
+            there = [k for k, one in enumerate(plain) if _bare_name(name, one) in others]
         there = [k for k in there if found[k] not in known]
         if len(there) > 1 and name in HEIGHTS:
             message = f"{header[there[0]]} or {header[there[1]]} is the height: say which"
@@ -477,18 +497,38 @@ class CsvTable:
 
     def _instead_of(self, name: str) -> str:
         """Say which column may be one that is missing: those that have no other use here."""
-        used = {*self.known, *SYNONYMS, *TIME, ""}
-        free = [one for one in self.header if one not in used and not is_number(one)]
+        free = self._free()
         near = get_close_matches(name[:LONG_WORD], free[:MANY_WORDS], 1, 0.6)
         if not self.known:
             return did_you_mean(name, self.header)
         if not free:  # each has its own use
             return f"; it has {', '.join([*filter(None, self.header)][:MANY_NAMED])}"
         feet = [one for one in free if IN_FEET.search(plain_name(one))]
-        if name.endswith("_m") and feet:
+        if name in COORDINATES and name not in HEIGHTS and feet:
             return f": {feet[0]} seems to be in feet; multiply by 0.3048 and call it {name}"
         which = near[0] if near else f"one of {', '.join(free[:MANY_NAMED])}"
         return f": rename {which} to {name}, or map it, {_mapped(name, near[0] if near else '...')}"
+
+    def require(self, names: Sequence[str]) -> None:
+        """Refuse a table that lacks several columns, all of them at once.
+
+        Args:
+            names: of columns that it needs
+
+        Raises:
+            VopdError: where two or more are missing; of one alone reading it says so
+        """
+        lacking = [name for name in names if name not in self.header]
+        free = self._free() if len(lacking) > 1 else []
+        if free:
+            pairs = ", ".join(f'{name} = "..."' for name in lacking)
+            message = f"no columns {', '.join(lacking)}: rename {', '.join(free[:MANY_NAMED])}"
+            raise self.file.error(f"{message}, or map them, columns = {{ {pairs} }}", 1)
+
+    def _free(self) -> list[str]:
+        """List the columns that have no other use here."""
+        used = {*self.known, *SYNONYMS, *TIME, ""}
+        return [one for one in self.header if one not in used and not is_number(one)]
 
     def numbers(self, name: str, words: Mapping[str, float] = NO_WORDS) -> Floats:
         """Read the numbers of a column.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -82,8 +83,9 @@ def _read(
     try:
         rows = read_by_content(formats, file)
     except VopdError as error:
-        if mapped := re.search(r'columns = \{ (\S+) = "(.*)" \}', str(error)):
-            option = f"--columns {section}:{mapped[1]}={mapped[2]}"
+        if mapped := re.search(r"columns = \{ (.*?) \}", str(error)):
+            pairs = re.sub(r' = "(.*?)"(, |$)', r"=\1,", mapped[1]).rstrip(",")
+            option = f"--columns {shlex.quote(f'{section}:{pairs}')}"
             raise VopdError(f"{error}, or give {option}") from error
         raise
     values[section, "file"] = _named(file.name, folder)
@@ -653,6 +655,16 @@ def look_at_files(
         given: as for `project_of_files`
         video: as for `project_of_files`
     """
+    errors = list[VopdError]()
+
+    def look(at: Callable[..., R], *more: Any) -> R | None:
+        """Look at a file, and keep its error: the other files may have some, too."""
+        try:
+            return at(new, values, folder, *more)
+        except VopdError as error:
+            errors.append(error)
+            return None
+
     named = dict(given)
     if "gcp" in named:
         gcp = named.pop("gcp")
@@ -673,7 +685,7 @@ def look_at_files(
     if "track" not in named and tagged is not None and not bare and not fixed:
         named["track"] = tagged
     if ("camera", "lens") not in values or "lens" in named:
-        look_at_lens(new, values, folder, named.get("lens"))
+        look(look_at_lens, named.get("lens"))
         own = images or named.get("track")  # and not whatever images the working folder has
         if "lens" not in named and own and images_in(Path(own)):
             look_at_focal(new, values, Path(own))
@@ -693,10 +705,10 @@ def look_at_files(
             f"no picks yet: click landmarks with vopd pick, and save {CLICKS} in {folder}"
         )
     elif "picks" in named or not video:
-        by_number = look_at_picks(new, values, folder, named.get("picks"), frames)
+        by_number = bool(look(look_at_picks, named.get("picks"), frames))
         if images is not None and not by_number:
             look_at_pictures(new, values, folder, images)
-    look_at_landmarks(new, values, folder, named.get("landmarks"))
+    look(look_at_landmarks, named.get("landmarks"))
     if fixed:
         if ("position", "x_m") not in values:
             new.needed |= {("position", key): "its place" for key in ("lat_deg", "lon_deg", "h_m")}
@@ -705,11 +717,13 @@ def look_at_files(
             new.needed["position", "crs"] = "it has x and y"
         _sigma(new, "position", "sigma_m")
     else:
-        track = look_at_track(new, values, folder, named.get("track"))
+        track = look(look_at_track, named.get("track"))
         if track is not None and named["track"] != tagged:
             look_at_times(new, values, folder, track, tagged, by_number)
     if "wind" in named:
-        look_at_wind(new, values, folder, named["wind"])
+        look(look_at_wind, named["wind"])
+    if errors:
+        raise VopdError("\n".join(dict.fromkeys(map(str, errors))))
 
 
 def open_keys(project: Project) -> dict[tuple[str, str], str]:

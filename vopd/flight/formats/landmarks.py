@@ -143,6 +143,7 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
     table = read_csv(file, COLUMNS)
     geodetic = has_latitudes(table)
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
+    table.require(("landmark", *columns))
     names = table.column("landmark")
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
     if geodetic:

@@ -165,6 +165,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
     landmark, image = Names(), Names()
     named = False
     for block in csv_blocks(file, COLUMNS):
+        block.require(("landmark", "u_px", "v_px"))
         _add_names(landmark, block, "landmark")
         if block.has("image"):
             _add_names(image, block, "image")

@@ -108,6 +108,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
     table = read_csv(file, COLUMNS)
     geodetic = has_latitudes(table)
     columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
+    table.require(columns)
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
     velocity = velocity_sigma = None
     if any(table.has(name) for name in VELOCITY):
