@@ -17,6 +17,9 @@ from vopd.findings import Finding, VopdError
 from vopd.landmark_layout import LandmarkLayout
 from vopd.records import ByLandmark, FrameRecord, Record, Rows
 
+GOES_ON = "the deck goes on after the job that stops the run"
+"""Said where cards behind the last job are not read."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Camera(Record):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd
+from tests.kit.tagged_images import tagged_image
 from vopd.cli.stars.options import camera_parameters, numbers
 from vopd.stellar.files.images import MissingOption
 from vopd.stellar.files.photograph import StarRequest
@@ -208,3 +210,32 @@ def test_names_and_numbers_may_have_blanks() -> None:
     for text in ("1", "1,2,3", "1,1.1e12", "-1.1e12,1", "1,nan", "1,", "1,x"):
         with refused(click.BadParameter):
             numbers(2)(context, given, text)
+
+
+def test_a_photograph_brings_size_and_principal_distance(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """76 mm of a camera whose 36 mm of film have 7,200 pixels: 15,200 px, but for the width."""
+    pixels = Path(__file__).parents[2] / "decks" / "stars" / "orion_pixels.csv"
+    tagged_image(tmp_path / "orion.jpg", lens={0xA405: 91}, size_px=(6000, 5200))
+    tagged_image(tmp_path / "untold.jpg", size_px=(6000, 5200))
+    shutil.copy(pixels, tmp_path / "stars.csv")
+    monkeypatch.chdir(tmp_path)
+    stated = vopd("stars", "solve", "stars.csv", "--size", "6000,5200", "--free", "focal", "-q")
+    for image in ("orion.jpg", "untold.jpg"):
+        taken = vopd("stars", "solve", "stars.csv", "--images", image)
+        assert taken.status == 0
+        assert_approved(taken.stderr.splitlines()[:1])
+        assert taken.stdout.splitlines()[:4] == stated.stdout.splitlines()[:4]
+    known = vopd("stars", "solve", "stars.csv", "--images", "orion.jpg", "--focal-px", "15200")
+    assert (known.status, "\nfocal " in known.stdout, "\nfocal " in taken.stdout) == (
+        0,
+        False,
+        True,
+    )
+    assert vopd("stars", "solve", "stars.csv", "--images", ".").status == 0
+    tagged_image(Path("narrow.jpg"), size_px=(600, 520))
+    for images in (".", "stars.csv", "none"):
+        refused_one = vopd("stars", "solve", "stars.csv", "--images", images)
+        assert refused_one.status == 1
+        assert_approved(refused_one.stderr)

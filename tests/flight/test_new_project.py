@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -321,6 +322,11 @@ def test_images_of_a_new_project(tmp_path: Path) -> None:
     tagged_image(folder / "c.jpg", (47, 0, 0.0), taken="2026:05:01 12:00:00")
     new = project_of_files(tmp_path, given)
     assert_approved(new.needed["picks", "utc_offset_h"])
+    del given["track"]
+    new = project_of_files(tmp_path, given)
+    assert_approved([one for one in new.said if "zone" in one or "use" in one], parts=[folder])
+    text = new.contents["flight.toml"].decode()
+    assert "\ntimes" not in text and not [key for _, key in new.needed if "utc" in key]
 
 
 def test_images_that_are_the_track_give_no_times_besides(
@@ -364,5 +370,18 @@ def test_errors_of_several_files_are_told_at_once(
     files = ["--landmarks", "marks.csv", "--picks", "clicks.csv", "--track", "none.csv"]
     monkeypatch.chdir(tmp_path)
     ran = run("new", "p", *files)
+    assert ran.status == 1 and not Path("p").exists()
+    assert_approved(ran.stderr.splitlines())
+
+
+@pytest.mark.parametrize("code", ["EPSG:2056", "EPSG:999999"])
+def test_a_crs_without_pyproj_or_that_is_none_is_told_at_once(
+    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "marks.csv").write_text("name,x,y,h\na,2600000,1200000,400\n")
+    if code == "EPSG:2056":
+        monkeypatch.setitem(sys.modules, "pyproj", None)
+    monkeypatch.chdir(tmp_path)
+    ran = run("new", "p", "--landmarks", "marks.csv", "--crs", code)
     assert ran.status == 1 and not Path("p").exists()
     assert_approved(ran.stderr.splitlines())

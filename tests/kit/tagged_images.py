@@ -21,8 +21,9 @@ def tagged_image(
     part: str = "",
     zone: str = "",
     lens: dict[int, object] | None = None,
+    size_px: tuple[int, int] = (64, 48),
 ) -> None:
-    """Write an image of 64 x 48 pixels; XMP is in an APP1 segment of its own, as in files."""
+    """Write a grey image; XMP is in an APP1 segment of its own, as in files."""
     exif = Image.Exif()
     if latitude is not None:
         gps: dict[int, object] = {1: references[0], 3: references[1]}
@@ -33,7 +34,7 @@ def tagged_image(
     taken_tags = {0x9003: taken, 0x9291: part, 0x9011: zone}
     if lens or any(taken_tags.values()):  # DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal
         exif[0x8769] = {tag: text for tag, text in taken_tags.items() if text} | (lens or {})
-    Image.new("RGB", (64, 48)).save(path, exif=exif)
+    Image.new("RGB", size_px).save(path, exif=exif)
     if xmp:
         packet = (
             '<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF '

@@ -299,6 +299,7 @@ RENAMED = {  # a header: its columns, and what is said
     "x_mm,y_mm,u,v,w,ra,dec": ("x_mm,y_mm,u,v,w,ra,dec", ""),
     "id,xcentroid,ycentroid,mag": ("id,x_px,y_px,mag", "xcentroid, ycentroid read as x_px, y_px"),
     "x_px,y_px,name,x,y,dec": ("x_px,y_px,name,x,y,dec", ""),
+    "hip,x_px,y_px": ("name,x_px,y_px", "hip read as name"),
 }
 
 
@@ -316,6 +317,13 @@ def test_a_right_ascension_of_no_unit(cell: str, name: str) -> None:
     """Catalogues write hours, minutes and seconds; `h` says so itself."""
     header = ("ra", "dec", "x_px", "y_px")
     found = read_columns(header, images_only=False, first=[cell, "1", "2", "3"])
+    assert found.names[0] == name
+
+
+@pytest.mark.parametrize(("cell", "name"), [("Rigel", "name"), ("HIP 1", "name"), ("1", "star")])
+def test_a_column_of_stars_has_names_or_counts_them(cell: str, name: str) -> None:
+    header = ("star", "x_px", "y_px")
+    found = read_columns(header, images_only=False, first=[cell, "1", "2"])
     assert found.names[0] == name
 
 

@@ -71,7 +71,7 @@ def included_text(history: History, mean: MeanAttitude | None = None) -> str:
         each = {name: own[frames] for name, own in history.uncertainty.components.items()}
     else:
         each = {name: own[None] for name, own in mean.components.items()}
-    sizes: dict[str, list[str]] = {"yaw, pitch and roll": [], "alpha, beta and eta": []}
+    sizes: dict[str, list[str]] = {OF_VEHICLE: [], "alpha, beta and eta": []}
     for name, own in each.items():
         angles, size_deg = _largest(own)
         size = f"below {LEAST_DEG}" if size_deg < LEAST_DEG else f"{size_deg:.2g}"
@@ -84,6 +84,15 @@ def included_text(history: History, mean: MeanAttitude | None = None) -> str:
     return f"{'; '.join(texts)}; {of}"
 
 
+def largest_component(history: History) -> str:
+    """Name the component that the angles of the vehicle are least sure by, in a median frame."""
+    history = history.typical or history
+    frames = _with_attitude(history)
+    sizes = {name: _largest(own[frames]) for name, own in history.uncertainty.components.items()}
+    return max((one for one in sizes if sizes[one][0] == OF_VEHICLE), key=lambda n: sizes[n][1])
+
+
+OF_VEHICLE = "yaw, pitch and roll"
 ATTACK_ALONE = ("velocity", "wind")  # move the angles of attack, which a mean does not have
 LEAST_DEG = 0.0001  # smaller errors are told without their size
 OF_ATTACK = 100.0  # times the vehicle's: an error of the angles of attack
@@ -103,7 +112,7 @@ def _largest(angles_deg: Floats) -> tuple[str, float]:
     )
     if attack > OF_ATTACK * vehicle:
         return "alpha, beta and eta", attack
-    return "yaw, pitch and roll", vehicle
+    return OF_VEHICLE, vehicle
 
 
 def left_out_text(

@@ -27,6 +27,7 @@ from vopd.cards.text import COLUMNS
 from vopd.findings import Finding, InputError, Report, VopdError, count_text, strict
 from vopd.inputs import no_file
 from vopd.job import (
+    GOES_ON,
     Camera,
     Clock,
     Ignored,
@@ -657,7 +658,7 @@ def read_jobs(
         if not 1 <= group <= STOP:
             raise InputError(control.bad_return())
     if not deck.at_end():
-        message = f"the deck goes on after the job that stops the run (return group {STOP})"
+        message = f"{GOES_ON} (return group {STOP})"
         if looks_like_basic_data(deck.next_card(BASIC_DATA.number).text).any():
             frames = count_text(len(control.frame_counts), "frame")
             message += f": readings of a further frame, where group 5 counts {frames}"

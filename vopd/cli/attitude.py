@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from vopd.attitude.history import History
-from vopd.attitude.included import errors_texts
+from vopd.attitude.included import errors_texts, largest_component
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.table import chosen_columns, table_blocks
 from vopd.cli.console import Messages, Progress, screen_columns
@@ -216,6 +216,13 @@ def _short(
     steps = []
     if found.misfits or found.mistaken:
         steps.append(f"vopd check {names} says which file or value is likely wrong")
+    head = jobs[0].head
+    if len(jobs) == 1 and head.about.words.sigma_keys and largest_component(head) == "focal":
+        steps.append(
+            "the largest part of +- is the stated error of the focal length: vopd adjust "
+            f"{names} --free focal says "
+            'how well the picks hold it, and [solve] free = ["focal"] takes it from them'
+        )
     steps.append(f"vopd report {names} -o report.html draws every frame")
     every = len(chosen_columns([jobs[0].head]))
     table = f"-o FILE.csv writes all frames with {every} columns"

@@ -13,6 +13,7 @@ from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import SharedOptions
 from vopd.findings import VopdError, count_text
+from vopd.job import GOES_ON
 from vopd.pipeline import in_groups, solve_sources
 from vopd.results import SolvedJob, SourceEnd
 from vopd.solved import histories_of_run
@@ -27,6 +28,7 @@ class Collected(NamedTuple):
     misfits: bool  # some flight does
     mistaken: int  # flights whose residuals, or track, speak for an error of their inputs
     warnings: int = 0  # that have been told
+    unread: int = 0  # decks that go on behind their last job
     clicks: tuple[str, ...] = ()  # where to click next in flights that are tracked from clicks
 
     def status(self, options: SharedOptions, messages: Messages) -> int:
@@ -34,8 +36,9 @@ class Collected(NamedTuple):
 
         Of flights that are tracked from clicks that is also where to click next. The status is 3
         where a frame did not converge, a flight misfits, or with `--strict` a frame has any flag,
-        the errata of the program change a job by more than its standard deviations, or the
-        residuals or the track of a flight speak for an error of its inputs.
+        the errata of the program change a job by more than its standard deviations, cards of a
+        deck are not read, or the residuals or the track of a flight speak for an error of its
+        inputs.
         """
         for job in self.untold:
             for finding in findings_of(job.about, job.summary):
@@ -59,8 +62,11 @@ class Collected(NamedTuple):
             click.echo(
                 f"--strict: the errata of the program change {which} by more than a sigma", err=True
             )
+        if options.strict and self.unread and not options.quiet:
+            which = count_text(self.unread, "deck")
+            click.echo(f"--strict: {which} with cards that are not read", err=True)
         unconverged = any(job.summary.unconverged for job in self.jobs)
-        doubtful = options.strict and (flagged or self.mistaken or errata)
+        doubtful = options.strict and (flagged or self.mistaken or errata or self.unread)
         return 3 if unconverged or self.misfits or doubtful else 0
 
 
@@ -96,6 +102,8 @@ def collect_jobs(
         for one in some:
             for finding in one.findings:
                 messages(finding)
+            unread = any(finding.message.startswith(GOES_ON) for finding in one.findings)
+            found = found._replace(unread=found.unread + unread)
             if isinstance(one, SourceEnd):
                 progress.close()
                 messages.close()

@@ -348,9 +348,8 @@ def _bare_name(name: str, plain: str) -> str:
         name: what the column may be here
         plain: its plain name
     """
-    some = (BESIDE, IN_METRES)
-    some += (IN_FEET, LEVEL) if name in HEIGHTS else ()
-    for words in some:
+    of_height = (IN_FEET, LEVEL) if name in HEIGHTS else ()
+    for words in (BESIDE, IN_METRES, *of_height):
         plain = words.sub("", plain).strip("_")
     return plain
 
@@ -521,7 +520,8 @@ class CsvTable:
         lacking = [name for name in names if name not in self.header]
         free = self._free() if len(lacking) > 1 else []
         if free:
-            pairs = ", ".join(f'{name} = "..."' for name in lacking)
+            near = {name: get_close_matches(name, free[:MANY_WORDS], 1, 0.6) for name in lacking}
+            pairs = ", ".join(f'{name} = "{(near[name] or ["..."])[0]}"' for name in lacking)
             message = f"no columns {', '.join(lacking)}: rename {', '.join(free[:MANY_NAMED])}"
             raise self.file.error(f"{message}, or map them, columns = {{ {pairs} }}", 1)
 

@@ -17,7 +17,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import reason
 from vopd.findings import VopdError, count_text
-from vopd.flight.coordinates import crs_name, has_height_axis
+from vopd.flight.coordinates import crs_is_geographic, crs_name, has_height_axis
 from vopd.flight.files import (
     EXACT,
     Columns,
@@ -29,7 +29,7 @@ from vopd.flight.files import (
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS, Names
-from vopd.flight.formats.track import TRACK_FORMATS, TrackRows, row_out_of_order
+from vopd.flight.formats.track import NO_ZONE, TRACK_FORMATS, TrackRows, row_out_of_order
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import (
@@ -323,6 +323,12 @@ def look_at_track(
         raise VopdError(f"{file.name}: {wrong}")
     what, mark, more = rows.said.partition(";")
     new.said.append(f"{file.name}: {what}{_span(rows)}{mark}{more}")
+    if NO_ZONE in rows.said and ("picks", "times") not in values:
+        own = _named(name, folder).strip('"')
+        new.said.append(
+            f"to use their times: --set picks.times={shlex.quote(own)} --set "
+            "picks.utc_offset_h=2.0, the hours by which the camera's clock is ahead of UTC"
+        )
     if ("camera", "image_size_px") not in values and images_in(file.path):
         size = read_tags(images_in(file.path)[0]).size_px
         values["camera", "image_size_px"] = toml_numbers(*size)
@@ -665,6 +671,8 @@ def look_at_files(
             errors.append(error)
             return None
 
+    for crs in dict.fromkeys(new.crs.values()):  # it is known, and pyproj is there
+        look(_known_crs, crs)
     named = dict(given)
     if "gcp" in named:
         gcp = named.pop("gcp")
@@ -724,6 +732,11 @@ def look_at_files(
         look(look_at_wind, named["wind"])
     if errors:
         raise VopdError("\n".join(dict.fromkeys(map(str, errors))))
+
+
+def _known_crs(new: NewProject, values: KeyValues, folder: Path, crs: str) -> None:
+    """Refuse a CRS that is none, or that takes a package which is not there."""
+    crs_is_geographic(crs_name(crs), "--crs")
 
 
 def open_keys(project: Project) -> dict[tuple[str, str], str]:

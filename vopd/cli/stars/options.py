@@ -235,18 +235,18 @@ def refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) ->
             raise click.UsageError(f"{_option(name)} is for all stars at once, not for pairs.")
     if given["k1"] and "k1" in given["free"]:
         raise click.UsageError("--k1 and --free k1 exclude each other.")
-    stated = {
-        name
-        for name in given
-        if ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE
-    }
     for own, others in ALONE.items():
         for name in others:
-            if given[own] and name in stated:
+            if given[own] and stated(ctx, name):
                 raise click.UsageError(f"{_option(own)} and {_option(name)} exclude each other.")
     for name, methods in ONLY_FOR.items():
-        if name in stated and method not in (*methods, "all"):
+        if stated(ctx, name) and method not in (*methods, "all"):
             raise click.UsageError(f"{_option(name)} is for {' and '.join(methods)}, not {method}.")
+
+
+def stated(ctx: click.Context, name: str) -> bool:
+    """Test whether an option stands on the command line."""
+    return ctx.get_parameter_source(name) == click.core.ParameterSource.COMMANDLINE
 
 
 def _option(name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,10 +12,12 @@ import click
 from vopd.cli.options import FILE_NAME, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.stars.options import (
+    ALONE,
     image_axes,
     refuse_idle_options,
     sky_request,
     solve_options,
+    stated,
 )
 from vopd.files import whole_file
 from vopd.findings import Finding, Report, VopdError
@@ -88,6 +90,13 @@ def render(
 @click.argument("files", type=FILE_NAME, metavar="FILE...", nargs=-1, required=True)
 @solve_options
 @click.option(
+    "--images",
+    type=FILE_NAME,
+    metavar="DIR|IMAGE",
+    help="The photograph, or a folder of several: its size, and from its tags a first principal "
+    "distance, which is solved for (--free focal).",
+)
+@click.option(
     "--format",
     "form",
     type=click.Choice(SOLUTION_FORMATS),
@@ -109,8 +118,8 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     JSON.
 
     Pixels need their scale (--focal with --pitch-um, or --focal-px) and the
-    principal point (--centre, or --size whose middle it is). All results are then
-    in pixels.
+    principal point (--centre, or --size whose middle it is); --images takes both
+    from the photograph. All results are then in pixels.
 
     omega, phi, kappa turn the camera's axes about x, y, z in this order; alpha,
     delta are where the optical axis points. Without --pair, two-star and
@@ -140,6 +149,9 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     from vopd.stellar.files.photograph import SolvedPhotograph, solve_photographs
     from vopd.stellar.files.read import PixelFormat
 
+    if given["images"] is not None:
+        said = _take_from_tags(given, ctx)
+        click.echo(said, err=True) if not given["quiet"] else None
     request = _request(given)
 
     def report(finding: Finding) -> None:
@@ -163,6 +175,43 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     with whole_file(output) as page:
         page.write(content)
     ctx.exit(status)
+
+
+def _take_from_tags(given: dict[str, Any], ctx: click.Context) -> str:
+    """Take the size of the photographs, and a first principal distance, where none is stated.
+
+    Returns:
+        What was taken.
+
+    Raises:
+        VopdError: where there is no image, or several of different cameras
+    """
+    from math import isfinite
+
+    from vopd.flight.image_tags import images_in, read_tags
+
+    images = given["images"]
+    tags = [read_tags(path) for path in images_in(Path(images))]
+    cameras = {(one.size_px, one.focal_px, one.focal_by) for one in tags if isfinite(one.focal_px)}
+    sizes = {one.size_px for one in tags}
+    if not Path(images).exists():
+        raise VopdError(f"{images}: No such file or directory")
+    if not tags:
+        raise VopdError(f"{images}: no image with tags (.jpg or .tif)")
+    if len(sizes) > 1 or len(cameras) > 1:
+        raise VopdError(f"{images}: images of several sizes or focal lengths; name one of them")
+    (size,) = sizes
+    given["size"] = given["size"] or tuple(map(float, size))
+    said = f"{images}: {size[0]} x {size[1]} px"
+    if given["focal"] is None and given["focal_px"] is None:
+        said += ", principal distance"
+        for _, focal_px, by in cameras:
+            given["focal_px"] = focal_px
+            said += f" {focal_px:.5g} px by {by}"
+        if not any(stated(ctx, name) for name in ALONE["free"]):
+            given["free"] = tuple({*given["free"], "focal"})
+            said += ", to be solved for with the attitude"
+    return said
 
 
 def _request(given: dict[str, Any]) -> StarRequest:

@@ -366,6 +366,10 @@ def read_shots_geojson(file: InputFile) -> TrackRows:
 # A folder of images as a track: the positions in their tags, and times where they say a zone
 
 
+NO_ZONE = ", times without their zone"
+"""Said of images whose times are used only where the project has their zone."""
+
+
 def recognises_image_folder(file: InputFile) -> bool:
     """Tell whether it is a folder with images."""
     return bool(images_in(file.path))
@@ -395,7 +399,8 @@ def read_image_folder(file: InputFile) -> TrackRows:
     dated = bool(np.isfinite(time_s).all())
     said = f"EXIF and XMP tags of {count_text(len(paths), 'image')}"
     said += f", {without} without position" if without else ""
-    said += ", times with their zone" if dated else ""
+    zoneless = any(np.isfinite(one.clock_s) and np.isnan(one.zone_s) for one in tags)
+    said += ", times with their zone" if dated else NO_ZONE * zoneless
     sigma: Floats = np.array([one.sigma_m for one in tags])
     angles = np.isfinite(gimbal).any()
     return TrackRows(

@@ -16,6 +16,7 @@ from vopd.stellar.methods.calibration import LensOfStars, without_lens
 UM_PER_MM = 1000.0
 _FOCAL = "--focal-px PX (or --focal MM with --pitch-um UM, or --free focal)"
 _POINT = "--size W,H (or --centre X,Y)"
+_BOTH = "--images PHOTOGRAPH takes both from it"
 
 
 class MissingOption(VopdError):
@@ -83,7 +84,9 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
         points, focal = file.image * upward, axes.focal_mm
     else:
         if not axes.has_focal(file) and axes.centre_px is None and axes.size_px is None:
-            raise _missing(file, f"the file has pixels: {_FOCAL}, and {_POINT}, are needed")
+            raise _missing(
+                file, f"the file has pixels: {_FOCAL}, and {_POINT}, are needed; {_BOTH}"
+            )
         points = file.image - _principal_point(file, axes)
         if file.pixels.distortion:
             points = undistorted(points, file.pixels.distortion, _width(file, axes))

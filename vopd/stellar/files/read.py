@@ -20,7 +20,7 @@ from vopd.files import kind_by_first_bytes, reason
 from vopd.findings import Finding, InputError, Report, count_text, input_error, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
-from vopd.inputs import MOST_COLUMNS, no_file, plain_digits, read_limited
+from vopd.inputs import MOST_COLUMNS, is_number, no_file, plain_digits, read_limited
 from vopd.stellar.field import ground_directions, star_directions
 
 # Columns, and their cells
@@ -48,6 +48,7 @@ SYNONYMS = {
     "dec_deg": ("dec",),
     "x_px": ("x", "xcentroid"),
     "y_px": ("y", "ycentroid"),
+    "name": ("star", "star_name", "hip"),
 }
 """Other names of columns that may stand where no column says otherwise; it is said which do."""
 
@@ -163,6 +164,9 @@ def _renamed(names: tuple[str, ...], first: Sequence[str]) -> tuple[str, ...]:
     here = {}
     for name, others in SYNONYMS.items():
         fits = images if name.endswith("_px") else both and not vectors
+        if name == "name":  # a column of numbers may only count the stars
+            at = names.index("star") if "star" in names else len(first)
+            fits = not any(map(is_number, first[at : at + 1]))
         there = [other for other in others if other in names]
         taken = name in names or (name.startswith("ra_") and {"ra_deg", "ra_hours"} & {*names})
         if fits and len(there) == 1 and not taken:
