@@ -138,6 +138,18 @@ def test_the_stack_is_a_deck_whose_run_has_the_differences(tmp_path: Path) -> No
         assert np.abs(rms - trial.difference_deg).max() < within("solved angle")
 
 
+def test_differences_across_north_are_those_elsewhere() -> None:
+    """The vehicle turned so that it looks north in the first frame with the known landmarks."""
+    job, trials = searched()
+    (known,) = vopd.run(trials.jobs[0]).vehicle_deg[:1, :1].tolist()
+    offset = job.camera.offset_deg - np.array([*known, 0.0, 0.0])
+    north = search_feature(
+        replace(job, camera=replace(job.camera, offset_deg=offset)), 13, NO_FIXES
+    )
+    for one, other in zip(north.trials[1:], trials.trials[1:], strict=True):
+        assert np.abs(one.difference_deg - other.difference_deg).max() < within("solved angle")
+
+
 def test_a_search_is_rounds_of_latitudes_longitudes_altitudes() -> None:
     """Nine trials a series, one coordinate moved by even steps; the best one is marked."""
     _, found = searched()

@@ -433,6 +433,10 @@ def test_patches_of_a_strip_are_alike(flight: Path) -> None:
     solved = solve_flight("flight.toml")
     (axis,) = solved.plot("patches").subfigs[0].axes
     assert [text.get_text() for text in axis.get_yticklabels()] == marks
+    strips: dict[float, list[str]] = {}
+    for text in axis.texts:
+        strips.setdefault(text.get_position()[1], []).append(text.get_text().split()[0])
+    assert len(strips) == len(marks) and all(len(one) == len({*one}) for one in strips.values())
     cells = [text for text in axis.texts if len(text.get_text().split()) == 2]
     wrong = [text.get_text() for text in cells if text.get_fontweight() == "bold"]
     assert len(wrong) == 1 and wrong[0].startswith("10 ")
