@@ -52,6 +52,13 @@ def picks_of(frame: str) -> dict[str, list[float]]:
     }
 
 
+def test_an_azimuth_whose_label_would_leave_the_picture_is_not_named() -> None:
+    """In frame 2 of 1920 pixels 40 degrees is at 1899."""
+    figure = draw("image", [hill()], 2, photograph=False)
+    named = {text.get_text() for text in figure.subfigs[0].axes[0].texts}
+    assert {"340°", "030°"} <= named and "040°" not in named
+
+
 def test_picks_stand_in_the_photograph_s_own_pixels() -> None:
     """u right and v down, within the border of the image; arrows from the computed places."""
     picture = Image.new("RGB", (1920, 1080), "teal")

@@ -179,6 +179,7 @@ def _culprits(history: History, k: int, scene: JobScene, view: ImageScene) -> Bo
 # Horizon and north
 
 HORIZON = "#7a3b9a"
+LABEL_SHARE = 0.03  # half of the width of an azimuth, in terms of the image's
 AZIMUTHS = {0: "N", 45: "NE", 90: "E", 135: "SE", 180: "S", 225: "SW", 270: "W", 315: "NW"}
 
 
@@ -197,6 +198,7 @@ def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageSc
         ticks = np.arange(0, 360, step)
         at = view.pixel_of(toward(ticks.astype(float), -dip))
         seen = _inside(at, view.size_px)
+        seen &= np.abs(at[:, 0] / view.size_px[0] - 0.5) < 0.5 - LABEL_SHARE
         for degrees, point in zip(ticks[seen].tolist(), at[seen], strict=True):
             axis.plot(*point, "|", color=HORIZON, ms=8, path_effects=halo())
             text = f"{degrees:03d}° {AZIMUTHS.get(degrees, '')}".strip()
