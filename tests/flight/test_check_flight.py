@@ -492,6 +492,28 @@ def test_one_landmark_far_off_is_named_and_not_feet(tmp_path: Path) -> None:
     assert not any("feet" in one for one in found) and any("tower" in one for one in found)
 
 
+@pytest.mark.parametrize("pad_m", [450.0, 520.0])
+def test_heights_that_count_from_the_pad_are_named(pad_m: float, tmp_path: Path) -> None:
+    """Landmarks 410 to 490 m above the sea: v seemed to be counted upward."""
+    path = hill_with(tmp_path)
+    changed(path, "track.csv", lambda r: [*r[:3], f"{float(r[3]) - pad_m:.3f}"])
+    found = cause(path)
+    assert f"+{pad_m:.0f} m" in found
+    assert_approved(found)
+
+
+@pytest.mark.parametrize(("times", "size"), [(2.0, "[3840, 2160]"), (1.5, "[2880, 1620]")])
+def test_a_calibration_at_another_size_with_its_centre_is_named(
+    times: float, size: str, tmp_path: Path
+) -> None:
+    """Focal length and principal point scaled together seemed to be another position."""
+    lens = {"fx_px": 1500.0, "fy_px": 1490.0, "cx_px": 962.3, "cy_px": 534.8}
+    pairs = [(f"{name} = {one}", f"{name} = {times * one}") for name, one in lens.items()]
+    found = cause(hill_with(tmp_path, *pairs))
+    assert size in found
+    assert_approved(found)
+
+
 @pytest.mark.parametrize(("ratio", "is_said"), [(0.5, True), (0.7, False), (2.0, True)])
 def test_a_calibration_at_another_size_is_named(
     ratio: float, is_said: bool, tmp_path: Path

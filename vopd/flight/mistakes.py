@@ -42,6 +42,9 @@ TRIAL_PASSES = 20  # which are enough where a trial explains the residuals
 TRIAL_PICKS = 100_000  # of all landmarks together that are left out one by one
 FRAME_RATES_HZ = (10.0, 15.0, 23.976, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 59.94, 60.0, 120.0)
 MOST_RATIO, SAME = 3.0, 1e-4  # of frame rates that are tried, and of those that are the same
+LEAST_LEVEL_M = 150.0  # of the landmarks' heights: a smaller error of the level is estimated
+NEAR_PAD_M = 100.0  # by which the pad may be above or below the landmarks
+LENS_SIZES = 2.0, 0.5, 1.5, 2.0 / 3.0  # of a calibration, in the size of the images
 MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
 GPS_AHEAD_S = 18.0
 
@@ -85,7 +88,7 @@ def exchanges(flight: Flight, expected_px: float) -> list[str]:
         return []
     axes, labels = (
         explanations(table, trial_px, None, flight, estimate)
-        for table in (AXES_MISTAKES, LABEL_MISTAKES)
+        for table in (AXES_MISTAKES, (*LEVEL_MISTAKES, *LABEL_MISTAKES))
     )
     text = _best_text(before, axes, labels)
     return [text] * bool(text)
@@ -197,6 +200,29 @@ def _from_feet(project: Project, flight: Flight, estimate: Estimate) -> Correcte
     yield replace(lowered, path=path), ("all",)
 
 
+def _from_the_pad(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
+    """Raise the camera by about the landmarks' height: its own counts from the ground there."""
+    where, marks = geodetic(flight.path.position_m), geodetic(flight.landmarks.position_m)
+    ground_m = float(np.median(marks.height_m[np.isfinite(marks.height_m)]))
+    if abs(ground_m) < LEAST_LEVEL_M:
+        return
+
+    def raised(by_m: float) -> Flight:
+        place = earth_centred_m(where.latitude_deg, where.longitude_deg, where.height_m + by_m)
+        return replace(flight, path=replace(flight.path, position_m=place))
+
+    by_m = ground_m
+    for step_m in (NEAR_PAD_M / 2.0, NEAR_PAD_M / 10.0):  # to the least squares of three trials
+        below, here, above = (trial_px(raised(by_m + k * step_m)) ** 2 for k in (-1.0, 0.0, 1.0))
+        bent = below - 2.0 * here + above
+        if not 0.0 < bent < np.inf:
+            return
+        by_m += float(np.clip(0.5 * (below - above) / bent, -2.0, 2.0)) * step_m
+    if abs(by_m - ground_m) < NEAR_PAD_M:
+        stands = flight.path.stands and flight.path.row_s is None
+        yield raised(by_m), (by_m, "position" if stands else "track", by_m)
+
+
 def _by_another_clock(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Exchange GPS time and UTC."""
     if not project.has("track"):
@@ -230,6 +256,21 @@ def _at_another_rate(project: Project, flight: Flight, estimate: Estimate) -> Co
         except VopdError:
             continue
         yield changed, (rate, stated)
+
+
+def _at_another_size(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Take the lens for a calibration of the same pictures in another size."""
+    camera = project.section("camera")
+    if camera.has("lens_size_px") or not camera.has("image_size_px"):
+        return
+    for times in LENS_SIZES:
+        size = [round(times * side) for side in camera.numbers("image_size_px")]
+        try:
+            scaled = some_frames(flight_of(project.changed("camera", "lens_size_px", size)))
+        except VopdError:
+            continue
+        if trial_px(scaled) < MISFIT * float(np.median(flight.picks.sigma_px)):  # the very size
+            yield scaled, tuple(size)
 
 
 def _exchanged_labels(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
@@ -278,6 +319,17 @@ AXES_MISTAKES: tuple[Mistake[Flight], ...] = (
 )
 """Mistakes by which the image is mirrored."""
 
+LEVEL_MISTAKES: tuple[Mistake[Flight], ...] = (
+    Mistake(
+        "heights from the pad",
+        _from_the_pad,
+        "with the camera {:+.0f} m, about the landmarks' height: do its heights count from the pad "
+        'or the take-off? [landmarks] height = "ellipsoid" and [{}] height = {{ undulation_m = '
+        "{:.0f} }} say so",
+    ),
+)
+"""A level of heights that is far from that of the others."""
+
 LABEL_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "labels exchanged",
@@ -297,8 +349,14 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
         _by_another_clock,
         "with the track {:+.0f} s: is its clock {}?",
     ),
+    Mistake(
+        "a lens of another size",
+        _at_another_size,
+        "with a lens of pictures of {0} x {1} px: was it calibrated at that size? [camera] "
+        "lens_size_px = [{0}, {1}]",
+    ),
 )
-"""Units and clocks that a fitted number may stand for."""
+"""Units, clocks and sizes that a fitted number may stand for."""
 
 USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
     *UNIT_MISTAKES,
