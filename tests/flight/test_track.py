@@ -25,6 +25,7 @@ from vopd.flight.stated import Notes
 from vopd.flight.track import (
     FrameTimes,
     PathRead,
+    covering_text,
     doubts_of_leaps,
     first_whole_second,
     frames_of,
@@ -351,6 +352,18 @@ def test_what_is_said_of_a_track_that_has_other_images_or_another_clock() -> Non
     when = times((5.0,))._replace(epoch=datetime.fromtimestamp(1.7e9 - 60.0, UTC))
     said = why_nowhere(section, track_rows(clock="utc", time_s=since), when)
     assert_approved(said)
+
+
+def test_an_offset_covers_frames_that_are_a_little_beyond_a_track() -> None:
+    """As an epoch that is cut to milliseconds, before a track that begins at the first frame."""
+    own_s, offset_s = np.array([0.0, 5.0, 10.0]), 0.25
+    for frames_s in ([-0.0003, 4.0], [6.0, 10.02], [-0.1, -0.05], [10.01, 10.04]):
+        text = covering_text(own_s, np.array(frames_s), offset_s)
+        assert_approved(text)
+        moved_s = own_s + float(text.split(" covers")[0].split()[-1]) - offset_s
+        assert moved_s[0] <= min(frames_s) and max(frames_s) <= moved_s[-1]
+    for frames_s in ([0.0, 10.0], [-0.2, 4.0], [-0.01, 10.01], [-0.01, 9.995], [6.0, 12.0]):
+        assert covering_text(own_s, np.array(frames_s), offset_s) == ""
 
 
 def test_whole_seconds_are_doubted_where_a_track_is_by_time() -> None:

@@ -149,6 +149,23 @@ def test_a_lens_of_another_camera_is_doubtful(flight: Path) -> None:
     assert_approved(told.rpartition("L")[2].partition(": ")[2])  # after the landmarks' names
 
 
+@pytest.mark.parametrize(
+    ("old", "new"), [("sigma_px", "# sigma_px"), ("sigma_t_s = 0.002", "sigma_t_s = 0.5")]
+)
+def test_a_clock_that_the_clicks_contradict_is_said(
+    old: str, new: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the flight fits: by larger errors of clicks, or by the error stated for times."""
+    monkeypatch.chdir(tmp_path)
+    assert vopd("new", ".").status == 0
+    change("flight.toml", "09:30:00.240Z", "09:30:00.740Z")
+    change("flight.toml", old, new)
+    checked = vopd("check", "flight.toml").stdout.splitlines()
+    done = vopd("track", "flight.toml", "--to", ".05")
+    said = [line for line in done.stderr.splitlines() if "offset_s = " in line]
+    assert (done.status, len(said)) == (3, 1) and said[0] in checked
+
+
 class Stopped(Exception):
     """What ends a run in the midst of it."""
 

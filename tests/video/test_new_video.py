@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from PIL import ExifTags, Image
 
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd
@@ -82,6 +83,28 @@ def test_a_video_with_a_track_by_date(folder: Path) -> None:
     assert {("picks", "first_frame_t_s"), ("flight", "epoch")} <= {*new.needed}
     with refused(VopdError):
         project_of_files(folder, given, video=["l.csv"])
+
+
+def test_the_frames_of_a_video_as_images(folder: Path) -> None:
+    """Numbers and a rate are their times; photographs have times and positions of their own."""
+    for name in (
+        "film/f_7.png",
+        "film/f_8.png",
+        "film/f_10.png",
+        "photos/a_1.jpg",
+        "photos/a_2.jpg",
+    ):
+        Path(name).parent.mkdir(exist_ok=True)
+        picture, exif = Image.new("RGB", SIZE), Image.Exif()
+        exif.get_ifd(ExifTags.IFD.Exif)[ExifTags.Base.DateTimeOriginal] = "2026:05:01 10:00:00"
+        picture.save(name, exif=exif if "photos" in name else None)
+    Path("t.csv").write_text("t_s,lat_deg,lon_deg,h_m,sigma_m\n0,47,15,9,1\n1,47.001,15,9,1\n")
+    said = []
+    for images in ("film", "photos"):
+        given = {"landmarks": "l.csv", "track": "t.csv", "images": images}
+        new = project_of_files(folder, given)
+        said += [str(values(new)["picks"]), *new.said[1:3], *map(str, new.needed)]
+    assert_approved("\n".join(said).replace(str(folder), "FOLDER"))
 
 
 def test_a_calibration_for_pictures_of_another_size(folder: Path) -> None:

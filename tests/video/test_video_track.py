@@ -183,3 +183,18 @@ def test_subtitles_repeat_positions(tmp_path: Path) -> None:
     )  # fmt: skip
     assert list(rows.line) == [2, 10, 14]
     assert_approved(rows.said)
+
+
+def test_damaged_subtitles_cost_no_others(tmp_path: Path) -> None:
+    """A place that is cut off, a time that is, and the end of the file."""
+    lines = []
+    for k in range(6):
+        time_s = "00:0" if k == 3 else f"00:00:0{k},000"
+        place = f"[latitude: 47.{k}] [longitude: 15.5] [abs_alt: 500.0]"
+        lines += [f"{k + 1}", f"{time_s} --> 00:00:09,000", place[: 15 if k in (1, 5) else 99], ""]
+    path = tmp_path / "DJI_0002.SRT"
+    path.write_text("\n".join(lines))
+    rows = read(path)
+    assert_close("place or time as a file has it", rows.time_s, [0.0, 2.0, 4.0])
+    assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.2, 47.4])
+    assert_approved(rows.said)

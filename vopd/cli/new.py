@@ -30,7 +30,8 @@ _FILES = (
     (
         "--images",
         "images",
-        "Images, a folder or one: positions from their tags, or with --track the frames' times.",
+        "Images, a folder or one: positions or, with --track, times of their tags; or a video's "
+        "frames by number.",
     ),
     ("--wind", "wind", "The wind: CSV, University of Wyoming."),
 )

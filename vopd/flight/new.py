@@ -44,7 +44,7 @@ from vopd.flight.project import (
     with_common_error,
 )
 from vopd.inputs import is_number
-from vopd.video import open_frames, stills_in
+from vopd.video import grey_frames, image_numbers, open_frames, stills_in
 
 R = TypeVar("R")
 
@@ -379,20 +379,21 @@ def look_at_video(
         new: what is said and asked, to be added to
         values: the keys that are known, to be added to
         folder: where the project will be
-        names: its files
+        names: its files, or the folder of its frames
         named: the other files by what they are; a track in the video or beside it is added
 
     Returns:
         How many frames it has.
     """
     frames = open_frames(names)
-    if frames.image_name:
+    if frames.image_name and not is_film(Path(names[0])):
         raise VopdError(f"{frames.source}: images, not a video: give them as --images")
     several = [_named(name, folder) for name in names]
     values["picks", "video"] = several[0] if len(several) == 1 else f"[{', '.join(several)}]"
-    values["picks", "times"] = toml_text(VIDEO)
+    if not frames.image_name:
+        values["picks", "times"] = toml_text(VIDEO)
     new.said.append(frames.about)
-    ((_, picture),) = frames.decoded(0, 0, grey=True)
+    ((_, picture),) = grey_frames(frames, 0, 0)
     own = toml_numbers(picture.shape[1], picture.shape[0])
     if (of_lens := values.get(("camera", "image_size_px"), own)) != own:
         new.said.append(
@@ -409,7 +410,8 @@ def look_at_video(
             f"no picks yet: click landmarks in a few frames with vopd pick, save {CLICKS} in "
             f"{folder}, and follow them through the others with vopd track"
         )
-    if "track" in named or any(section == "position" for section, _ in values):
+    at_a_place = any(section == "position" for section, _ in values)
+    if "track" in named or at_a_place or frames.image_name:
         return len(frames)
     beside = [Path(names[0]).with_suffix(suffix) for suffix in (".SRT", ".srt")]
     for track in [*(str(one) for one in beside if one.is_file()), names[0]]:
@@ -423,6 +425,18 @@ def look_at_video(
             new.said.append(f"{track}: the track of the first file of the video alone")
         break
     return len(frames)
+
+
+def is_film(images: Path) -> bool:
+    """Whether a folder of images is the frames of a video: by numbers, without times or places."""
+    if not images.is_dir():
+        return False
+    stills = stills_in(images)
+    numbers = image_numbers([one.name for one in stills])
+    if -1 in numbers or not len(set(numbers)) == len(stills) > 1:
+        return False
+    tags = [read_tags(one) for one in images_in(images)[:1]]
+    return not any(np.isfinite([one.clock_s, one.position[0]]).any() for one in tags)
 
 
 def look_at_times(
@@ -690,6 +704,8 @@ def look_at_files(
     fixed = "position" in {section for section, _ in values}
     # images of kinds that have no tags bring no positions
     bare = images is not None and bool(stills_in(Path(images))) and not images_in(Path(images))
+    if images is not None and is_film(Path(images)):
+        video, images, tagged = [images], None, None
     if "track" not in named and tagged is not None and not bare and not fixed:
         named["track"] = tagged
     if ("camera", "lens") not in values or "lens" in named:
@@ -727,6 +743,7 @@ def look_at_files(
     else:
         track = look(look_at_track, named.get("track"))
         if track is not None and named["track"] != tagged:
+            by_number |= bool(video) and not track.image
             look_at_times(new, values, folder, track, tagged, by_number)
     if "wind" in named:
         look(look_at_wind, named["wind"])

@@ -54,7 +54,7 @@ from vopd.flight.stated import (
     refuse_missing,
     row_sigmas,
 )
-from vopd.flight.track import FrameTimes, frames_of, height_datum, read_path
+from vopd.flight.track import FrameTimes, covering_text, frames_of, height_datum, read_path
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
@@ -645,7 +645,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     if camera_lens.table is None:
         doubts += doubts_of_focal(lens.lens)
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
-    findings += frames_uncovered(project, camera, label)
+    findings += frames_uncovered(project, camera, times, label)
     refraction = refraction_of(project.section("atmosphere"))
     offset_s = project.section("track").number("offset_s") if project.has("track") else 0.0
     flight = Flight(
@@ -802,7 +802,7 @@ def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str]]
 
 
 def frames_uncovered(
-    project: Project, path: CameraPath, label: Callable[[int], str]
+    project: Project, path: CameraPath, times: FrameTimes, label: Callable[[int], str]
 ) -> list[Finding]:
     """Warn of frames for which the track has no position."""
     lost = np.flatnonzero(np.isnan(path.position_m[:, 0])).tolist()
@@ -811,7 +811,11 @@ def frames_uncovered(
     named = ", ".join(map(label, lost[:3])) + (
         f" and {len(lost) - 3} more" if len(lost) > 3 else ""
     )
-    return [Finding(f"the track has no position for {named}", project.name, severity="warning")]
+    message = f"the track has no position for {named}"
+    if path.row_s is not None:
+        offset_s = project.section("track").number("offset_s")
+        message += covering_text(path.row_s, times.time_s, offset_s)
+    return [Finding(message, project.name, severity="warning")]
 
 
 def mount_of(section: Section) -> Floats:

@@ -774,11 +774,37 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
     own = track_on_clock(section, rows, times) + section.number("offset_s")
     first, last = float(np.nanmin(times.time_s)), float(np.nanmax(times.time_s))
     gap = first - own[-1] if first > own[-1] else own[0] - last  # of the frame next to the track
-    apart = f"{gap:.3g} s apart"
+    apart = f"{gap:.3g} s apart{covering_text(own, times.time_s, section.number('offset_s'))}"
     if hours := round(gap / 3600.0):
         apart = f"{gap / 3600.0:.2f} h apart" + ", a time zone?" * (hours <= 14)
     return (
         f"does not cover any frame: the track is from {own[0]:.7g} to {own[-1]:.7g} s, the "
         f"frames from {first:.7g} to {last:.7g} s, {apart}; "
         "look at the clocks, [flight] epoch and [track] offset_s"
+    )
+
+
+NEARLY_S = 0.1
+"""Frames that are no farther beyond a track are told which offset of its clock covers them."""
+
+
+def covering_text(own_s: Floats, time_s: Floats, offset_s: float) -> str:
+    """Say by how little frames lie beyond a track, and the offset that covers them; or nothing.
+
+    Args:
+        own_s: the track's times on the frames' clock, (T,)
+        time_s: those of the frames, (F,)
+        offset_s: by which the track's times are moved already
+    """
+    early_s, late_s = own_s[0] - np.nanmin(time_s), np.nanmax(time_s) - own_s[-1]
+    gap_s = float(max(early_s, late_s))
+    by_s = (np.floor(gap_s * 1e4 + 1e-6) + 1.0) / 1e4
+    if not 0.0 < gap_s <= NEARLY_S or min(early_s, late_s) + by_s > 0.0:
+        return ""
+    how, needed_s = "begins {} s later", offset_s - by_s
+    if late_s > 0.0:
+        how, needed_s = "ends {} s earlier", offset_s + by_s
+    return (
+        f": it {how.format(f'{gap_s:.2g}')}; if its clock may be off by that, "
+        f"[track] offset_s = {needed_s:.10g} covers all frames"
     )

@@ -26,6 +26,7 @@ from vopd.flight.formats.tracked import (
     tracked_lines,
 )
 from vopd.flight.misfit import MISFITS, SPEAK_FOR, TYPICAL
+from vopd.flight.mistakes import usual_mistakes
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of, read_camera, read_pick_rows, require_clicks
 from vopd.flight.result import require_two_landmarks, solve_flight_read
@@ -266,7 +267,8 @@ def follow(
         options: of the run
         tell: is called after each frame that is looked at
         count: is given how many there will be
-        warn: is given, before the first frame, the warnings of a flight whose clicks misfit
+        warn: is given, before the first frame, the warnings of a flight whose clicks misfit, or
+            speak for an error of its inputs
 
     Raises:
         VopdError: where something is missing or wrong
@@ -349,13 +351,15 @@ def follow(
 
 
 def _misfit_of_clicks(footage: Footage) -> list[Finding]:
-    """Solve a flight by its clicks; if it misfits, warn of that and of its cause."""
+    """Solve a flight by its clicks; if it misfits, or they speak for an error, warn of that."""
     try:
         solved = solve_flight_read(footage.flight, project=lambda: footage.project)
     except VopdError:  # the clicks that a solve needs may be in other frames than tracking's
         return []
-    words = (MISFITS, SPEAK_FOR, TYPICAL) if solved.misfits else ()
-    return [one for one in solved.findings if any(some in one.message for some in words)]
+    words, name = (MISFITS, SPEAK_FOR, TYPICAL), footage.project.name
+    found = [one for one in solved.findings if any(some in one.message for some in words)]
+    more = [] if solved.misfits or found else usual_mistakes(footage.project, solved)
+    return found + [Finding(message, name, severity="warning") for message in more]
 
 
 def _forward(run: Tracker, journal: Journal, pictures: Iterator[tuple[int, Any]]) -> int:

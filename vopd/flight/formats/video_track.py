@@ -183,6 +183,7 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
 # block a second, longitude first, with the number of satellites behind the place, and the height
 # above the take-off. A Matrice 300 has latitude first, and metres in the place of satellites.
 
+ARROW = re.compile("-->")
 BLOCK = re.compile(r"(?<!\d)(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->", re.ASCII)
 FIELDS = tuple(
     re.compile(rf"\b(?:{names})\s*:\s*(-?[\d.]+(?:,\d+|[eE][-+]?\d+)?)")
@@ -205,22 +206,23 @@ def read_srt(file: InputFile) -> TrackRows:
 
     A receiver finds fewer positions than there are frames, and the blocks between repeat the last.
     """
-    starts = list(BLOCK.finditer(file.text))
-    values, lines = [], []
-    ends = [one.start() for one in starts[1:]] + [len(file.text)]
+    arrows = [one.end() for one in ARROW.finditer(file.text)]
+    values, lines, damaged = list[list[float]](), list[int](), list[int]()
     line, counted, above = 1, 0, 0
-    for start, end in zip(starts, ends, strict=True):
-        line += file.text.count("\n", counted, start.start())
-        counted = start.start()
-        found = [field.search(file.text, start.end(), end) for field in FIELDS]
+    for at, end in zip(arrows, [*arrows[1:], len(file.text)], strict=True):
+        line += file.text.count("\n", counted, at)
+        start = BLOCK.search(file.text, max(counted, file.text.rfind("\n", 0, at)), at)
+        counted = at
+        found = [field.search(file.text, at, end) for field in FIELDS]
         words = [one[1] for one in found if one is not None]
-        if len(words) < 3:
-            before, high = (one.search(file.text, start.end(), end) for one in (BEFORE, ABOVE))
-            if before is None or high is None:
-                continue
+        before, high = (one.search(file.text, at, end) for one in (BEFORE, ABOVE))
+        if older := len(words) < 3 and before is not None and high is not None:
             words = [before[1], before[2]] if before[3] else [before[2], before[1]]
             words.append(high[1])
-            above += 1
+        if start is None or len(words) < 3:
+            damaged.append(line)
+            continue
+        above += older
         hours, minutes, seconds, parts = start.groups()
         try:
             t = whole_number(hours) * 3600.0 + int(minutes) * 60.0 + int(seconds)
@@ -245,7 +247,9 @@ def read_srt(file: InputFile) -> TrackRows:
     if np.abs(table[kept, 1]).max() > 90.0:
         k = int(kept[np.argmax(np.abs(table[kept, 1]))])
         raise file.error(f"{table[k, 1]:g} is no latitude", lines[k])
-    said = f"SRT of a DJI drone, {count_text(len(kept), 'position')} in {len(starts)} blocks"
+    said = f"SRT of a DJI drone, {count_text(len(kept), 'position')} in {len(arrows)} blocks"
+    if damaged:
+        said += f", {len(damaged)} without time or position, the first in line {damaged[0]}"
     said += f"; {TAKE_OFF}" if above else ""
     return TrackRows(
         table[kept][:, [2, 1, 3]],
