@@ -17,7 +17,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight import track as track_module
-from vopd.flight.flight import CameraPath, TrackFixes
+from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import TrackRows, photo_number
 from vopd.flight.project import Project, Section
@@ -178,6 +178,24 @@ def test_a_leap_is_more_than_the_errors_of_fixes_make() -> None:
     for sigma_m, named in ((6.0, False), (0.1, True)):
         fixes = TrackFixes(np.zeros(1, np.int64), np.ones((1, 1)), np.full((5, 3), sigma_m))
         assert bool(doubts_of_leaps(rows, position, fixes, "t.csv")) == named
+
+
+def test_some_frames_keep_the_fixes_on_which_they_depend() -> None:
+    """Frames halfway between fixes 0 and 1, 3 and 4, and at the last, 5; fixes of 1 to 6 m."""
+    weight = np.array([[0.5, 0.5], [0.5, 0.5], [1.0, 0.0]])
+    sigma_m = np.outer(np.arange(1.0, 7.0), np.ones(3))
+    between = np.array([False, False, False, False, True, False])
+    fixes = TrackFixes(np.array([0, 3, 5]), weight, sigma_m, between)
+    some = fixes.of_frames(np.array([1, 2]))
+    assert fixes.seen_by(np.array([1, 2])).tolist() == [3, 4, 5]
+    assert some.first.tolist() == [0, 2] and some.sigma_m[:, 0].tolist() == [4.0, 5.0, 6.0]
+    assert some.between is not None and some.between.tolist() == [False, True, False]
+    assert some.at_frames(some.sigma_m[..., None])[:, 0, 0].tolist() == [4.5, 6.0]
+    wide = np.ones((3, 3))  # a velocity by three fixes from the one before
+    slopes = TrackSlopes(np.array([0, 2, 3]), wide, wide, *np.zeros((2, 3, 3)), np.zeros(3))
+    some = replace(fixes, slopes=slopes).of_frames(np.array([1]))
+    assert some.sigma_m[:, 0].tolist() == [3.0, 4.0, 5.0] and some.first.tolist() == [1]
+    assert some.slopes is not None and some.slopes.first.tolist() == [0]
 
 
 @pytest.mark.parametrize(

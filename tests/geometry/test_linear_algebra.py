@@ -29,6 +29,16 @@ def test_a_singular_matrix_costs_no_other_its_inverse() -> None:
     assert_close("table value", pairs[[0, 1], [0, 1]], [INVERSE, INVERSE])
 
 
+def test_a_few_singular_matrices_among_many_stay_where_they_are() -> None:
+    many = np.tile(GOOD, (25, 40, 1, 1)) * np.arange(1.0, 1001.0).reshape(25, 40, 1, 1)
+    flat = ([0, 0, 12, 24], [0, 39, 7, 39])
+    many[flat] = FLAT
+    found = inverse(many)
+    assert np.isnan(found[flat]).all() and np.isnan(found).sum() == 4 * 9
+    assert_close("table value", found[12, 8], INVERSE / 489.0)
+    assert np.isnan(inverse(FLAT)).all() and inverse(FLAT).shape == (3, 3)
+
+
 @pytest.mark.parametrize("weak", [1e-3, 1e-8, 1e-12, 0.0])
 @pytest.mark.parametrize("shape", ["square", "tall", "wide"])
 def test_pseudo_inverses_of_every_shape_near_and_far_from_singular(shape: str, weak: float) -> None:

@@ -228,10 +228,30 @@ class TrackFixes:
         """Whether the fixes have no errors, and only the path between them has."""
         return self.between is not None and not self.sigma_m[~self.between].any()
 
+    def seen_by(self, frames: Ints) -> Ints:
+        """List the fixes that frames depend on, both by their indices."""
+        needed = np.zeros(len(self.sigma_m), bool)
+        sources = [(self.first, self.weight)]
+        if self.slopes is not None:
+            sources.append((self.slopes.first, self.slopes.by_velocity))
+        for first, weight in sources:
+            index = first[frames, None] + np.arange(weight.shape[1])
+            needed[index[index < len(needed)]] = True
+        return np.flatnonzero(needed)
+
     def of_frames(self, frames: Ints) -> TrackFixes:
-        """Take the parts that some of the frames have in the fixes, by their indices."""
-        slopes = None if self.slopes is None else self.slopes.of_frames(frames)
-        return replace(self, first=self.first[frames], weight=self.weight[frames], slopes=slopes)
+        """Take the parts that some of the frames have in the fixes, and the fixes they depend on.
+
+        Args:
+            frames: their indices
+        """
+        seen = self.seen_by(frames)
+        first, slopes = np.searchsorted(seen, self.first[frames]), self.slopes
+        if slopes is not None:
+            slopes = slopes.of_frames(frames)
+            slopes = replace(slopes, first=np.searchsorted(seen, slopes.first))
+        between = None if self.between is None else self.between[seen]
+        return TrackFixes(first, self.weight[frames], self.sigma_m[seen], between, slopes)
 
     def frames_of(self, fix: int) -> Ints:
         """List the frames that depend on a fix, by their indices."""

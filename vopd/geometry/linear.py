@@ -102,25 +102,20 @@ def _of_each(
 def _together(
     function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
 ) -> tuple[Floats, ...]:
-    """Apply a function to a stack at once, or one by one if numpy refuses one of its matrices."""
+    """Apply a function to a stack at once, or to its halves if numpy refuses one of its matrices.
+
+    A singular matrix among thousands costs a dozen calls so, and not a call for each.
+    """
     try:
         return function(matrices)
     except np.linalg.LinAlgError:
-        return _one_by_one(function, matrices, harmless)
-
-
-def _one_by_one(
-    function: Callable[[Floats], tuple[Any, ...]], matrices: Floats, harmless: Floats
-) -> tuple[Floats, ...]:
-    stack = matrices.reshape(-1, *matrices.shape[-2:])
-    results = []
-    for matrix in stack:
-        try:
-            results.append(function(matrix))
-        except np.linalg.LinAlgError:
-            results.append(tuple(np.full_like(one, np.nan) for one in function(harmless)))
-    stacked = (np.stack(parts) for parts in zip(*results, strict=True))
-    return tuple(part.reshape(*matrices.shape[:-2], *part.shape[1:]) for part in stacked)
+        stack = matrices.reshape(-1, *matrices.shape[-2:])
+        if len(stack) == 1:
+            one = function(np.broadcast_to(harmless, matrices.shape))
+            return tuple(np.full_like(part, np.nan) for part in one)
+        halves = [_together(function, half, harmless) for half in np.array_split(stack, 2)]
+        joined = (np.concatenate(parts) for parts in zip(*halves, strict=True))
+        return tuple(part.reshape(*matrices.shape[:-2], *part.shape[1:]) for part in joined)
 
 
 # Stacks of vectors: the last axis is x, y, z

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Floats
 from vopd.files import reason
@@ -36,6 +35,7 @@ from vopd.flight.formats.landmarks import (
 from vopd.flight.formats.lens import read_shots, recognises_reconstruction
 from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, read_tags
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
+from vopd.geometry.rotations import rotation_matrices
 from vopd.inputs import parse_json, plain_number, whole_number
 
 # Positions of a receiver, of which nothing better is known: 3 m, and upward 5 m, each times
@@ -331,7 +331,7 @@ def read_reconstruction(file: InputFile) -> TrackRows:
             turn, shift = (np.array(shot[key], float) for key in ("rotation", "translation"))
             if turn.shape != (3,) or shift.shape != (3,) or not np.isfinite([turn, shift]).all():
                 raise file.error(f"{name}: rotation and translation are three numbers each")
-            away = -Rotation.from_rotvec(turn).inv().apply(shift)
+            away = -rotation_matrices(turn[None])[0].T @ shift
             places.append(origin + away @ local_axes(origin))
             images.append(str(name))
     if not images:
