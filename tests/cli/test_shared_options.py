@@ -17,10 +17,10 @@ import pytest
 
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import ROOT, handed, vopd
+from tests.kit.histories import table_text
 from vopd.cards.write import write_deck
 from vopd.cli import attitude, batch, plot, report, run
 from vopd.export import FORMATS
-from vopd.export.tables import table_text
 from vopd.findings import VopdError
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make

@@ -570,12 +570,12 @@ def test_a_fixed_position_has_every_key_of_its_section() -> None:
     read = fixed_path(Section("p.toml", "position", keys | more), times)
     here = earth_centred_m(47.5, 16.25, 540.0)
     assert_close("ratio", read.path.position_m / here, np.ones((2, 3)))
-    assert read.path.bias_sigma_m.tolist() == [1.0, 2.0, 3.0] and read.missing == []
+    assert read.path.bias_sigma_m.tolist() == [1.0, 2.0, 3.0] and read.missing == {}
     assert read.path.lever_arm_m is not None and read.path.lever_arm_m.tolist() == [4.0, 5.0, 6.0]
     assert (read.path.velocity_m_s, read.times) == (None, times)
     plain = fixed_path(Section("p.toml", "position", dict(keys)), times)
     assert plain.path.lever_arm_m is None
-    assert [(one.section, one.key) for one in plain.missing] == [("position", "sigma_m")]
+    assert [*plain.missing] == [("position", "sigma_m")]
 
 
 @pytest.mark.parametrize("key", ["lat_deg", "lon_deg", "h_m", "x_m", "y_m", "z_m", "crs"])
@@ -606,7 +606,7 @@ def test_speed_by_the_positions_of_images(time_s: list[float], whole: bool, know
         Section("p.toml", "track", {"sigma_m": 0.0}),
         FrameTimes(time, tuple(names), None),
     )
-    path = path_by_image(section, rows, position, times, time, Notes(said, []))
+    path = path_by_image(section, rows, position, times, time, Notes(said, {}))
     if known:
         assert path.velocity_m_s is not None
         assert_approved(said)

@@ -26,7 +26,7 @@ OWN = np.array([[0.1, 0.2, 0.3], [NAN, NAN, NAN], [0.0, 0.0, 0.0]])
 
 def chosen(own: Any, *, usual: Any = None, **keys: Any) -> tuple[Any, Notes]:
     """The standard deviations of three rows in lines 2 to 4 of t.csv, and what is said."""
-    notes = Notes([], [])
+    notes = Notes([], {})
     rows = RowSigmas("t.csv", own, 3, [2, 3, 4], "column sigma_m", usual)
     return row_sigmas(Section("p.toml", "track", keys), "sigma_m", rows, notes), notes
 
@@ -37,10 +37,10 @@ def chosen(own: Any, *, usual: Any = None, **keys: Any) -> tuple[Any, Notes]:
 def test_a_row_s_own_come_before_the_key_s_and_the_usual_ones() -> None:
     found, notes = chosen(OWN, sigma_m=[1, 2, 4])
     assert found.tolist() == [[0.1, 0.2, 0.3], [1.0, 2.0, 4.0], [0.0, 0.0, 0.0]]
-    assert notes.missing == []
+    assert notes.missing == {}
     assert_approved(notes.said)
     found, notes = chosen(OWN, usual=(3.0, 3.0, 5.0))
-    assert found[1].tolist() == [3.0, 3.0, 5.0] and notes.missing == []
+    assert found[1].tolist() == [3.0, 3.0, 5.0] and notes.missing == {}
     assert_approved(notes.said)
     found, notes = chosen(None, usual=(3.0, 3.0, 5.0))
     assert found.tolist() == [[3.0, 3.0, 5.0]] * 3
@@ -62,9 +62,8 @@ def test_a_component_of_a_row_may_be_the_key_s() -> None:
 def test_rows_that_nothing_states_are_missing_by_their_lines(own: Any) -> None:
     found, notes = chosen(own)
     assert found[1].tolist() == [0.0] * 3
-    ((section, key, why),) = notes.missing
-    assert (section, key) == ("track", "sigma_m")
-    assert_approved(why)
+    assert [*notes.missing] == [("track", "sigma_m")]
+    assert_approved(notes.missing["track", "sigma_m"])
 
 
 # Files

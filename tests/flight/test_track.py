@@ -62,7 +62,7 @@ def path(
     position = moved(TRACK_S, jerk)[0]
     track = TrackRows(position, False, None, "seconds", TRACK_S, "CSV", **(rows or {}))
     section, times = Section("p.toml", "track", keys), FrameTimes(np.asarray(frame_s), (), None)
-    return path_by_time(section, track, position, times, Notes(said, []), "t.csv")
+    return path_by_time(section, track, position, times, Notes(said, {}), "t.csv")
 
 
 def columns(found: CameraPath) -> tuple[Floats, Floats, Floats]:
@@ -103,12 +103,12 @@ def test_rows_far_from_the_frames_of_a_long_track_say_nothing() -> None:
     position[:10_000] += np.random.default_rng(1).normal(0.0, 1000.0, (10_000, 3))
     rows = TrackRows(position, False, None, "seconds", time_s, "CSV")
     section, times = Section("p.toml", "track", {}), FrameTimes(frame_s, (), None)
-    found = path_by_time(section, rows, position, times, Notes([], []), "t.csv")
+    found = path_by_time(section, rows, position, times, Notes([], {}), "t.csv")
     assert found.row_s is not None and len(found.row_s) < len(time_s)
     assert_close("flight position", found.position_m, START + SPEED * frame_s[:, None])
     assert_close("flight speed", columns(found)[1], np.tile(SPEED @ NED_FROM_XYZ.T, (2, 1)))
     near = TrackRows(position[15_000:], False, None, "seconds", time_s[15_000:], "CSV")
-    smooth = path_by_time(section, near, position[15_000:], times, Notes([], []), "t.csv")
+    smooth = path_by_time(section, near, position[15_000:], times, Notes([], {}), "t.csv")
     assert found.velocity_sigma_m_s is not None and smooth.velocity_sigma_m_s is not None
     assert_close("flight speed", found.velocity_sigma_m_s, smooth.velocity_sigma_m_s)
 
@@ -214,13 +214,13 @@ def test_a_track_that_does_not_go_on_is_refused(
     rows = TrackRows(position, False, None, "seconds", np.array(track_s), "CSV", line=lines)
     times = FrameTimes(np.zeros(1), (), None)
     with refused(VopdError):
-        path_by_time(keys(), rows, position, times, Notes([], []), "t.csv")
+        path_by_time(keys(), rows, position, times, Notes([], {}), "t.csv")
 
 
 def test_two_positions_are_a_track() -> None:
     rows = TrackRows(np.array([START, START + 4.0]), False, None, "seconds", np.arange(2.0), "CSV")
     times = FrameTimes(np.array([0.25]), (), None)
-    found = path_by_time(keys(), rows, rows.coordinate, times, Notes([], []), "t.csv")
+    found = path_by_time(keys(), rows, rows.coordinate, times, Notes([], {}), "t.csv")
     assert_close("flight position", found.position_m[0], START + 1.0)
 
 
@@ -281,7 +281,7 @@ def test_a_fixed_position_is_that_of_every_frame(keys: Any, expected: Any) -> No
     assert found.path.bias_sigma_m.tolist() == [0.5, 0.5, 0.5] and found.path.fixes is None
     assert found.path.lever_arm_m is not None
     assert found.path.lever_arm_m.tolist() == [1.0, 2.0, 3.0]
-    assert found.path.velocity_m_s is None and found.missing == []
+    assert found.path.velocity_m_s is None and found.missing == {}
     assert found.doubts == []
     assert_approved(found.said)
     assert found.times.time_s.tolist() == [0.5, 1.0]
@@ -662,7 +662,7 @@ def test_the_path_at_images() -> None:
     times = FrameTimes(np.zeros(3), ("a", "x", "c"), None)
     said: list[str] = []
     section = keys(file="t.csv", lever_arm_m=[1, 2, 3], velocity_sigma_m_s=0.5)
-    path = path_by_image(section, rows, position, times, np.array([0.0, 1.0, 2.0]), Notes(said, []))
+    path = path_by_image(section, rows, position, times, np.array([0.0, 1.0, 2.0]), Notes(said, {}))
     assert np.array_equal(
         path.position_m, position[[1, 0, 0]] * [[1], [np.nan], [1]], equal_nan=True
     )
@@ -679,7 +679,7 @@ def test_the_path_at_images() -> None:
     assert np.isnan(path.velocity_sigma_m_s[1]).all()
     assert path.lever_arm_m is not None and path.lever_arm_m.tolist() == [1.0, 2.0, 3.0]
     plain = path_by_image(keys(sigma_m=2), track(None, 0, 0, 0, image=("c", "a", "b")), position,
-                          times, None, Notes(said, []))  # fmt: skip
+                          times, None, Notes(said, {}))  # fmt: skip
     assert plain.velocity_m_s is None and plain.gimbal_deg is None and plain.lever_arm_m is None
     assert plain.fixes is not None and plain.fixes.sigma_m.tolist() == [[2.0] * 3] * 3
     assert plain.velocity_sigma_m_s is None and len(said) == 1
@@ -693,16 +693,16 @@ def test_speeds_of_images_are_north_east_down_at_the_image() -> None:
     rows = track("utc", 0.0, 0.0, 0.0, image=("c", "a", "b"))
     times = FrameTimes(np.zeros(4), ("a", "b", "c", "d"), None)
     said: list[str] = []
-    path = path_by_image(keys(), rows, position, times, np.array([4.0, 0.0, 2.0]), Notes(said, []))
+    path = path_by_image(keys(), rows, position, times, np.array([4.0, 0.0, 2.0]), Notes(said, {}))
     assert path.velocity_m_s is not None
     assert_close("flight speed", path.velocity_m_s[:3], [[10.0, 5.0, -2.5]] * 3)
     assert np.isnan(path.velocity_m_s[3]).all()
     assert_approved(said)
     two = track("utc", 0.0, 0.0, image=("c", "a"))
-    path = path_by_image(keys(), two, position[:2], times, np.array([4.0, 0.0]), Notes([], []))
+    path = path_by_image(keys(), two, position[:2], times, np.array([4.0, 0.0]), Notes([], {}))
     assert path.velocity_m_s is not None
     assert_close("flight speed", path.velocity_m_s[[0, 2]], [[10.0, 5.0, -2.5]] * 2)
     whole = track("utc", 0.0, 0.0, 0.0, image=("c", "a", "b"), whole_seconds=True)
-    path = path_by_image(keys(), whole, position, times, np.array([4.0, 0.0, 2.0]), Notes(said, []))
+    path = path_by_image(keys(), whole, position, times, np.array([4.0, 0.0, 2.0]), Notes(said, {}))
     assert path.velocity_m_s is None
     assert_approved(said[1:])

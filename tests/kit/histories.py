@@ -16,7 +16,9 @@ from tests.kit.estimates import estimate
 from tests.kit.jobs import reread, without
 from vopd.attitude.history import History, history
 from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.table import columns_of, table
 from vopd.estimate import Units, Words
+from vopd.export.tables import TableText, as_text
 from vopd.film import film_estimate
 from vopd.job import Deck
 from vopd.pipeline import read_deck, run
@@ -31,6 +33,11 @@ def histories(*names: str, sigmas: Sigmas | None = None) -> list[History]:
         jobs = read_deck(DECKS / f"{name}.dat")
         found += run(replace(jobs, name=f"{name}.dat")).histories(sigmas)
     return found
+
+
+def table_text(histories: Sequence[History]) -> TableText:
+    """The columns of the attitude table as the CSV has them."""
+    return as_text(table(histories), columns_of(histories))
 
 
 @cache

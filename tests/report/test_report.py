@@ -20,7 +20,7 @@ import pytest
 import vopd.report as report_module
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import DECKS, vopd
-from tests.kit.histories import about, by_hand, flight, histories
+from tests.kit.histories import about, by_hand, flight, histories, table_text
 from tests.kit.html_page import Page, frame_columns
 from tests.tolerances import assert_close
 from vopd.attitude.flags import MEANING
@@ -29,7 +29,6 @@ from vopd.attitude.long_history import with_about
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import column_name
 from vopd.errata import fixes
-from vopd.export.tables import table_text
 from vopd.findings import VopdError
 from vopd.pipeline import read_deck, run
 from vopd.report import COLUMNS, batch_page, report, style_and_script

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -113,12 +113,14 @@ def _checked(job: Job, make: Callable[[Job], Made]) -> Made:
 def _project(job: Job) -> NewProject:
     """Write the files of a job whose tables are in order."""
     notes: list[str] = []
-    film = film_picks(job, notes)
-    values = _values(job, film.size_px, notes)
+    frame, landmark, pixel, size_px = film_picks(job, notes)
+    values = _values(job, size_px, notes)
     if np.any(job.camera.lens_distortion_um):
         notes.append("the lens's distortion (group 1) is taken off the picks: the lens has none")
+    numbers = np.repeat(job.readings.frame[frame], 3), np.repeat(landmark, 3)
+    picks = *numbers, *pixel.reshape(-1, 2).T
     contents = {
-        "picks.csv": _picks(job, film),
+        "picks.csv": _table("frame,landmark,u_px,v_px", *picks, form="%d,%d,%.4f,%.4f"),
         "landmarks.csv": _landmarks(job),
         "times.csv": _times(job),
     }
@@ -133,22 +135,17 @@ def _project(job: Job) -> NewProject:
     return NewProject({name: text.encode() for name, text in contents.items()}, notes)
 
 
-class FilmPicks(NamedTuple):
-    """Readings as pixels without distortion, three of each of n points."""
-
-    frame: Ints  # (n,) index into the frames of the job
-    landmark: Ints  # (n,) landmark number
-    pixel: Floats  # (n, 3, 2) u, v from the first pixel's centre
-    size_px: tuple[int, int]  # of the image
-
-
-def film_picks(job: Job, notes: list[str]) -> FilmPicks:
-    """Convert readings to pixels of an image without distortion.
+def film_picks(job: Job, notes: list[str]) -> tuple[Ints, Ints, Floats, tuple[int, int]]:
+    """Convert readings to pixels of an image without distortion, three of each of n points.
 
     Args:
         job: gives the readings; points that it ignores in one frame are left out, those that it
             ignores in all frames are not
         notes: of points that are left out, added to
+
+    Returns:
+        Of each point the index of its frame in the job and the number of its landmark, (n,); its
+        readings u, v from the first pixel's centre, (n, 3, 2); and the size of the image.
 
     Raises:
         VopdError: if no landmark is read in any frame
@@ -182,13 +179,7 @@ def film_picks(job: Job, notes: list[str]) -> FilmPicks:
         raise VopdError("no landmark is read in any frame")
     half = np.ceil(np.abs(away).max(axis=(0, 1), initial=1.0)) + MARGIN_PX
     size = int(2 * half[0]), int(2 * half[1])
-    return FilmPicks(frame, landmark, (np.array(size) - 1.0) / 2.0 - away, size)
-
-
-def _picks(job: Job, film: FilmPicks) -> str:
-    numbers = np.repeat(job.readings.frame[film.frame], 3), np.repeat(film.landmark, 3)
-    pixel = film.pixel.reshape(-1, 2)
-    return _table("frame,landmark,u_px,v_px", *numbers, *pixel.T, form="%d,%d,%.4f,%.4f")
+    return frame, landmark, (np.array(size) - 1.0) / 2.0 - away, size
 
 
 def _values(job: Job, size_px: tuple[int, int], notes: list[str]) -> KeyValues:
@@ -305,33 +296,33 @@ NOT_SAID = (
 
 
 def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
-    film = film_picks(job, [])
+    picked, landmark, pixel, size_px = film_picks(job, [])
     frame, first = np.unique(job.readings.frame, return_index=True)
-    seen = np.isin(first, film.frame)
+    seen = np.isin(first, picked)
     frame, first = frame[seen], first[seen]
     time_s, vehicle_ft = (part[first] for part in time_and_position(job))
     path = job.trajectory
     velocity = ftlup(time_s, 1, path.time_s, path.velocity_ft_s, TRAJECTORY_TIMES) * M_PER_FT
     marks = once_each(job.landmarks)
     names = tuple(map(str, marks.number.tolist()))
-    pixels = film.pixel.reshape(-1, 2)
+    pixels = pixel.reshape(-1, 2)
     read = PickRows(
-        frame=np.repeat(np.searchsorted(frame, job.readings.frame[film.frame]), 3),
-        landmark=Names(map(str, np.repeat(film.landmark, 3).tolist())),
+        frame=np.repeat(np.searchsorted(frame, job.readings.frame[picked]), 3),
+        landmark=Names(map(str, np.repeat(landmark, 3).tolist())),
         pixel=pixels,
         sigma_px=np.ones(len(pixels)),
         grid="centre",
-        size_px=film.size_px,
+        size_px=size_px,
         said="",
     )
     picks, findings = join_picks(read, lambda k: f"frame {frame[k]}", names, source)
     focal_px = job.camera.focal_length_mm / MM_PER_PX
-    centre = (film.size_px[0] - 1) / 2.0, (film.size_px[1] - 1) / 2.0
+    centre = (size_px[0] - 1) / 2.0, (size_px[1] - 1) / 2.0
     turn = _roll_deg(job)
     return Flight(
         name=job.title[1:].strip(),
         source=source,
-        lens=make_lens("brown", film.size_px, (focal_px, focal_px), centre),
+        lens=make_lens("brown", size_px, (focal_px, focal_px), centre),
         frame=frame,
         image_name=(),
         time_s=time_s,

@@ -48,13 +48,8 @@ if TYPE_CHECKING:
 TableText = dict[str, list[str]]  # the columns of a table as text
 
 
-def table_text(histories: Sequence[History]) -> TableText:
-    """Write the columns as text: numbers with the decimals of their column, empty for NaN."""
-    return as_text(table(histories), columns_of(histories))
-
-
 def as_text(values: TableArrays, columns: Sequence[TableColumn]) -> TableText:
-    """Write the values of columns as text, as `table_text` does."""
+    """Write the values of columns as text: numbers with their decimals, empty for NaN."""
     return {one.name: _texts_csv(values[one.name], one.decimals) for one in columns}
 
 

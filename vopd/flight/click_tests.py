@@ -7,7 +7,6 @@ mistake, and named once. A place that one track has elsewhere than the others is
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from scipy.special import chdtrc
@@ -32,28 +31,24 @@ EXCHANGED = 6.0  # standard deviations of a click from where the other landmark 
 SEVERAL = 3  # clicks that seem wrong: fewer are no error of the lens
 
 
-class FlightOfClicks(NamedTuple):
-    """A flight without clicks and readings that do not fit, and what is said of them."""
-
-    flight: Flight
-    findings: list[Finding]
-
-
-def without_wrong_clicks(flight: Flight) -> FlightOfClicks:
+def without_wrong_clicks(flight: Flight) -> tuple[Flight, list[Finding]]:
     """Leave out clicks that do not fit the others, and places that one track has elsewhere.
 
     They are found with the sigmas that the tracked file states.
 
     Args:
         flight: as it was read
+
+    Returns:
+        The flight without them, and what is said of them.
     """
     try:
         return _without(flight)
     except (VopdError, np.linalg.LinAlgError):  # the solve says why
-        return FlightOfClicks(flight, [])
+        return flight, []
 
 
-def _without(flight: Flight) -> FlightOfClicks:
+def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     """Leave out one click after the other; those of a landmark all of whose clicks go stay.
 
     That landmark is what does not fit, and it is tested with the others.
@@ -63,7 +58,7 @@ def _without(flight: Flight) -> FlightOfClicks:
     tells: dict[int, str] = {}
     joint = solve_jointly(flight, priors_of(flight))
     if _is_of_all(joint):
-        return FlightOfClicks(flight, [])
+        return flight, []
     if joint.stated[0]:  # an error of clock or lens, as large as is stated, is no click's
         joint = solve_jointly(flight, every_prior(flight))
     seems = np.zeros(len(every.frame), bool)  # wrong, and is not
@@ -100,7 +95,7 @@ def _without(flight: Flight) -> FlightOfClicks:
     swapped = _exchanged_texts(joint, read, wrong)
     texts = [text for click, text in tells.items() if not stays[click] and click not in swapped]
     texts += [*dict.fromkeys(swapped.values()), *more]
-    return FlightOfClicks(flight, [Finding(one, read.source, severity="warning") for one in texts])
+    return flight, [Finding(one, read.source, severity="warning") for one in texts]
 
 
 def _is_of_all(joint: JointSolution) -> bool:

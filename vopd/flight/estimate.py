@@ -716,7 +716,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     residual = -(picks.pixel - seen.pixel)
     by_turns = _part(used, seen.by_turns) @ IMAGE_FROM_CAMERA  # of the image, by turns of the axes
     partials = slots.coordinates(by_turns)
-    turn_gain = gain_of_turns(partials, slots.coordinates(_twice(weight)))
+    turn_gain = gain_of_turns(partials, slots.coordinates(np.stack([weight, weight], axis=1)))
     body_turns = flight.mount @ IMAGE_FROM_CAMERA @ turns_by_angles(radians)
     responses = pick_responses(solved, slots, used, seen, attack, body_turns)
     fixes, fix_sigma, further = flight.path.fixes, None, {}
@@ -785,10 +785,6 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
 
 def _of_frames(rotation: Floats, direction: Floats) -> Floats:
     return np.asarray(np.einsum("pij,pj->pi", rotation, direction))
-
-
-def _twice(values: Floats) -> Floats:
-    return np.stack([values, values], axis=1)
 
 
 def _part(used: Bools, values: Floats) -> Floats:

@@ -132,17 +132,6 @@ class _Trial(NamedTuple):
         return self._replace(used=self.used & (self.picks != pick))
 
 
-class _Fit(NamedTuple):
-    """Trials as they fit."""
-
-    cost: Floats  # (T,) weighted squares; infinite where a pick has no image
-    rms_px: Floats  # (T,) NaN likewise
-
-    def take(self, some: slice) -> _Fit:
-        """Take some of them."""
-        return _Fit(self.cost[some], self.rms_px[some])
-
-
 class _Likely(NamedTuple):
     """An exchange that the picks speak for."""
 
@@ -184,30 +173,31 @@ def _exchanges(
             searched[frame], total = True, total + more
             groups += some
     groups = [
-        [group[0], *(group[1 + k] for k in np.argsort(fit.cost[1:], kind="stable")[:KEPT])]
-        for group, fit in zip(groups, _fitted(flight, None, groups), strict=True)
+        [group[0], *(group[1 + k] for k in np.argsort(cost[1:], kind="stable")[:KEPT])]
+        for group, (cost, _) in zip(groups, _fitted(flight, None, groups), strict=True)
     ]
     likely, alone = [], []
-    for (plain, *rest), fit in zip(groups, _fitted(flight, place_m, groups), strict=True):
+    fits = _fitted(flight, place_m, groups)
+    for (plain, *rest), (costs, rms_px) in zip(groups, fits, strict=True):
         freedom, known = 2.0 * float(plain.used.sum()) - 3.0, float(others[plain.frame])
-        gain = _gain(flight, fit.cost[0], fit.cost[1:], freedom, known)
+        gain = _gain(flight, costs[0], costs[1:], freedom, known)
         best = int(gain.argmax())
         pairs = len(flight.frame) * (freedom + 3.0) * (freedom + 1.0) / 8.0
         if not gain[best] > 2.0 * np.log(pairs / SIGNIFICANCE):
             continue
-        cost = float(fit.cost[1 + best])
+        cost = float(costs[1 + best])
         chance = _chance(cost, freedom, known)
         misfits = chance < SIGNIFICANCE and cost > REJECTED**2 * freedom
         misfits |= np.isnan(chance) and cost > FAR**2 * freedom
         if misfits or (gain > gain[best] - ALIKE).sum() > 1:
             continue
-        sizes = float(fit.rms_px[0]), float(fit.rms_px[1 + best])
+        sizes = float(rms_px[0]), float(rms_px[1 + best])
         likely.append(_Likely(rest[best], float(gain[best]), cost, freedom, *sizes, chance))
         alone.append([plain.without(pick) for pick in rest[best].pair])
     found = [
         one
-        for one, fit in zip(likely, _fitted(flight, place_m, alone), strict=True)
-        if _gain(flight, one.cost, fit.cost, one.freedom, float(others[one.trial.frame])).max()
+        for one, (costs, _) in zip(likely, _fitted(flight, place_m, alone), strict=True)
+        if _gain(flight, one.cost, costs, one.freedom, float(others[one.trial.frame])).max()
         < ALIKE + OF_ONE_PICK
     ]
     few = _in_few_frames(flight, _disjoint(found), searched)
@@ -242,13 +232,19 @@ def _groups_of_frame(
     return groups
 
 
-def _fitted(flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]) -> list[_Fit]:
+def _fitted(
+    flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]
+) -> list[tuple[Floats, Floats]]:
     """Solve each trial for its rotation, and its place.
 
     Args:
         flight: the flight
         place_m: standard deviations of places, (F, 3); None: they are exact
         groups: the trials
+
+    Returns:
+        Of each group its trials' weighted squares, infinite where a pick has no image, and root
+        mean squares of the residuals in pixels, NaN likewise.
     """
     trials = [one for group in groups for one in group]
     if not trials:
@@ -265,8 +261,7 @@ def _fitted(flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]) 
         found = solve_jointly(copies, priors, used, first=first)
         normal = found.normal
     except VopdError:  # nothing is known of these frames
-        nothing = np.full(frames, np.nan)
-        every = _Fit(nothing + np.inf, nothing)
+        cost, rms_px = np.full(frames, np.inf), np.full(frames, np.nan)
     else:
         model, frame = found.model, copies.picks.frame
         taken = np.bincount(frame[model.pick], minlength=frames)
@@ -274,14 +269,10 @@ def _fitted(flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]) 
         squares = np.zeros(frames)
         residual_px = normal.residual / model.scale[:, None]
         np.add.at(squares, frame[model.pick], (residual_px**2).sum(axis=1))
-        every = _Fit(
-            np.where(whole, normal.frame_cost, np.inf),
-            np.where(whole, np.sqrt(squares / np.maximum(2.0 * taken, 1.0)), np.nan),
-        )
-    ends = np.cumsum([len(group) for group in groups]).tolist()
-    return [
-        every.take(slice(end - len(group), end)) for group, end in zip(groups, ends, strict=True)
-    ]
+        cost = np.where(whole, normal.frame_cost, np.inf)
+        rms_px = np.where(whole, np.sqrt(squares / np.maximum(2.0 * taken, 1.0)), np.nan)
+    ends = np.cumsum([len(group) for group in groups])[:-1]
+    return list(zip(np.split(cost, ends), np.split(rms_px, ends), strict=True))
 
 
 def _copies(flight: Flight, trials: list[_Trial]) -> tuple[Flight, Bools]:

@@ -405,14 +405,11 @@ def _not_held_text(flight: Flight, lost: NotHeld) -> str:
         )
     key = next(one.sigma for one in FREE.values() if lost.name in one.parameters)
     rather = f": state {key} instead" if key and not np.isfinite(prior) else ""
+    advice = ADVICE[lost.name]
     return (
         f"free {shown_name(lost.name)}: the picks do not hold it, and it stays {value}; {why}. "
-        f"{_capital(ADVICE[lost.name])}{rather}"
+        f"{advice[:1].upper()}{advice[1:]}{rather}"
     )
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def joined(names: Sequence[str]) -> str:

@@ -619,11 +619,11 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     if one:
         number, times, index = number[:1], _first(times), np.zeros_like(index)
     picks = replace(picks, frame=index)
-    notes = Notes([], [])
+    notes = Notes([], {})
     rows, landmarks = _landmarks(project, notes)
     path = read_path(with_stated_offset(project), times)
     times = path.times
-    refuse_missing(project, [*notes.missing, *path.missing])
+    refuse_missing(project, notes.missing | path.missing)
     _one_datum(project)
 
     def label(k: int) -> str:

@@ -333,10 +333,13 @@ def solve_flight_read(
                 break
             flight, estimates = settled_as_held(shifted, out, tell)
     read = replace(read, options=flight.options)
+
+    def solve_without(left_out: Bools, before: FlightEstimates) -> FlightEstimates:
+        tell()
+        return settled(flight, left_out, before.joint)
+
     for _ in range(ROUNDS_OF_LABELS):
-        found, without = find_blunders(
-            estimates, gross, lambda out, before: _settled_again(flight, out, before, tell), swapped
-        )
+        found, without = find_blunders(estimates, gross, solve_without, swapped)
         try:
             without = without or settled(flight, found.left_out | swapped, estimates.joint)
         except VopdError:  # too little is left that could tell
@@ -434,14 +437,6 @@ def _two_left(flight: Flight, out: Bools) -> Bools:
     left = used[flight.picks.landmark] & ~out
     count = np.bincount(flight.picks.frame[left], minlength=len(flight.frame))
     return np.asarray((count > 1)[flight.picks.frame])
-
-
-def _settled_again(
-    flight: Flight, left_out: Bools, before: FlightEstimates, tell: Callable[[], object]
-) -> FlightEstimates:
-    """Solve a flight with other picks left out."""
-    tell()
-    return settled(flight, left_out, before.joint)
 
 
 def settled_as_held(

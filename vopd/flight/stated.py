@@ -17,19 +17,11 @@ from vopd.geometry.lenses import LensKind
 from vopd.inputs import LEAST_SIGMA, MOST_SIGMA, beyond_sigmas
 
 
-class MissingSigma(NamedTuple):
-    """A standard deviation that neither the project nor its file has."""
-
-    section: str
-    key: str
-    why: str  # which file has none
-
-
 class Notes(NamedTuple):
     """What is said of files as they are read, and standard deviations that are missing."""
 
     said: list[str]
-    missing: list[MissingSigma]
+    missing: dict[tuple[str, str], str]  # by section and key: which file has none
 
 
 # Positions, landmarks, velocities: rows of a file
@@ -67,7 +59,7 @@ def row_sigmas(section: Section, key: str, rows: RowSigmas, notes: Notes) -> Flo
         notes.said.append(_said(rows, without, f"[{section.name}] {key}", stated is not None))
     if without and stated is None:
         if rows.usual is None:
-            notes.missing.append(MissingSigma(section.name, key, _which(rows, lacking)))
+            notes.missing[section.name, key] = _which(rows, lacking)
         elif without == rows.total:
             sizes = "{:g}, {:g} and {:g} m east, north and up".format(*rows.usual)
             notes.said.append(f"{rows.file}: has no accuracy of its positions: {sizes} is assumed")
@@ -98,7 +90,7 @@ def key_sigma(section: Section, key: str, why: str, notes: Notes) -> tuple[float
     """Read standard deviations that only a key can state."""
     stated = section.sigma(key)
     if stated is None:
-        notes.missing.append(MissingSigma(section.name, key, why))
+        notes.missing[section.name, key] = why
     return stated or (0.0,) * ROWS[section.name, key].size
 
 
@@ -196,10 +188,10 @@ def _check_coefficient(section: Section, key: str, name: str, kind: LensKind) ->
 # Missing standard deviations
 
 
-def refuse_missing(project: Project, missing: Sequence[MissingSigma]) -> None:
+def refuse_missing(project: Project, missing: Mapping[tuple[str, str], str]) -> None:
     """Raise an error with the lines to paste, if any standard deviation is missing."""
     if missing:
-        keys = with_common_error({(one.section, one.key): one.why for one in missing})
+        keys = with_common_error(missing)
         raise NeededError(
             f"{project.name}: standard deviations are missing, and nothing counts as exact unless "
             "you say so. Add these lines, with numbers of your own:\n"

@@ -22,7 +22,7 @@ from vopd.flight.formats.track import (
 )
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import VIDEO, Project, Section
-from vopd.flight.stated import MissingSigma, Notes, RowSigmas, key_sigma, row_sigmas
+from vopd.flight.stated import Notes, RowSigmas, key_sigma, row_sigmas
 from vopd.flight.velocity import (
     Roughness,
     gap_curvature,
@@ -473,7 +473,7 @@ class PathRead(NamedTuple):
     said: list[str]
     times: FrameTimes  # of the frames, those of a track by image included
     doubts: list[str]
-    missing: list[MissingSigma]
+    missing: dict[tuple[str, str], str]
 
 
 def height_datum(section: Section) -> HeightDatum | None:
@@ -507,7 +507,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     position = earth_centred_positions(
         rows.coordinate, rows.geodetic, crs, track_height(section, rows), where
     )
-    notes = Notes([f"{file.name}: {rows.said}"], [])
+    notes = Notes([f"{file.name}: {rows.said}"], {})
     doubts = []
     if rows.image and (times.image or rows.time_s is None):
         times, time_s = times_of_track(section, rows, times)
@@ -541,7 +541,7 @@ def fixed_path(section: Section, times: FrameTimes) -> PathRead:
         raise section.error("crs", "is needed with x_m and y_m")
     where = f"{section.project}: [position]"
     position = earth_centred_positions(coordinate, geodetic, crs, height_datum(section), where)
-    notes = Notes(["one fixed position"], [])
+    notes = Notes(["one fixed position"], {})
     path = CameraPath(
         np.tile(position, (len(times.time_s), 1)),
         bias_sigma_m=np.array(key_sigma(section, "sigma_m", "", notes)),
