@@ -20,7 +20,6 @@ from vopd.findings import VopdError
 from vopd.flight.adjust import adjust
 from vopd.flight.adjusted_project import adjusted_project
 from vopd.flight.errors import priors_of
-from vopd.flight.followed import followed_findings
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
 from vopd.flight.joint import covariance_of_sums, solve_jointly
@@ -29,6 +28,7 @@ from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import FlightResult, picks_outside, solve_flight, solve_flight_read
 from vopd.flight.solve import SolvedFlight
+from vopd.flight.tracked_picks import followed_findings
 
 
 @pytest.mark.parametrize(("seed", "landmark_m"), [(0, 0.0), (1, 0.05)])
@@ -335,6 +335,6 @@ def test_tracks_of_another_program_are_said_to_share_their_clicks(
     left = left_out_text(history, history.about.words.sigma_keys)
     assert "click ([picks] tracked_from" in left
     assert result.estimates.joint is not None
-    monkeypatch.setattr("vopd.flight.followed.FEWEST", 20)
+    monkeypatch.setattr("vopd.flight.tracked_picks.FEWEST", 20)
     (said,) = followed_findings(result.flight, result.estimates.joint)
     assert "5 frames tell no more than 1, and it is 2.2 times less certain" in said.message

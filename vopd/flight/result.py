@@ -395,7 +395,7 @@ def solve_flight_read(
     findings += exchange_findings(swaps, flight, apart)
     findings += blunder_findings(found, flight, doubts.misfits, doubts.explained)
     if flight.picks.followed is not None and without.joint is not None:
-        from vopd.flight.followed import followed_findings  # of few flights
+        from vopd.flight.tracked_picks import followed_findings  # of few flights
 
         findings += followed_findings(flight, without.joint)
     every = found._replace(pick=found.pick | swapped)

@@ -1,4 +1,9 @@
-"""Picks that `vopd track` has found from a person's clicks, as a flight takes them."""
+"""Picks that a program has followed from frame to frame: those of `vopd track`, and others' tracks.
+
+`vopd track` says which click each of its picks is from, and their errors are solved for. The errors
+of other tracks are those of clicks that nobody knows, nearly the same from one frame to the next:
+many frames are not as many picks.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from vopd.arrays import Ints
+from vopd.arrays import Floats, Ints
 from vopd.findings import Finding, count_text
-from vopd.flight.flight import Clicks, Picks
+from vopd.flight.flight import Clicks, Flight, Picks
 from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows, read_hidden
 from vopd.flight.formats.tracked import (
     AGAIN,
@@ -19,11 +24,14 @@ from vopd.flight.formats.tracked import (
     recognises_tracked,
     refuse_stale,
 )
+from vopd.flight.joint import JointSolution
 from vopd.flight.project import Project
 from vopd.flight.read import by_point, known_landmarks
 
 MOST_SIZES = 10.0  # of the image, from its first pixel to a tracked one
 LEAST_MATCH_PX = 0.02  # standard deviation of a match below which it is not believed
+ALIKE = 0.5  # correlation from one frame to the next that is told
+FEWEST = 30  # pairs of following frames: fewer tell nothing of it
 
 
 def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
@@ -144,3 +152,48 @@ def join_tracks(
         one_sigma_px=usual, least_sigma_px=LEAST_MATCH_PX, clicks=clicks,
     )  # fmt: skip
     return picks, findings
+
+
+# Tracks of other programs
+
+
+def followed_findings(flight: Flight, joint: JointSolution) -> list[Finding]:
+    """Warn of tracks of other programs whose residuals agree from frame to frame."""
+    alike = correlation_of_neighbours(joint)
+    if not alike > ALIKE:
+        return []
+    frames = joint.model.solved
+    worth = max(frames * (1.0 - alike) / (1.0 + alike), 1.0)
+    return [
+        Finding(
+            f"tracked picks: their residuals agree from one frame to the next (correlation "
+            f"{alike:.2f}), as those of one click do that is carried on: in a mean over frames, or "
+            f"a curve through them, {frames} frames tell no more than {worth:.0f}, and it is "
+            f"{np.sqrt(frames / worth):.1f} times less certain than is stated. vopd track says "
+            "which click each pick is from, and their errors are solved for",
+            flight.source,
+            severity="warning",
+        )
+    ]
+
+
+def correlation_of_neighbours(joint: JointSolution) -> float:
+    """Correlate residuals of followed picks with those of the same landmark in the next frame.
+
+    Returns:
+        The correlation of u and v together; NaN where there are few such picks.
+    """
+    model, picks = joint.model, joint.model.flight.picks
+    if picks.followed is None:
+        return float("nan")
+    own = np.flatnonzero(picks.followed[model.pick])
+    frame, landmark = picks.frame[model.pick[own]], model.landmark[own]
+    order = np.lexsort((frame, landmark))
+    residual: Floats = joint.normal.residual[own[order]]
+    frame, landmark = frame[order], landmark[order]
+    near = (np.diff(frame) == 1) & (np.diff(landmark) == 0)
+    if near.sum() < FEWEST:
+        return float("nan")
+    before, after = residual[:-1][near], residual[1:][near]
+    square = float((before**2).sum() * (after**2).sum())
+    return float((before * after).sum() / np.sqrt(square)) if square > 0.0 else float("nan")
