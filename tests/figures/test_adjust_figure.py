@@ -91,6 +91,7 @@ def test_residuals_before_and_after(wrong: Path) -> None:
     assert len(names) == 6 and rms_px[-1, 1] < 0.3 < 1.0 < rms_px[-1, 0]
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_the_report_has_it(wrong: Path) -> None:
     """Of a project with [solve] free, beside the residuals; of another there is none."""
     before = embedded_figures([solve_flight(wrong).history()])
@@ -106,6 +107,7 @@ def test_the_report_has_it(wrong: Path) -> None:
     assert_approved([title, caption])
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_the_command_draws_it(wrong: Path, tmp_path: Path) -> None:
     file = tmp_path / "a.svg"
     ran = vopd("adjust", wrong, "--free", "focal,centre", "-q", "--figure", file)

@@ -75,6 +75,7 @@ def test_picks_stand_in_the_photograph_s_own_pixels() -> None:
     assert "times as long" in said and "no photograph" not in said
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_a_photograph_is_found_by_its_name(tmp_path: Path) -> None:
     """In a folder within that of the project, or in that of --images; else the title says so."""
     shutil.copytree(ROOT / "examples" / "summits", tmp_path / "post")
@@ -93,6 +94,7 @@ def test_a_photograph_is_found_by_its_name(tmp_path: Path) -> None:
     assert "40 x 30: not the size" in " ".join(made.read_text().split())
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_a_photograph_is_found_by_its_number(tmp_path: Path) -> None:
     """Of a folder of numbered images: that of --images, or [picks] video of the project."""
     shutil.copytree(ROOT / "examples" / "hill", tmp_path / "hill")
@@ -170,6 +172,7 @@ def test_heights_in_feet_are_seen() -> None:
     assert "misses its landmark (dots)" in labelled(axis)
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_a_pdf_has_a_page_a_figure(tmp_path: Path) -> None:
     made = tmp_path / "a.pdf"
     which = ("--figure", "image", "--figure", "map")

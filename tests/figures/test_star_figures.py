@@ -343,6 +343,7 @@ def test_a_damaged_picture_is_refused(tmp_path: Path, solved: Path, name: str) -
     assert result.status == 1 and result.stderr.startswith(f"{solved}: ")
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     """It is beside the star file, under the name of column image, or where --images says."""
     pillow = pytest.importorskip("PIL.Image")
@@ -369,6 +370,7 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     assert missing.status == 0 and "no photograph" in picture.read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("not_laid_out")
 def test_the_border_and_stars_outside(tmp_path: Path) -> None:
     """Rigel and Saiph were read below an image of the size that is stated: the border shows it."""
     file = tmp_path / "solved.json"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,9 @@ pytestmark = [
 ]
 
 
+@cache
 def laid_out(name: str) -> Any:
+    """A figure of the flight with long names as it is drawn; no test changes it."""
     figure = draw(name, [renamed()], 2)
     figure.draw_without_rendering()
     return figure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import re
 import shutil
@@ -180,23 +181,36 @@ def stopping_after(count: int) -> Callable[[], None]:
     return tell
 
 
+FRAME_8 = ("L1", "L2", "L4", "L5")  # landmarks that are clicked there
+
+
+@pytest.fixture(scope="module")
+def tracked(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Tracks of the clicks of frame 8, followed to both ends at once."""
+    folder = tmp_path_factory.mktemp("tracked") / "f"
+    shutil.copytree(rendered, folder)
+    with contextlib.chdir(folder):
+        true = truth()
+        clicks(*((8, mark, *true[8, mark]) for mark in FRAME_8))
+        follow(read_project("flight.toml"), TrackOptions())
+        return Path("tracked.csv").read_bytes()
+
+
 @pytest.mark.parametrize("at", [9, 17, 33])
-def test_the_same_command_goes_on(flight: Path, at: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_same_command_goes_on(
+    flight: Path, tracked: bytes, at: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In the first run and in the second one: the same bytes, from backward frames as well."""
     monkeypatch.setattr(rooms, "AT_ONCE", 4)
     true = truth()
-    both = [(8, mark, *true[8, mark]) for mark in ("L1", "L2", "L4", "L5")]
-    clicks(*both)
+    clicks(*((8, mark, *true[8, mark]) for mark in FRAME_8))
     project = read_project("flight.toml")
-    follow(project, TrackOptions())
-    whole = (flight / "tracked.csv").read_bytes()
-    (flight / "tracked.csv").unlink()
     with pytest.raises(Stopped):
         follow(project, TrackOptions(), stopping_after(at))
     assert not (flight / "tracked.csv").exists()
     assert (flight / "tracked.csv.part").stat().st_size > 700  # blocks, and not the head alone
     follow(project, TrackOptions())
-    assert (flight / "tracked.csv").read_bytes() == whole
+    assert (flight / "tracked.csv").read_bytes() == tracked
     assert {int(row["frame"]) for row in rows(flight / "tracked.csv")} == set(range(FRAMES))
 
 

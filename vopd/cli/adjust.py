@@ -290,5 +290,5 @@ def _tests_of(made: Adjustment, form: str) -> Any:
     if form == "csv":
         return tested_table.as_csv(tested)
     kept = {one.name for one in flight.options.kept}
-    names = [n for n in flight.options.free if n not in FREE or not kept >= {*FREE[n].parameters}]
+    names = [n for n in flight.options.free if n not in FREE or not kept >= {*FREE[n]}]
     return tested_table.as_text(tested, prediction, names)

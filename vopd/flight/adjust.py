@@ -165,9 +165,9 @@ def adjustment_of(result: FlightResult) -> Adjustment:
     flight, names = joint.model.flight, joint.model.names
     common = covariance_of_common(joint)
     kept = {one.name: one for one in flight.options.kept}
-    rows = [row for name, row in FREE.items() if name in flight.options.free]
+    wanted = [name for one, own in FREE.items() if one in flight.options.free for name in own]
     found, at, factors = [], [], []
-    for name in (name for row in rows for name in row.parameters):
+    for name in wanted:
         factor, before = unit_factor(flight, name), stated_value(flight, name)
         prior = factor * prior_sigma(flight, name)
         unit, shown = UNIT.get(name, ""), shown_name(name)

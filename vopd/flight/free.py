@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,38 +14,30 @@ from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT, with_parameters
 from vopd.flight.files import did_you_mean
 from vopd.flight.flight import Flight, NotHeld
 from vopd.flight.readout import row_shifts_px
+from vopd.flight.stated import COMMON
 from vopd.geometry.lenses import Lenses
 
 if TYPE_CHECKING:
     from vopd.flight.joint import JointSolution
 
 
-class FreeName(NamedTuple):
-    """A name that `[solve] free` and `vopd adjust --free` take."""
-
-    parameters: tuple[str, ...]  # of `vopd.flight.equations`
-    sigma: str  # the key that states its standard deviation; empty: none does
-    about: str
-
-
 LANDMARKS, LANDMARK, MOUNT = "landmarks", "landmark:", "mount"
 FREE = {
-    "focal": FreeName(("focal",), "[uncertainty] focal_rel", "focal length, px"),
-    "aspect": FreeName(("aspect",), "", "fy over fx"),
-    "centre": FreeName(
-        ("centre_u", "centre_v"), "[uncertainty] principal_px", "principal point, px"
-    ),
-    "k1": FreeName(("k1",), "[uncertainty] k1", "first coefficient of distortion"),
-    "k2": FreeName(("k2",), "[uncertainty] k2", "second coefficient"),
-    "p1p2": FreeName(("p1", "p2"), "[uncertainty] p1p2", "tangential coefficients"),
-    "clock": FreeName(("clock",), "[track] sigma_t_s", "frames later than the track, s"),
-    "clock-rate": FreeName(
-        ("clock_rate",), "[uncertainty] clock_rate_ppm", "their clock slower, ppm"
-    ),
-    "readout": FreeName(("readout",), "[uncertainty] readout_ms", "of a rolling shutter, ms"),
-    "track-offset": FreeName(SHIFT, "[track] sigma_bias_m", "of the whole track, m"),
+    "focal": ("focal",),
+    "aspect": ("aspect",),  # fy over fx
+    "centre": ("centre_u", "centre_v"),
+    "k1": ("k1",),
+    "k2": ("k2",),
+    "p1p2": ("p1", "p2"),
+    "clock": ("clock",),  # frames later than the track
+    "clock-rate": ("clock_rate",),
+    "readout": ("readout",),
+    "track-offset": SHIFT,
 }
-"""By name. Landmarks are no rows: they are solved for in any case, and only reported."""
+"""Parameters of `vopd.flight.equations` by the names that `[solve] free` and `--free` take.
+
+Landmarks are no rows: they are solved for in any case, and only reported.
+"""
 
 OF_A_LENS = ("focal", "aspect", "centre", "k1", "k2", "p1p2")  # those of them that are of the lens
 SHOWN_NAME = {"clock_rate": "clock-rate"} | {axis: f"track-offset {axis}" for axis in SHIFT}
@@ -73,7 +65,7 @@ def free_parameters(flight: Flight) -> tuple[str, ...]:
     kept = {one.name for one in options.kept}
     if flight.path.turning_rad_s is None:  # a readout shows by them alone
         kept.add("readout")
-    named = [p for name, one in FREE.items() if name in options.free for p in one.parameters]
+    named = [p for name, own in FREE.items() if name in options.free for p in own]
     return tuple(name for name in named if name not in kept)
 
 
@@ -128,14 +120,14 @@ def _refused(flight: Flight, name: str) -> str:
     if name not in FREE:
         known = (*FREE, LANDMARKS, MOUNT, f"{LANDMARK}NAME")
         return f"there is no such parameter{did_you_mean(name, known)}"
-    row, path = FREE[name], flight.path
+    parameters, path = FREE[name], flight.path
     if isinstance(flight.lens, Lenses) and name in OF_A_LENS:
         return (
             f"the images have {len(flight.lens.each)} lenses ([camera] of_images), and one is "
             "solved for at a time: leave it out, or write a project for the images of each camera"
         )
     coefficients = LENS_COEFFICIENTS[flight.lens.kind]
-    if name in ("k1", "k2", "p1p2") and row.parameters[0] not in coefficients:
+    if name in ("k1", "k2", "p1p2") and parameters[0] not in coefficients:
         has = f"its coefficients are {', '.join(coefficients)}" if coefficients else "it has none"
         return f"a lens of the model {flight.lens.kind.value} has no {name}: {has}"
     if name in ("clock", "clock-rate") and path.velocity_m_s is None:
@@ -148,13 +140,23 @@ def _refused(flight: Flight, name: str) -> str:
             "the camera does not move: its place is solved for within [position] sigma_m "
             "already. Leave track-offset out"
         )
-    exact = any(prior_sigma(flight, parameter) == 0.0 for parameter in row.parameters)
+    exact = any(prior_sigma(flight, parameter) == 0.0 for parameter in parameters)
     if name == "track-offset":
         exact = not path.bias_sigma_m.any() and "bias" not in flight.options.not_stated
     if exact:
         rather = "" if name == "clock" else ", or leave the key out where nothing is known"
-        return f'{row.sigma} calls it "exact": state a standard deviation there{rather}'
+        return (
+            f'{_key_of(parameters[0])} calls it "exact": state a standard deviation there{rather}'
+        )
     return ""
+
+
+def _key_of(parameter: str) -> str:
+    """Name the key that states a parameter's standard deviation; empty if none does."""
+    if parameter in SHIFT:
+        return "[track] sigma_bias_m"
+    keys = (f"[{section}] {key}" for (section, key), own in COMMON.items() if parameter in own)
+    return next(keys, "")
 
 
 def _refused_landmark(flight: Flight, name: str) -> str:
@@ -396,14 +398,14 @@ def _not_held_text(flight: Flight, lost: NotHeld) -> str:
             why = f"the picks leave {part:.2f} of its stated standard deviation"
     value = f"{stated_value(flight, lost.name):.7g} {UNIT.get(lost.name, '')}".rstrip()
     if lost.spoiled_by:
-        by = next((n for n, one in FREE.items() if lost.spoiled_by in one.parameters), "")
+        by = next((n for n, own in FREE.items() if lost.spoiled_by in own), "")
         advice = f"Free {by} as well" if by else f"A better {lost.spoiled_by} would hold it"
         return (
             f"free {shown_name(lost.name)}: the picks hold it, but not beside the error of "
             f"{shown_name(lost.spoiled_by)}, which is stated and not solved for, and it stays "
             f"{value}. {advice}"
         )
-    key = next(one.sigma for one in FREE.values() if lost.name in one.parameters)
+    key = _key_of(lost.name)
     rather = f": state {key} instead" if key and not np.isfinite(prior) else ""
     advice = ADVICE[lost.name]
     return (

@@ -97,26 +97,19 @@ def key_sigma(section: Section, key: str, why: str, notes: Notes) -> tuple[float
 # What is common to a flight: lens, clock, readout, refraction
 
 
-class CommonSigma(NamedTuple):
-    """A key for the standard deviations of parameters that are common to a flight."""
-
-    section: str
-    key: str
-    names: tuple[str, ...]  # of the parameters
-    unit: float = 1.0  # of the key, in units of the parameters
-
-
-COMMON = (
-    CommonSigma("uncertainty", "focal_rel", ("focal",)),
-    CommonSigma("uncertainty", "principal_px", ("centre_u", "centre_v")),
-    CommonSigma("uncertainty", "k1", ("k1",)),
-    CommonSigma("uncertainty", "k2", ("k2",)),
-    CommonSigma("uncertainty", "p1p2", ("p1", "p2")),
-    CommonSigma("track", "sigma_t_s", ("clock",)),
-    CommonSigma("uncertainty", "clock_rate_ppm", ("clock_rate",), 1e-6),
-    CommonSigma("uncertainty", "readout_ms", ("readout",), 1e-3),
-    CommonSigma("atmosphere", "sigma_k", ("refraction",)),
-)
+COMMON = {
+    ("uncertainty", "focal_rel"): ("focal",),
+    ("uncertainty", "principal_px"): ("centre_u", "centre_v"),
+    ("uncertainty", "k1"): ("k1",),
+    ("uncertainty", "k2"): ("k2",),
+    ("uncertainty", "p1p2"): ("p1", "p2"),
+    ("track", "sigma_t_s"): ("clock",),
+    ("uncertainty", "clock_rate_ppm"): ("clock_rate",),
+    ("uncertainty", "readout_ms"): ("readout",),
+    ("atmosphere", "sigma_k"): ("refraction",),
+}
+"""Parameters whose standard deviations a key states, by section and key."""
+UNITS = {"clock_rate_ppm": 1e-6, "readout_ms": 1e-3}  # of such keys; 1 for the others
 HALF = 0.5  # of the coefficient of refraction is its standard deviation if none is stated
 
 
@@ -135,29 +128,31 @@ def flight_options(
     solve, found = project.section("solve"), dict(read.sigma)
     if refraction.k:
         found["refraction"] = HALF * abs(refraction.k)
-    for row in COMMON:
-        section = project.section(row.section)
-        values = section.sigma(row.key)
+    for (section_name, key), names in COMMON.items():
+        section = project.section(section_name)
+        values = section.sigma(key)
         if values is None:
             continue
         rolls = project.section("camera").has("readout_ms")
-        if row.key == "readout_ms" and max(values) > 0.0 and not rolls:
+        if key == "readout_ms" and max(values) > 0.0 and not rolls:
             message = (
                 "the camera has no rolling shutter: give its [camera] readout_ms, readout and "
                 "frame_time, or leave the key out"
             )
-            raise section.error(row.key, message)
-        unit = float(read.lens.focal_px.mean()) if row.key == "focal_rel" else row.unit
-        for name, value in zip(row.names, values * (len(row.names) // len(values)), strict=True):
+            raise section.error(key, message)
+        unit = UNITS.get(key, 1.0)
+        if key == "focal_rel":
+            unit = float(read.lens.focal_px.mean())
+        for name, value in zip(names, values * (len(names) // len(values)), strict=True):
             if value > 0.0 and COMPONENT[name] == "distortion":
-                _check_coefficient(section, row.key, name, read.lens.kind)
+                _check_coefficient(section, key, name, read.lens.kind)
             found[name] = value * unit
     sizes: dict[str, float | None] = {
         "position": float(path.bias_sigma_m.max())
         if path.fixes is None or path.fixes.exact
         else 1.0,
         "landmark": float(landmarks.sigma_m.max(initial=0.0)),
-        **dict.fromkeys(COMPONENT[name] for row in COMMON for name in row.names),
+        **dict.fromkeys(COMPONENT[name] for names in COMMON.values() for name in names),
         "velocity": None if path.velocity_sigma_m_s is None else path.velocity_sigma_m_s.max(),
         "wind": path.wind_sigma_m_s if project.section("wind").has("sigma_m_s") else None,
         "mount": None,
