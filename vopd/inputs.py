@@ -216,7 +216,7 @@ def plain_number(text: str) -> float:
         ValueError: if it is none
     """
     if "_" in text or not text.isascii():
-        raise ValueError(f"could not convert string to float: {text!r}")
+        raise ValueError(f"{text!r} is not a number")
     return float(text)
 
 
@@ -238,7 +238,7 @@ def whole_number(text: str) -> int:
     text = text.strip()
     digits = text.removeprefix("-")
     if not (digits.isascii() and digits.isdigit()):
-        raise ValueError(f"invalid literal for int() with base 10: {text[:100]!r}")
+        raise ValueError(f"{text[:100]!r} is not a whole number")
     if len(digits) > MOST_DIGITS:
         raise ValueError(f"a whole number has {count_text(len(digits), 'digit')}")
     return int(text)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.clicked_flights import ClickedFlight, clicked_flight, dense_solution, with_rows
 from tests.kit.flight_project import TOML, pixels, write_project
 from tests.kit.joint_flights import NED_FROM_ENU, axes, turned_out
@@ -249,7 +249,7 @@ def test_other_clicks_need_another_track(tmp_path: Path) -> None:
     path = clicked_project(tmp_path)
     with (tmp_path / "picks.csv").open("a") as file:
         file.write("3,mast,700,500\n")
-    with pytest.raises(VopdError, match=r"\[picks\] tracked: tracked.csv was made of .*again"):
+    with refused(VopdError):
         solve_flight(path)
 
 
@@ -284,7 +284,23 @@ def test_another_lens_is_said_and_the_picks_serve(tmp_path: Path) -> None:
 def test_a_file_of_another_program_needs_tracked_from(tmp_path: Path) -> None:
     path = clicked_project(tmp_path)
     path.write_text(path.read_text().replace("tracked.csv", "picks.csv"))
-    with pytest.raises(VopdError, match='tracked_from = "unknown"'):
+    with refused(VopdError):
+        solve_flight(path)
+
+
+def test_a_tracked_file_that_is_missing_or_has_lost_everything(tmp_path: Path) -> None:
+    path, tracked = clicked_project(tmp_path), tmp_path / "tracked.csv"
+    rows = [row for row in tracked.read_text().splitlines() if not row[:1].isdigit()]
+    tracked.write_text("\n".join([*rows, "1,mast,,,,0,,,,,,lost\n"]))
+    with refused(VopdError):
+        solve_flight(path)
+    tracked.unlink()
+    path.write_text(path.read_text().replace('file = "picks.csv"\n', ""))
+    with refused(VopdError):
+        solve_flight(path)
+    path.write_text(path.read_text().replace("tracked = ", "tracked_from = "))
+    path.write_text(path.read_text().replace('"tracked.csv"', '"unknown"'))
+    with refused(VopdError):
         solve_flight(path)
 
 

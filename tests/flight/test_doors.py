@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import struct
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -211,3 +213,54 @@ def test_files_of_matlab_that_are_refused(tmp_path: Path) -> None:
     for name in "abc":
         with refused(VopdError):
             read_by_content(PICK_FORMATS, open_input(f"{name}.mat", tmp_path))
+    with refused(VopdError):
+        read_by_content(LENS_FORMATS, open_input("a.mat", tmp_path), LensQuestion())
+    savemat(tmp_path / "d.mat", {"fc": [9, 8, 7], "cc": [5, 4], "kc": [0] * 5, "nx": 9, "ny": 9})
+    with refused(VopdError):
+        read_by_content(LENS_FORMATS, open_input("d.mat", tmp_path), LensQuestion())
+
+
+def element(kind: int, content: bytes) -> bytes:
+    """An element of a file of MATLAB's: its type, its size, and its bytes to whole eights."""
+    return struct.pack("<2I", kind, len(content)) + content + b"\0" * (-len(content) % 8)
+
+
+def variable(kind: int, shape: tuple[int, ...], *parts: bytes) -> bytes:
+    """A variable x of a class of arrays, in which these parts are."""
+    size = struct.pack(f"<{len(shape)}i", *shape)
+    head = element(6, struct.pack("<2I", kind, 0)), element(5, size), element(1, b"x")
+    return element(14, b"".join([*head, *parts]))
+
+
+def cells(depth: int) -> bytes:
+    """Cells that stand in each other."""
+    return variable(1, (1, 1), *([cells(depth - 1)] if depth else [NUMBER]))
+
+
+HEAD = b"MATLAB 5.0 MAT-file".ljust(124) + b"\0\1IM"
+NUMBER = variable(6, (1, 1), element(9, struct.pack("<d", 7.0)))
+DAMAGED = {
+    "cut short": element(15, zlib.compress(b"four")),
+    "longer": struct.pack("<2I", 14, 9),
+    "complex": variable(0x806, (1, 1), element(9, struct.pack("<d", 7.0))),
+    "deep": cells(20),
+    "size below 0": variable(6, (-1, -1), element(9, struct.pack("<d", 7.0))),
+    "two numbers": variable(6, (1, 2), element(9, struct.pack("<d", 7.0))),
+    "object": variable(3, (1, 1), NUMBER),
+    "two cells": variable(1, (1, 2), NUMBER),
+    "cell of a text": variable(1, (1, 1), element(16, b"7")),
+    "many": element(1, b"") * 100_001,
+}
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_damaged_variables_of_matlab(name: str) -> None:
+    with refused(ValueError):
+        read_variables(HEAD + DAMAGED[name], ["x"])
+
+
+def test_cells_of_matlab_stand_in_each_other_twenty_deep() -> None:
+    found = read_variables(HEAD + cells(19), ["x"])["x"]
+    for _ in range(20):
+        (found,) = found
+    assert found == 7.0

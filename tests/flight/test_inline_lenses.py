@@ -89,6 +89,7 @@ TABLE = {"model": "radial-table", "fx_px": 90.0, "table_px": [[10, 1.0], [20, -2
             )
         ],
         TABLE | {"fy_px": 91},
+        *[FX | {"k": empty} for empty in (0, "", {}, False)],
     ],
 )
 def test_inline_lenses_that_are_refused(inside: dict[str, Any]) -> None:

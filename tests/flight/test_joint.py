@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from tests.approved.texts import refused
 from tests.kit.dense_minimum import dense_minimum, drawn_problem
 from tests.kit.joint_flights import (
     Dense,
@@ -299,9 +300,8 @@ def test_a_parameter_without_a_prior_is_solved_for() -> None:
 def test_a_parameter_that_no_pick_depends_on_is_refused() -> None:
     flight = seen_flight("least-squares")
     still = replace(flight, path=replace(flight.path, velocity_m_s=None))
-    with pytest.raises(VopdError) as refused:
+    with refused(VopdError):
         solve_jointly(still, Priors(None, None, {"focal": np.inf, "clock": np.inf}))
-    assert "clock" in str(refused.value) and "focal" not in str(refused.value)
     found = solve_jointly(still, Priors(None, None, {"clock": 0.1}))  # its prior is all there is
     assert_close("table value", found.factored.common, [[0.01]])
 

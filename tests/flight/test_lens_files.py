@@ -70,6 +70,7 @@ def test_a_camera_of_colmap_by_its_number(tmp_path: Path) -> None:
     assert numbers(read(tmp_path, text, camera="12")) == [900, 800, 44.5, 34.5]
     assert_approved(told(tmp_path, text, camera="1"))
     assert_approved(told(tmp_path, text.replace("800", "x"), camera="12"))
+    assert_approved(told(tmp_path, text.replace(" 70 ", " 0 "), camera="12"))
 
 
 def opensfm(**camera: Any) -> str:

@@ -262,6 +262,9 @@ def test_files_are_named_by_their_keys(tmp_path: Path) -> None:
     assert told(lambda: found.open("wind")) == "as given: [wind] file: is needed"
     bad = found.changed("picks", "file", 5)
     assert_approved(told(lambda: bad.open("picks")))
+    for names in (5, [], ["a.mp4", 5]):
+        several = found.changed("picks", "video", names).section("picks")
+        assert_approved(told(lambda several=several: several.files("video")))
     empty = found.changed("picks", "file", " ")
     assert_approved(told(lambda: empty.open("picks")))
 

@@ -124,6 +124,7 @@ def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:
         (rows + "3,a.json\n", ""),
         ("frame,lens\n", ""),
         (rows, '[solve]\nfree = ["focal"]\n'),
+        (rows, '[solve]\nframes = "one"\n'),
     ):
         table.write_text(text)
         path.write_text(toml + keys)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from vopd.findings import VopdError
 from vopd.flight.files import open_input
 from vopd.flight.formats.picks import Names
@@ -49,29 +50,37 @@ def test_rows_that_are_written_are_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rows", "message"),
+    "rows",
     [
-        ([CLICK, TRACK.replace("tracked", "found")], "line 4, column status: 'found' is no status"),
-        ([CLICK, TRACK.replace(",0,1.01", ",3,1.01")], "no click of mast is in frame 3"),
-        ([CLICK, TRACK.replace(",0,1.01", ",,1.01")], "line 4, column from_frame: the cell"),
-        ([CLICK, TRACK.replace("1.01,0.02", "nan,0.02")], "line 4, column duu: nan is not a fin"),
-        ([CLICK, TRACK.replace("1.01,0.02", ",0.02")], "line 4, column duu: the matrix"),
-        ([CLICK, TRACK.replace("1.01,0.02", "1e9,0.02")], "line 4, column duu: a shift"),
-        ([CLICK, TRACK.replace("101.5", "")], "line 4, column u_px: u_px and v_px stand"),
-        ([CLICK, TRACK.replace("0.08", "")], "line 4, column sigma_px: the cell is empty"),
-        ([CLICK, TRACK, TRACK], "mast in frame 1 from frame 0 stands twice"),
-        ([CLICK, TRACK.replace("1,mast", "one,mast", 1)], "line 4, column frame: 'one' is not"),
-        ([], "no row is in the file"),
+        [CLICK, TRACK.replace("tracked", "found")],
+        [CLICK, TRACK.replace(",0,1.01", ",3,1.01")],
+        [CLICK, TRACK.replace(",0,1.01", ",,1.01")],
+        [CLICK, TRACK.replace("1.01,0.02", "nan,0.02")],
+        [CLICK, TRACK.replace("1.01,0.02", ",0.02")],
+        [CLICK, TRACK.replace("1.01,0.02", "1e9,0.02")],
+        [CLICK, TRACK.replace("101.5", "")],
+        [CLICK, TRACK.replace("0.08", "")],
+        [CLICK, TRACK, TRACK],
+        [CLICK, TRACK.replace("1,mast", "one,mast", 1)],
+        [CLICK, TRACK.replace("1,mast", "1,", 1)],
+        [CLICK.replace("100.5,200.25", ",")],
+        [CLICK, CLICK.replace("0,mast", "1,mast")],
+        [],
     ],
-)
-def test_what_is_wrong_is_named(tmp_path: Path, rows: list[str], message: str) -> None:
-    with pytest.raises(VopdError, match=message):
+    ids=[
+        "status", "no click", "no source", "nan", "part of a matrix", "stretched", "no u",
+        "no sigma", "twice", "frame", "no landmark", "click without a pixel",
+        "click of another frame", "no row",
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_named(tmp_path: Path, rows: list[str]) -> None:
+    with refused(VopdError):
         read(tmp_path, *rows)
 
 
 def test_a_missing_column_is_named(tmp_path: Path) -> None:
     header = HEADER.replace(",dvu", "")
-    with pytest.raises(VopdError, match="no column dvu"):
+    with refused(VopdError):
         read(tmp_path, "0,mast,1,2,0.5,0,1,0,1,1,clicked", header=header)
 
 

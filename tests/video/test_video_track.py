@@ -127,10 +127,14 @@ def test_videos_without_a_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     write_gpmf(Path("unfixed.mp4"), [(0, gps5([(47.0, 15.0, 1.0)], fix=0))])
     write_gpmf(Path("other.mp4"), [(0, device(klv("ACCL", "s", 2, 1, b"\0\1")))])
     write_gpmf(Path("wrong.mp4"), [(0, device(klv("GPS5", "?", 20, 1, b"\0" * 20)))])
+    write_gpmf(Path("size.mp4"), [(0, device(klv("GPS5", "l", 21, 1, b"\0" * 21)))])
     block = "1\n00:00:00,000 --> 00:00:01,000\n[latitude: {}] [longitude: {}]{}\n"
     Path("flat.SRT").write_text(block.format(47.2, 15.1, ""))
     Path("lost.SRT").write_text(block.format(0.0, 0.0, " [abs_alt: 3.0]"))
-    for name in ("none.mp4", "unfixed.mp4", "other.mp4", "wrong.mp4", "flat.SRT", "lost.SRT"):
+    above = block.format(47.2, 15.1, " [abs_alt: 3.0]"), block.partition("[")[0]
+    Path("both.SRT").write_text(f"{above[0]}\n{above[1]}GPS(15.1,47.2,16) BAROMETER:3.0\n")
+    videos = "none.mp4", "unfixed.mp4", "other.mp4", "wrong.mp4", "size.mp4"
+    for name in (*videos, "flat.SRT", "lost.SRT", "both.SRT"):
         with refused(VopdError):
             read(tmp_path / name)
 

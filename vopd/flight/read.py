@@ -158,10 +158,7 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
         assumed += ", principal point in the image's middle as none is given"
     if model == LensKind.RADIAL_TABLE.value:
         return LensRead(_radial_table(table, size, focal, centre), f"lens: radial table{assumed}")
-    values = table.values.get("k", [])
-    if not isinstance(values, list):
-        raise table.error("k", f"{shown(values)} is not a list of coefficients")
-    k = table.numbers("k") if values else ()
+    k = table.numbers("k") if table.has("k") and table.values["k"] != [] else ()
     counts = MODELS[LensKind(model)].counts
     if len(k) not in counts:
         raise table.error(
@@ -260,7 +257,9 @@ def read_camera(project: Project) -> CameraLens:
     if not section.has("of_images"):
         return CameraLens(read_lens(project))
     if project.section("solve").text("frames") == "one":
-        raise section.error("of_images", 'several cameras: [solve] frames = "one" is of one')
+        raise section.error(
+            "of_images", 'several cameras: [solve] frames = "one" is of one; leave it out'
+        )
     table = project.open("camera", "of_images")
     rows = read_by_content(IMAGE_LENS_FORMATS, table)
     found: dict[tuple[str, str], LensRead] = {}
