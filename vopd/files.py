@@ -210,6 +210,32 @@ def kind_by_first_bytes(start: bytes) -> str | None:
     return next((kind for signature, kind in SIGNATURES if start.startswith(signature)), None)
 
 
+_TEXT = r'"(?:[^"\\\n]|\\.)*"'  # of JSON
+_OF_ADJUST = rf'\s*"(?:source|version)": (?:{_TEXT}|\d+),\s*"(?:frames|adjusted_from)": '
+_OF_CHECK = rf'\[\s*\{{\s*"deck": {_TEXT},\s*"errors": \['
+STAR_SOLUTIONS = "a file of solutions that vopd stars solve wrote"
+_WRITTEN = (
+    (
+        rf'# program: vopd \d|\{{[^#]*?"program": "vopd \d|\{{{_OF_ADJUST}|{_OF_CHECK}',
+        "a file of results that vopd wrote",
+        "give the flight project NAME.toml or the deck that it was made from",
+    ),
+    (
+        rf'\[\s*\{{(?:"image": {_TEXT}, )?"method": "|(?:image,)?method,stars,omega_deg,',
+        STAR_SOLUTIONS,
+        "vopd plot draws those of vopd stars solve -o NAME.json",
+    ),
+)
+"""How files begin that vopd itself writes, what they are, and what to do with them."""
+
+
+def written_by_vopd(start: str) -> tuple[str, str] | None:
+    """Recognise a file that vopd wrote by its first characters: what it is, and what to do."""
+    start = start.lstrip()
+    known = ((what, advice) for begins, what, advice in _WRITTEN if re.match(begins, start))
+    return next(known, None)
+
+
 def not_utf8(start: bytes, at: int) -> str:
     """Say what a file is that is no text in UTF-8, and what to do, as the end of a sentence.
 

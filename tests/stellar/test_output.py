@@ -23,6 +23,7 @@ from tests.kit.stars import SAMPLE as SAMPLE_EFFECTS
 from tests.kit.stars import SAMPLE as SAMPLE_TEXT
 from tests.kit.stars import seen_straight
 from tests.tolerances import assert_close, within
+from vopd.files import STAR_SOLUTIONS, written_by_vopd
 from vopd.findings import Finding, InputError
 from vopd.stellar.field import Failure, StarField
 from vopd.stellar.files.photograph import SolvedPhotograph
@@ -399,6 +400,9 @@ def test_every_key_of_json() -> None:
     """What is known, lists as lists, one solution a line; names only where a star has one."""
     some = [photograph(FULL, label="a", epoch="of date"), photograph(BARE, "mm", "nameless")]
     text = as_json(some)
+    for written in (text, as_csv(some), as_csv([photograph(BARE)])):
+        known = written_by_vopd(written)
+        assert known is not None and known[0] == STAR_SOLUTIONS
     assert text.splitlines()[0] == "[" and text.endswith("}\n]\n") and text.count("\n") == 4
     full, bare = json.loads(text)
     assert list(full)[:3] == ["image", "method", "stars"]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vopd.arrays import Bools
 from vopd.cards.text import COLUMNS, NUMBERS, CardText
-from vopd.files import A_VIDEO, kind_by_first_bytes
+from vopd.files import A_VIDEO, kind_by_first_bytes, written_by_vopd
 from vopd.findings import Finding, InputError, Report, Severity, VopdError, count_text
 
 # Consecutive cards as an array of bytes
@@ -337,11 +337,9 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
 
 _OF_A_FLIGHT = "a file of a flight is named in its project: vopd new DIR --{} {}"
 _PICTURE = "vopd pick {1} -o pick.html makes a page to pick landmarks on"
-RESULTS = "a file of results that vopd wrote"
 ADVICE = {
     "a CSV file of stars": "vopd stars solve takes it",
     "a listing": "vopd diff compares listings",
-    RESULTS: "give the flight project NAME.toml or the deck that it was made from",
     "a CSV file": f"{_OF_A_FLIGHT} (or --landmarks, --track, --wind)",
     "a JSON file": f"{_OF_A_FLIGHT} (or --picks, --landmarks)",
     "an XML file": f"{_OF_A_FLIGHT} (or --lens, --track)",
@@ -362,8 +360,6 @@ _MARKUP = r"(?i)<(!doctype html|html|head|body)\b"
 
 
 _LISTING = "L-MARK LONGITUDE"
-_OF_CHECK = r'\[\s*\{\s*"deck": "[^"\n]*",\s*"errors": \['
-_OF_VOPD = re.compile(rf'\s*(# program: vopd \d|\{{[^#]*?"program": "vopd \d|{_OF_CHECK})')
 
 
 def refuse_other_file(start: bytes, name: str) -> None:
@@ -373,10 +369,12 @@ def refuse_other_file(start: bytes, name: str) -> None:
         start: the first bytes of the file; a few thousand suffice
         name: the file's name, for the message
     """
-    kind = _kind(start[:4096])
+    own = written_by_vopd(start[:4096].decode("utf-8-sig", "replace"))
+    kind, advice = own or (_kind(start[:4096]), "")
     if kind is not None:
         usual = _PICTURE if kind.endswith(" image") else _EXAMPLE
-        advice = ADVICE.get(kind, usual).format(_OPTION.get(kind), "FILE" if name == "-" else name)
+        source = "FILE" if name == "-" else name
+        advice = advice or ADVICE.get(kind, usual).format(_OPTION.get(kind), source)
         raise VopdError(f"{name}: this is {kind}, not a deck of 80-column cards; {advice}")
 
 
@@ -388,8 +386,6 @@ def _kind(start: bytes) -> str | None:
     text = start.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
     if _LISTING in text:
         return "a listing"
-    if _OF_VOPD.match(text):
-        return RESULTS
     lines = filter(str.strip, text.splitlines())
     line = next(lines, "")
     if re.fullmatch(NUMBERS, line[:20]):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Floats
-from vopd.files import reason
+from vopd.files import STAR_SOLUTIONS, reason, written_by_vopd
 from vopd.findings import input_error
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.picture import StarCamera, picture_as_dict, read_picture
@@ -259,6 +259,9 @@ def read_solutions(name: str) -> list[ReadSolution]:
     try:
         found = [_solution(one) for one in json.loads(text)]
     except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
+        own = written_by_vopd(text[:4096])
+        if own is not None and own[0] != STAR_SOLUTIONS:
+            raise input_error(f"this is {own[0]}, {what}; {own[1]}", source) from None
         raise input_error(f"{what}: {reason(error)}", source) from None
     if not found:
         raise input_error("it has no solution", source)
