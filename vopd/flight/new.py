@@ -61,6 +61,7 @@ class NewProject:
     columns: dict[str, Columns] = field(default_factory=dict)  # of CSV files, by section
     crs: dict[str, str] = field(default_factory=dict)  # that the user gives, by section
     answered: set[tuple[str, str]] = field(default_factory=set)  # keys that options answer
+    track_height: str = ""  # what heights of the track are counted from, where its format says it
     then: str = ""  # the command to go on with, {} for the project; empty for the usual one
 
 
@@ -335,6 +336,7 @@ def look_at_track(
         new.needed.pop(("camera", "image_size_px"), None)
     if rows.crs is None and not rows.geodetic:
         new.needed["track", "crs"] = "the file has x and y"
+    new.track_height = rows.height or ""
     if rows.height is None:
         ask_height(new, "track", rows.crs)
     if not _in_every_row(rows.sigma_m):
@@ -623,6 +625,7 @@ def project_of_files(
     new.needed = {key: why for key, why in new.needed.items() if key not in values}
     ask(new, values)
     new.needed = {key: why for key, why in new.needed.items() if key not in values}
+    name_same_height(new, values)
     share_receiver_error(new, values)
     if ("landmarks", "file") in new.needed:  # nothing to click yet
         new.then = ""
@@ -630,6 +633,21 @@ def project_of_files(
         new.then = new.then or "track {}"
     new.contents[NAME] = project_text(values, with_common_error(new.needed), OWN_HEAD).encode()
     return new
+
+
+def name_same_height(new: NewProject, values: KeyValues) -> None:
+    """Write the datum of landmarks with heights like those of a track whose format says it.
+
+    Args:
+        new: what is said, to be added to
+        values: the keys that are known, to be added to
+    """
+    key = "landmarks", "height"
+    if new.track_height and values.get(key) == toml_text("same"):
+        values[key] = toml_text(new.track_height)
+        new.said.append(
+            f"[landmarks] height = {values[key]}: the same as the track's, by its format"
+        )
 
 
 NO_BASE_M = 0.3
