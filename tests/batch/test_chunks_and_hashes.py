@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -39,7 +39,13 @@ from vopd.batch.sources import (
     input_sha256,
     table_suffix,
 )
-from vopd.batch.workers import CHUNK_BYTES, CHUNK_SOURCES, chunks, even_chunk_bytes
+from vopd.batch.workers import (
+    CHUNK_BYTES,
+    CHUNK_PAGES,
+    CHUNK_SOURCES,
+    chunks,
+    even_chunk_bytes,
+)
 from vopd.errata import fixes
 from vopd.export import FORMATS
 from vopd.findings import VopdError
@@ -355,6 +361,27 @@ def test_decks_are_solved_together_up_to_a_number_and_a_size(
     found = [*chunks(sources)]
     assert [len(chunk) for chunk in found] == expected
     assert [one for chunk in found for one in chunk] == sources
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize(("report", "most"), [("", None), ("flagged", CHUNK_PAGES)])
+def test_a_kill_costs_few_pages(
+    report: Any, most: int | None, jobs: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sources = decks_of([1] * 190)
+    planned: list[list[BatchSource]] = []
+
+    def plan(work: object, plan: Iterable[list[BatchSource]], *_: object) -> Iterator[list[Any]]:
+        planned.extend(plan)
+        yield from ([] for _ in planned)
+
+    monkeypatch.setattr(pieces, "in_processes", plan)
+    monkeypatch.setattr(
+        "vopd.batch.solve.solve_chunk", lambda chunk, settings: planned.append(chunk)
+    )
+    assert [*pieces._solved_here(sources, replace(USUAL, report=report), jobs)]
+    assert [one for chunk in planned for one in chunk] == sources
+    assert max(map(len, planned)) == (most or {1: 190, 2: 24}[jobs])
 
 
 def decks_of(sizes: list[int]) -> list[BatchSource]:

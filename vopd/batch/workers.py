@@ -97,7 +97,7 @@ def _solved_here(
 
     work = partial(solve_chunk, settings=settings)
     if jobs == 1:
-        yield from map(work, chunks(sources))
+        yield from map(work, chunks(sources, most=most_sources(settings)))
         return
 
     def split(chunk: list[BatchSource]) -> list[list[BatchSource]]:
@@ -106,7 +106,7 @@ def _solved_here(
     def given_up(chunk: list[BatchSource]) -> list[SourceRecord]:
         return [failed_record(one, settings, f"{one.path}: {KILLED}") for one in chunk]
 
-    plan = chunks(sources, even_chunk_bytes(sources, jobs))
+    plan = chunks(sources, even_chunk_bytes(sources, jobs), most_sources(settings))
     yield from in_processes(work, plan, jobs, split, given_up)
 
 
@@ -114,6 +114,7 @@ def _solved_here(
 
 CHUNK_BYTES = 4_000_000  # about 2,000 frames of four landmarks
 CHUNK_SOURCES = 200
+CHUNK_PAGES = 8  # with reports: a page takes a second, and a chunk that is not done is lost
 LEAST_CHUNKS = 4  # for each process, so that all have work to the end
 
 
@@ -124,8 +125,15 @@ def even_chunk_bytes(sources: Sequence[BatchSource], processes: int) -> float:
     return max(sum(sizes), 1) / (processes * max(LEAST_CHUNKS, ceil(for_each)))
 
 
+def most_sources(settings: BatchSettings) -> int:
+    """Choose the number of sources of a chunk, so that a kill costs seconds of work."""
+    return CHUNK_PAGES if settings.report else CHUNK_SOURCES
+
+
 def chunks(
-    sources: Iterable[BatchSource], chunk_bytes: float = CHUNK_BYTES
+    sources: Iterable[BatchSource],
+    chunk_bytes: float = CHUNK_BYTES,
+    most: int = CHUNK_SOURCES,
 ) -> Iterator[list[BatchSource]]:
     """Divide sources into chunks, in order; a flight is a chunk by itself.
 
@@ -133,12 +141,13 @@ def chunks(
         sources: the sources
         chunk_bytes: of the decks in a chunk; each begins with the deck whose middle lies
             behind the next multiple of it
+        most: sources of a chunk
     """
     chunk: list[BatchSource] = []
     before, number = 0, 0.0
     for source in sources:
         now = (before + source.size / 2.0) // chunk_bytes
-        full = len(chunk) == CHUNK_SOURCES or now != number
+        full = len(chunk) == most or now != number
         if chunk and (full or source.flight or chunk[-1].flight):
             yield chunk
             chunk = []
@@ -323,7 +332,9 @@ def _solved_in_cluster(
     staying: list[BatchSource] = []
     for one in sources:
         (travelling if shared or can_travel(one) else staying).append(one)
-    yield from in_cluster(address, chunks(travelling), settings, shared, warn)
+    yield from in_cluster(
+        address, chunks(travelling, most=most_sources(settings)), settings, shared, warn
+    )
     for one in staying:
         yield solve_chunk([one], settings)
 
