@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from tests.approved.texts import assert_approved
 from tests.kit.command import DECKS, vopd
 from tests.kit.histories import by_hand
 from tests.kit.renamed_hill import ARABIC, JAPANESE, THAI, WIDE, renamed
-from vopd.figures import draw
+from vopd.figures import draw, least_size_in
 from vopd.figures.adjust import Change, draw_adjusted
 from vopd.figures.residuals import MOST_SIGMAS, residual_points
 from vopd.figures.style import matplotlib_figure, save, text_width_pt, wrapped
@@ -136,6 +137,15 @@ def test_a_frame_that_misfits_leaves_the_axis_of_sigmas_readable() -> None:
     assert axis.get_ylim()[1] < 2.2 * MOST_SIGMAS
     title = " ".join(laid_out("residuals").subfigs[0].get_suptitle().split())
     assert "sigma at the edge, as triangles" in title
+
+
+def test_rows_of_residuals_are_equally_far_apart() -> None:
+    """Beside a legend of six landmarks, in the smallest figure."""
+    figure = draw("residuals", [renamed()], None, least_size_in("residuals"))
+    figure.draw_without_rendering()
+    boxes = [axis.get_window_extent() for axis in figure.subfigs[0].axes[::2]]
+    first, second = (above.y0 - below.y1 for above, below in pairwise(boxes))
+    assert max(first, second) < 1.5 * min(first, second)
 
 
 def test_the_angles_stay_below_a_star_photograph_s_long_name(tmp_path: Path) -> None:

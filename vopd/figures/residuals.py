@@ -127,6 +127,8 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     label_time_axis(axes[2, 0], histories)
     for axis in axes[:2, 1]:
         axis.axis("off")
+    beside = axes[0, 1].get_gridspec()[:2, 1]  # a legend beside one row alone parts it from others
+    axes[0, 1].set_subplotspec(beside)
     shown = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
     named = {
         str(place): f"{_label(histories, int(numbers[k]))}: {_three_digits(rms[k])}"
@@ -136,7 +138,7 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     kept = [one for one in named if one in shown]
     axes[0, 1].legend(
         [shown[one] for one in kept], [named[one] for one in kept], loc="upper left",
-        title=f"rms, {units.residual}", bbox_to_anchor=(-0.1, 1.05), alignment="left",
+        title=f"rms, {units.residual}", bbox_to_anchor=(-0.1, 1.02), alignment="left",
     )  # fmt: skip
     far = _histogram(axes[2, 1], found.sigmas)
     known = found.sigmas[np.isfinite(found.sigmas) & ~found.outlier[:, None]]

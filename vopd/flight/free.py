@@ -53,10 +53,10 @@ FACTOR = {"clock_rate": 1e6, "readout": 1e3}
 
 
 def names_of(text: str) -> list[str]:
-    """Split a list of names at commas; at spaces too, but for names of landmarks."""
+    """Split a list of names at commas; at spaces too, but for landmarks'. Each is there once."""
     parts = [part.strip() for part in text.split(",")]
     each = ([part] if part.startswith(LANDMARK) else part.split() for part in parts)
-    return [name for names in each for name in names]
+    return list(dict.fromkeys(name for names in each for name in names))
 
 
 def free_parameters(flight: Flight) -> tuple[str, ...]:
