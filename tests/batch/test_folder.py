@@ -89,7 +89,7 @@ def test_a_file_and_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
     file.write_text("")
     assert_approved(refusal(file, (1, 1)))
     inside = refusal(file / "out", (1, 1))
-    assert inside == "cannot be written in: Not a directory"
+    assert_approved(inside)
     with pytest.raises(OutputError):
         begin(file, (1, 1))
     with pytest.raises(OutputError):

@@ -331,16 +331,20 @@ DAMAGED: dict[str, dict[str, Any]] = {
         "left_out": [{"star": 1, "name": "", "image": [1e200, 0], "residual": [0, 0]}]
     },
     "no stars": {"left_out": {"a": 1}},
+    "three coordinates": {"centre": [1.0, 2.0, 3.0]},
+    "a matrix of another size": {"matrix": [[1.0, 0.0], [0.0, 1.0]]},
+    "a matrix that is not finite": {"matrix": [[1e999, 0, 0], [0, 1, 0], [0, 0, 1]]},
 }
 
 
 @pytest.mark.parametrize("name", DAMAGED)
 def test_a_damaged_picture_is_refused(tmp_path: Path, solved: Path, name: str) -> None:
     rows = json.loads(solved.read_text(encoding="utf-8"))
-    rows[0]["picture"].update(DAMAGED[name])
+    (rows[0] if "matrix" in DAMAGED[name] else rows[0]["picture"]).update(DAMAGED[name])
     solved.write_text(json.dumps(rows), encoding="utf-8")
     result = plot(solved, "-o", tmp_path / "x.png")
-    assert result.status == 1 and result.stderr.startswith(f"{solved}: ")
+    assert result.status == 1
+    assert_approved(result.stderr)
 
 
 @pytest.mark.usefixtures("not_laid_out")

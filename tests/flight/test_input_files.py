@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.tolerances import assert_close
 from vopd.files import install_command, optional_package
 from vopd.findings import VopdError
@@ -22,6 +22,7 @@ from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project import Section
 from vopd.flight.solve import first_attitude
 from vopd.flight.track import times_of_csv, track_height
+from vopd.inputs import parse_json, parse_xml
 
 
 def told(action: Any) -> str:
@@ -95,6 +96,17 @@ def test_a_reader_that_fails_says_which_format_it_is(error: Exception) -> None:
     assert_approved(told(lambda: read_by_content(formats, file)))
     assert read_by_content(formats, file, 3, 4) == 7
     assert read_by_content(formats, InputFile("b", Path(), ""), 3, 4) == -1
+
+
+@pytest.mark.parametrize(
+    ("parse", "text"),
+    [(parse_json, "[" * 5_000_001), (parse_json, "," * 20_000_001), (parse_xml, "<" * 5_000_001)],
+    ids=["lists", "values", "elements"],
+)
+def test_more_elements_than_are_made(parse: Any, text: str) -> None:
+    """They are counted before any is made, for each takes a hundred bytes."""
+    with refused(ValueError):
+        parse(text)
 
 
 def test_hints_for_mistyped_words() -> None:

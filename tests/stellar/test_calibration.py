@@ -11,9 +11,10 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close, within
+from vopd.findings import InputError
 from vopd.stellar import StarField, wahba
 from vopd.stellar.field import Failure
 from vopd.stellar.files import photograph as solved_calibration
@@ -461,6 +462,12 @@ def test_a_camera_in_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
     assert one.camera == {
         "focal": 80.0, "centre_x": 1000.5, "centre_y": 499.75, "k1": 0.001
     }  # fmt: skip
+
+
+def test_a_lens_that_cannot_be_inverted(monkeypatch: pytest.MonkeyPatch) -> None:
+    folded = lens_of(lens=lens_of().lens._replace(k1=-1e6))
+    with refused(InputError):
+        solve_cameras(monkeypatch, folded, ALL)
 
 
 def deviations(**sigmas: float) -> np.ndarray:

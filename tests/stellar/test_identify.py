@@ -9,6 +9,7 @@ import json
 import sys
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -136,6 +137,17 @@ def test_a_catalogue_that_is_none(tmp_path: Path) -> None:
     other = tmp_path / "stars.bin"
     other.write_bytes(b"none of it" * 9)
     refused_identification(star_file(photograph(84.0, 0.0, 25.0)), catalogue=str(other))
+
+
+def test_the_catalogue_of_the_package_that_is_damaged(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a field that no other test asks for: patterns are kept."""
+
+    def damaged(*_: object, **__: object) -> None:
+        raise ValueError("it ends too early")
+
+    database = SimpleNamespace(generate_from_gaia=damaged)
+    monkeypatch.setattr(sys.modules["tetra3rs"], "SolverDatabase", database)
+    refused_identification(star_file(photograph(84.0, 0.0, 25.0)), 1.5 * FOCAL)
 
 
 def test_the_library_that_is_not_installed(monkeypatch: pytest.MonkeyPatch) -> None:

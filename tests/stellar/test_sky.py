@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -330,6 +331,21 @@ def test_an_ephemeris_that_cannot_be_opened(
     monkeypatch.chdir(places._packaged_ephemeris().parent)
     monkeypatch.setattr(jpllib, "SpiceKernel", opened)
     with refused(InputError), _ephemeris("de421.bsp"):
+        pass
+
+
+@pytest.mark.parametrize(("summary", "following"), [((2, 6), 2.0), ((3, 6), 0.0)])
+def test_records_of_an_ephemeris_that_are_damaged(
+    summary: tuple[int, int], following: float, tmp_path: Path
+) -> None:
+    """One that follows itself, and a file of another kind."""
+    head = b"DAF/SPK ".ljust(76, b"\0") + struct.pack("<i", 2)
+    head = head[:8] + struct.pack("<2i", *summary) + head[16:]
+    record = struct.pack("<3d", following, 0.0, 1.0)
+    (tmp_path / "a.bsp").write_bytes(head.ljust(1024, b"\0") + record.ljust(1024, b"\0"))
+    with refused(ValueError):
+        places._check_summaries(tmp_path / "a.bsp")
+    with refused(InputError), _ephemeris(str(tmp_path / "a.bsp")):
         pass
 
 

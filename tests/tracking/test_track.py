@@ -14,6 +14,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from matplotlib.text import Text
+from PIL import Image
 from scipy.ndimage import map_coordinates
 
 from tests.approved.texts import assert_approved
@@ -358,6 +359,48 @@ def test_bad_clicks(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("clicks.csv").unlink()
     told.append(vopd("track", "flight.toml").stderr)
     assert_approved("".join(told))
+
+
+VIDEO = 'video = "video.mp4"\ntimes = "video"\n'
+STILL = "lat_deg = 46.8996\nlon_deg = 9.3011\nh_m = 2420.0\nheight = 'ellipsoid'\nsigma_m = 1.0\n"
+
+
+@pytest.mark.parametrize(
+    ("names", "times"),
+    [
+        (["one.png", "two.png"], "frame_rate_hz = 30.0\n"),
+        (["a_1.png", "b_01.png"], "frame_rate_hz = 30.0\n"),
+        (["a_1.png", "a_2.png"], "frame_rate_hz = 30.0\n"),
+        (["a_0.png", "a_1.png"], 'times = "video"\n'),
+        (["a_0.png", "a_1.png"], ""),
+    ],
+    ids=["no number", "one number", "not clicked", "times of a video", "no times"],
+)
+def test_bad_images(flight: Path, names: list[str], times: str) -> None:
+    """The clicks are in frame 0; of a camera that stands still no times are needed."""
+    Path("frames").mkdir()
+    for name in names:
+        Image.new("L", SIZE).save(Path("frames", name))
+    change("flight.toml", VIDEO, f'video = "frames"\n{times}')
+    if not times:
+        change("flight.toml", "first_frame_t_s = 0.0\n", "")
+        before, _, behind = Path("flight.toml").read_text().partition("[track]\n")
+        after = f"{before}[position]\n{STILL}[atm{behind.partition('[atm')[2]}"
+        Path("flight.toml").write_text(after)
+    done = vopd("track", "flight.toml", "--from", "0")
+    assert done.status == 1
+    assert_approved(done.stderr)
+
+
+def test_clicks_where_the_track_has_no_position(flight: Path) -> None:
+    true = truth()
+    marks = [mark for k, mark in true if k == 0 and (20, mark) in true]
+    clicks(*((k, mark, *true[k, mark]) for k in (0, 20) for mark in marks))
+    head, *track = Path("track.csv").read_text().splitlines()
+    Path("track.csv").write_text("\n".join([head, *track[12:], ""]))
+    done = vopd("track", "flight.toml", "--to", ".2")
+    assert done.status == 1
+    assert_approved(done.stderr)
 
 
 def test_a_click_on_another_point(flight: Path) -> None:

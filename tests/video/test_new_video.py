@@ -122,3 +122,9 @@ def test_what_a_project_without_clicks_needs_is_named_at_once(folder: Path) -> N
     needed = [line.split(" (")[0] for line in ran.stdout.splitlines() if "needed: " in line]
     asked = vopd("check", "p").stdout
     assert len(needed) == 7 and all(f"\n{one.split()[-1]} = " in asked for one in needed)
+
+
+def test_images_are_no_video(folder: Path) -> None:
+    Image.new("L", SIZE).save("a.png")
+    with refused(VopdError):
+        project_of_files(folder, {"landmarks": "l.csv"}, video=["a.png"])

@@ -6,6 +6,7 @@ import os
 import shutil
 import struct
 import sys
+import wave
 from pathlib import Path
 
 import numpy as np
@@ -172,6 +173,10 @@ def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     Path("words.mp4").write_text("frame,landmark\n" * 9)
     Path("empty.png").write_bytes(b"")
     Path("folder").mkdir()
+    with wave.open("sound.wav", "wb") as sound:
+        sound.setparams((1, 2, 8000, 0, "NONE", ""))
+        sound.writeframes(b"\0" * 800)
+    write_video(tmp_path / "bare.h264", EVEN_MS)  # a stream without times
     for name in ("a", "b"):
         Path(name).mkdir()
         Path(name, "same.png").write_bytes(b"")
@@ -179,6 +184,7 @@ def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         ["none.mp4"], ["words.mp4"], ["cut.mp4"], ["folder"], ["a.mp4", "a.mp4"],
         ["a.mp4", "empty.png"],
         ["a", "empty.png"], ["a/same.png", "b/same.png"], ["/dev/zero"], ["list.mp4"],
+        ["sound.wav"], ["bare.h264"],
     ):  # fmt: skip
         with refused(VopdError):
             open_frames(names)

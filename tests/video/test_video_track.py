@@ -15,6 +15,7 @@ from tests.kit.video import klv, write_gpmf, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import open_input, read_by_content
+from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 
 
@@ -137,6 +138,8 @@ def test_videos_without_a_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     for name in (*videos, "flat.SRT", "lost.SRT", "both.SRT"):
         with refused(VopdError):
             read(tmp_path / name)
+    with refused(VopdError):
+        read_by_content(PICK_FORMATS, open_input("none.mp4", tmp_path))
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
+from statistics import mode
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -185,7 +186,10 @@ def _image_numbers(project: Project, frames: VideoFrames) -> list[int]:
             "video", f"{name} has no number in its name, as frame_0100.png for frame 100"
         )
     if len(set(found)) < len(found):
-        raise project.section("picks").error("video", "two images have one number")
+        twice = mode(found)
+        one, other, *_ = (n for n, k in zip(frames.image_name, found, strict=True) if k == twice)
+        message = f"{one} and {other} have one number, {twice}: rename or remove one of them"
+        raise project.section("picks").error("video", message)
     return found
 
 
