@@ -265,7 +265,7 @@ def optional_package(module: str, extra: str, purpose: str = "") -> Any:
         purpose: names what needs the package, for instance "a lens in YAML"; it may be empty
 
     Raises:
-        VopdError: if it is not installed, with the command that installs it
+        VopdError: if it is not installed, with the command that installs it, or cannot be loaded
     """
     try:
         found = import_module(module)
@@ -274,6 +274,8 @@ def optional_package(module: str, extra: str, purpose: str = "") -> Any:
     except ImportError as error:
         package = module.partition(".")[0]
         need = f"{purpose} needs {package}, which" if purpose else package
+        if str(error) and not isinstance(error, ModuleNotFoundError):  # its library, or memory
+            raise VopdError(f"{need} is installed but cannot be loaded: {error}") from error
         raise VopdError(f"{need} is not installed{install_command(extra, ': ')}") from error
     return found
 
