@@ -17,6 +17,7 @@ from tests.tolerances import assert_close
 from vopd.attitude.included import left_out_text
 from vopd.cli.new import write_project as write_adjusted
 from vopd.findings import VopdError
+from vopd.flight import joint
 from vopd.flight.adjust import adjust
 from vopd.flight.adjusted_project import adjusted_project
 from vopd.flight.errors import priors_of
@@ -104,6 +105,13 @@ def test_the_longest_runs_of_lost_frames_come_first() -> None:
     flight = replace(one.flight, picks=replace(one.flight.picks, clicks=lost))
     found = next_places(solve_jointly(flight, priors_of(flight)))
     assert [each.frame for each in found] == ["8", "12", "20"]
+
+
+def test_more_clicks_than_can_be_solved_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = clicked_flight(np.random.default_rng(1), 20, 5, every=10, reach=15)
+    monkeypatch.setattr(joint, "MOST_COMMON", 17)
+    with refused(VopdError):
+        solve_jointly(one.flight, priors_of(one.flight))
 
 
 def test_hidden_landmarks_are_not_asked_for() -> None:

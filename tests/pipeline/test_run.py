@@ -175,6 +175,19 @@ def test_no_job() -> None:
         vopd.run([]).vehicle_deg  # noqa: B018
 
 
+def test_a_flight_is_no_deck_and_a_deck_is_no_flight(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each says which function solves the other."""
+    monkeypatch.chdir(DECKS / "appendix_h")
+    for other in ("flight.toml", "."):
+        with refused(vopd.VopdError):
+            vopd.run(other)
+    for no_flight in (vopd.read_deck(STACKED), "cases_1_2_3.dat"):
+        with refused(vopd.VopdError):
+            vopd.solve_flight(no_flight)  # type: ignore[arg-type]
+    with refused(vopd.VopdError):
+        vopd.run(5)  # type: ignore[arg-type]
+
+
 def test_the_whole_listing() -> None:
     printed = vopd.listing_text(vopd.run(vopd.read_deck(STACKED)))
     assert printed == (GOLDEN / "cases_1_2_3.lst").read_text()

@@ -158,7 +158,7 @@ def test_out_of_order_names_its_table() -> None:
 
 @pytest.mark.parametrize("m", [3, -3])
 def test_other_orders_are_refused(m: int) -> None:
-    with pytest.raises(ValueError, match=f"{m}: -2, -1, 0, 1 or 2"):
+    with refused(ValueError, parts=[m]):
         ftlup(1.0, m, *TENT)
 
 
