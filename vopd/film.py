@@ -106,7 +106,44 @@ def estimates_of_jobs(jobs: Sequence[SolvedJob]) -> list[list[Block]]:
                 some, count = [], 0
     made += _estimates(some)
     each = iter(made)
-    return [[(frames, next(each)) for frames in of_job] for of_job in blocks]
+    jobs_blocks = [[(frames, next(each)) for frames in of_job] for of_job in blocks]
+    return [one if len(one) == 1 else _with_one_scene(one) for one in jobs_blocks]
+
+
+def _with_one_scene(blocks: list[Block]) -> list[Block]:
+    """Describe the surroundings of all frames of a job in each of its blocks."""
+    scene = partial(_scene_of_blocks, blocks)
+    return [(frames, replace(estimate, scene=scene)) for frames, estimate in blocks]
+
+
+def _scene_of_blocks(blocks: Sequence[Block]) -> JobScene:
+    """Join the surroundings of a job's blocks, in the order of its frames."""
+    every = [estimate.scene() for _, estimate in blocks if estimate.scene is not None]
+    order = np.concatenate([frames for frames, _ in blocks])
+    camera_m = np.concatenate([one.camera_m for one in every])[np.argsort(order)]
+    where = {
+        int(number): (block, int(place))
+        for block, (frames, estimate) in enumerate(blocks)
+        for number, place in zip(estimate.frame, frames, strict=True)
+    }
+
+    def sight(frame: int, name: str) -> tuple[Ints, Floats]:
+        return every[where[frame][0]].sight(frame, name)
+
+    def film(indices: Ints) -> tuple[Floats, Floats]:
+        corners = np.empty((len(indices), 4, 2))
+        places = np.empty((len(indices), len(every[0].names), 2))
+        for (frames, _), one in zip(blocks, every, strict=True):
+            here = np.isin(indices, frames)
+            assert one.film is not None
+            if here.any():
+                own = np.searchsorted(frames, indices[here])
+                corners[here], places[here] = one.film(own)
+        return corners, places
+
+    return replace(
+        every[0], camera_m=camera_m, index=lambda frame, _: where[frame][1], sight=sight, film=film
+    )
 
 
 Part = tuple[SolvedJob, Job]

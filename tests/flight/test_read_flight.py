@@ -394,9 +394,10 @@ def test_options_of_a_project() -> None:
 def test_frames_outside_the_track_are_a_warning(lost: list[int], named: str) -> None:
     position = np.where(np.isin(np.arange(5), lost)[:, None], np.nan, np.ones((5, 3)))
     path = CameraPath(position)
-    found = frames_uncovered(Project("p.toml", Path(), {}), path, lambda k: f"frame {k + 10}")
+    project, times = Project("p.toml", Path(), {}), FrameTimes(np.arange(5.0), (), None)
+    found = frames_uncovered(project, path, times, lambda k: f"frame {k + 10}")
     assert_approved(found, parts=[named])
-    assert frames_uncovered(Project("p", Path(), {}), CameraPath(np.ones((5, 3))), str) == []
+    assert frames_uncovered(project, CameraPath(np.ones((5, 3))), times, str) == []
 
 
 def picked(folder: Path, keep: dict[str, int], last: str = "") -> vopd.FlightResult:

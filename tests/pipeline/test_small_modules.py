@@ -179,7 +179,9 @@ def test_what_a_file_is_by_its_first_bytes() -> None:
     for start, kind in SIGNATURES:
         assert kind_by_first_bytes(start + b"more") == kind
         assert kind_by_first_bytes(b" " + start) is None
-        assert kind_by_first_bytes(start[:-1]) is None
+        if start != b"\xff\xfe\0\0":  # the mark of UTF-32 begins as that of UTF-16 does
+            assert kind_by_first_bytes(start[:-1]) is None
+    assert kind_by_first_bytes(b"\xff\xfe\0") == dict(SIGNATURES)[b"\xff\xfe"]
     assert kind_by_first_bytes(b"") is None
     assert_approved([f"{start!r}: {kind}" for start, kind in SIGNATURES])
 

@@ -99,6 +99,21 @@ def test_every_block_has_the_landmarks_of_its_frames(both: tuple[History, Histor
         assert_same_landmarks(block, whole.take(frames))
 
 
+def test_the_scene_of_blocks_is_that_of_the_whole_job(both: tuple[History, History]) -> None:
+    assert both[0].estimate.scene is not None and both[1].estimate.scene is not None
+    one, other = both[0].estimate.scene(), both[1].estimate.scene()
+    frames = both[1].estimate.frame.tolist()
+    same(one.camera_m, other.camera_m)
+    assert [one.index(k, "") for k in frames] == [other.index(k, "") for k in frames]
+    for k in frames[:: len(frames) // 7]:
+        for ours, theirs in zip(one.sight(k, ""), other.sight(k, ""), strict=True):
+            same(ours, theirs)
+    some = np.arange(len(frames))[::-3]
+    assert one.film is not None and other.film is not None
+    for ours, theirs in zip(one.film(some), other.film(some), strict=True):
+        same(ours, theirs)
+
+
 def everything(job: vopd.Job) -> None:
     """All that the commands make of a job."""
     run: Run = vopd.run(job)
