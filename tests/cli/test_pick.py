@@ -169,6 +169,7 @@ def test_wrong_usage(tmp_path: Path) -> None:
     deck = (DECKS / "appendix_h/case1.dat").read_text()
     Path("film.dat").write_text(deck)
     Path("short.dat").write_text("\n".join(deck.splitlines()[:28]))
+    Path("head.dat").write_text("\n".join(deck.splitlines()[:30]))
     Image.new("L", (8, 6)).save("x.png")
     Path("many").mkdir()
     for k in range(61):
@@ -180,7 +181,8 @@ def test_wrong_usage(tmp_path: Path) -> None:
         "a.mp4 -o p.html --clicks picks.csv", "a.mp4 -o a.mp4/p.html",
         "a.mp4 -o p.html --cards picks.csv", "flight.toml -o p.html --cards x --dpi 9",
         "a.mp4 -o p.html --cards picks.csv --dpi 9", "a.mp4 -o p.html --cards none.dat --dpi 9",
-        "x.png -o p.html --cards short.dat --dpi 9", "x.png -o p.html --cards film.dat --dpi 9",
+        "x.png -o p.html --cards short.dat --dpi 9", "x.png -o p.html --cards head.dat --dpi 9",
+        "x.png -o p.html --cards film.dat --dpi 9",
     ):  # fmt: skip
         done = vopd("pick", *arguments.split())
         assert done.status in (1, 2), arguments

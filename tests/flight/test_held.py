@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from tests.approved.texts import refused
 from tests.kit.joint_flights import drone, flight_of
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
@@ -94,3 +95,12 @@ def test_positions_that_frames_share_or_that_are_known_well_are_not_searched() -
     for priors in (Priors(shared), own_fixes(2, (2.0, 2.0, 4.0)), Priors(None, None, {"up": 10.0})):
         solution = solve_jointly(flight_of(rng, scene, 1.0, priors), priors)
         assert np.isnan(other_solutions_deg(solution)).all()
+
+
+@pytest.mark.parametrize("free", [("clock",), ("focal", "aspect", "centre", "k1", "clock")])
+def test_free_parameters_that_the_picks_cannot_hold(free: tuple[str, ...]) -> None:
+    """Five frames of two landmarks have five coordinates more than angles; none has a velocity."""
+    flight, _ = nadir(4, 2, (0.3, 0.3, 0.0))
+    still = replace(flight, path=replace(flight.path, velocity_m_s=None))
+    with refused():
+        solve_flight_read(replace(still, options=replace(still.options, free=free)))
