@@ -91,6 +91,12 @@ def test_residuals_before_and_after(wrong: Path) -> None:
     assert len(names) == 6 and rms_px[-1, 1] < 0.3 < 1.0 < rms_px[-1, 0]
 
 
+def test_blunders_are_not_searched_again(wrong: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = adjust(str(wrong), ["focal"])
+    monkeypatch.delattr("vopd.flight.result.find_blunders")
+    assert np.isfinite(residual_sizes(made)[1]).all()
+
+
 @pytest.mark.usefixtures("not_laid_out")
 def test_the_report_has_it(wrong: Path) -> None:
     """Of a project with [solve] free, beside the residuals; of another there is none."""

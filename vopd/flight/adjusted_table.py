@@ -170,13 +170,17 @@ def residual_sizes(made: Adjustment) -> tuple[tuple[str, ...], Floats]:
         Names of the landmarks, and the root mean square of a residual's coordinates before and
         after, of each landmark and of all, pixels, (M + 1, 2); NaN: it has none.
     """
-    from vopd.flight.result import solve_flight_read
+    from vopd.flight.result import FlightResult, settled, with_named_picks
 
     result = made.result
-    stated = result
+    stated, joint = result, result.estimates.joint
     if any(one.after != one.before for one in made.parameters):
-        read = result.read
-        stated = solve_flight_read(replace(read, options=replace(read.options, free=(), kept=())))
+        assert joint is not None
+        read = replace(result.read, options=replace(result.read.options, free=(), kept=()))
+        before = settled(read, ~joint.model.used)
+        if not read.options.drop_blunders:
+            before = with_named_picks(read, before)
+        stated = FlightResult(before, ())
     sizes = [_sizes(one) for one in (stated, result)]
     return result.flight.landmarks.name, np.stack(sizes, axis=1)
 
