@@ -15,7 +15,7 @@ import numpy as np
 
 HEADER = 128  # bytes
 MOST = 16_000_000  # bytes of a variable that is compressed
-MOST_ELEMENTS = 100_000  # elements of a variable
+MOST_ELEMENTS = 20_000  # elements of a variable, of a calibration some hundreds
 DEEPEST = 20  # cells and structures that stand in each other
 NUMBERS = {
     1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8",
