@@ -130,16 +130,16 @@ def _scene_of_blocks(blocks: Sequence[Block]) -> JobScene:
     def sight(frame: int, name: str) -> tuple[Ints, Floats]:
         return every[where[frame][0]].sight(frame, name)
 
-    def film(indices: Ints) -> tuple[Floats, Floats]:
-        corners = np.empty((len(indices), 4, 2))
+    def film(indices: Ints) -> tuple[Floats, Floats, Floats]:
+        corners, axes = np.empty((len(indices), 4, 2)), np.empty((len(indices), 3, 3))
         places = np.empty((len(indices), len(every[0].names), 2))
         for (frames, _), one in zip(blocks, every, strict=True):
             here = np.isin(indices, frames)
             assert one.film is not None
             if here.any():
                 own = np.searchsorted(frames, indices[here])
-                corners[here], places[here] = one.film(own)
-        return corners, places
+                corners[here], places[here], axes[here] = one.film(own)
+        return corners, places, axes
 
     return replace(
         every[0], camera_m=camera_m, index=lambda frame, _: where[frame][1], sight=sight, film=film
@@ -289,7 +289,7 @@ def deck_scene(estimate: Estimate, job: Job, fixes: Fixes) -> JobScene:
         return own, ray @ axes @ np.stack([east, north, -down])
 
     @np.errstate(all="ignore")
-    def film(indices: Ints) -> tuple[Floats, Floats]:
+    def film(indices: Ints) -> tuple[Floats, Floats, Floats]:
         read = {int(one): k for k, one in enumerate(job.readings.frame)}
         own = [read[int(one)] for one in estimate.frame[indices]]
         corner = job.readings.fiducial_in[own].mean(axis=2) * factor
@@ -299,10 +299,11 @@ def deck_scene(estimate: Estimate, job: Job, fixes: Fixes) -> JobScene:
         thj, phij, rj = (np.broadcast_to(one, each) for one in group_9(marks, fixes))
         vehicle_ft = estimate.displacement[indices]
         toward = directions(origin_of(job), fixes, vehicle_ft, thj, phij, rj)
-        seen = toward @ camera_axes(np.radians(estimate.camera_deg[indices])).swapaxes(1, 2)
+        axes = camera_axes(np.radians(estimate.camera_deg[indices]))
+        seen = toward @ axes.swapaxes(1, 2)
         depth = np.where(seen[..., 2:] > 0.0, seen[..., 2:], np.nan)
         place = estimate.focal_length * seen[..., :2] / depth
-        return np.take_along_axis(corner, around[..., None], axis=1), place
+        return np.take_along_axis(corner, around[..., None], axis=1), place, axes
 
     from vopd.scene import JobScene
 

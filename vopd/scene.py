@@ -79,7 +79,8 @@ class JobScene:
     adjusted: Callable[[], tuple[Sequence[Change], Sequence[str], Floats]] | None = None
     """Parameters that were solved for, and names of M landmarks with the root mean square of a
     residual's coordinates before and after, of each and of all, pixels, (M + 1, 2)."""
-    film: Callable[[Ints], tuple[Floats, Floats]] | None = None
+    film: Callable[[Ints], tuple[Floats, Floats, Floats]] | None = None
     """Of frames of a film by their indices in these: the corners that its fiducials are, in order
     (n, 4, 2), and the computed places of all landmarks (n, N, 2), NaN behind the camera; mm x to
-    the left and y up from the frame's centre."""
+    the left and y up from the frame's centre; and the axes x, y, z of the camera as rows, z where
+    it looks, in components east, north, up (n, 3, 3)."""

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import CASE_1, DECKS, Ran, vopd
 from vopd.cli import plot
 from vopd.findings import VopdError
+from vopd.stellar.files.table import ReadSolution
 
 FLIGHT = DECKS / "regression" / "flight.dat"
 
@@ -128,22 +129,25 @@ def test_wrong_usage(option: str) -> None:
 
 
 def test_the_picture_of_a_photograph(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is drawn, in its unit, with its pointing to five decimals."""
+    """What is drawn, in its unit; its pointing with as many digits as are known, and doubts."""
     given: list[Any] = []
     monkeypatch.setattr(plot, "draw_star_residuals", lambda *one: given.append(one))
-    one = SimpleNamespace(
-        image="late", images=[(1.0, 2.0)] * 3, residuals="residuals", labels=["a"], unit="px",
-        pointing=(10.123456, -20.5, 359.999996), method="church", picture=None,
+    residuals = np.array([[3.0, 4.0], [0.0, 0.0], [0.0, 0.0]])
+    one = ReadSolution(
+        "late", "church", ("a", "b", "c"), np.ones((3, 2)), residuals, "px",
+        (10.123456, -20.5, 359.999996), (1, 2, 3), "", None, (0.0234, 0.012, 1.5),
     )  # fmt: skip
     held = {"a.json": [one]}
     monkeypatch.setattr("vopd.stellar.files.table.read_solutions", held.__getitem__)
     plot.plot_stars(["a.json"], "late", (9.0, 6.0))
     ((picture, size),) = given
     assert size == (9.0, 6.0)
-    assert picture.title == (
-        "a.json, late: church, 3 stars\nalpha 10.12346, delta -20.50000, swing 360.00000 degrees"
-    )
-    assert picture[1:5] == (one.images, "residuals", ["a"], "px")
+    assert_approved(picture.title)
+    assert picture[1:5] == (one.images, residuals, one.labels, "px")
+    unknown = (None, None, None)
+    held["a.json"] = [one._replace(half_95_deg=unknown, doubtful=("too large", "why", "more"))]
+    plot.plot_stars(["a.json"], "late", (9.0, 6.0))
+    assert_approved(given[-1][0].title)
     held["a.json"] = [one, one]
     with refused(VopdError):
         plot.plot_stars(["a.json"], "x", None)

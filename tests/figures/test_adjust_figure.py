@@ -101,10 +101,10 @@ def test_blunders_are_not_searched_again(wrong: Path, monkeypatch: pytest.Monkey
 def test_the_report_has_it(wrong: Path) -> None:
     """Of a project with [solve] free, beside the residuals; of another there is none."""
     before = embedded_figures([solve_flight(wrong).history()])
-    assert [name for name, _, _, _ in before] == ["residuals"]
+    assert [one.name for one in before] == ["residuals"]
     text = wrong.read_text(encoding="utf-8")
     wrong.write_text(f'{text}[solve]\nfree = ["focal"]\n', encoding="utf-8")
-    *_, (name, title, caption, address) = embedded_figures([solve_flight(wrong).history()])
+    *_, (name, title, caption, address, _) = embedded_figures([solve_flight(wrong).history()])
     page = b64decode(address.partition(",")[2]).decode("utf-8")
     made = adjust(str(wrong), ["focal"])
     (focal,) = made.parameters

@@ -28,6 +28,7 @@ from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
 from vopd.figures.attitude import (
+    ANGLE_TEXTS,
     BAND,
     broken,
     draw_attack,
@@ -98,13 +99,14 @@ def test_labels_of_the_panels() -> None:
     for column in axes.T:
         labels = [one.get_ylabel() for one in column]
         assert labels == [
-            "yaw, degrees", "pitch, degrees", "roll, degrees", "half of the\nband, degrees"
+            *(f"{one}, degrees" for one in list(ANGLE_TEXTS.values())[:3]),
+            "half of the\nband, degrees",
         ]  # fmt: skip
         assert [one.get_xlabel() for one in column] == ["", "", "", "time, s"]
         assert texts(column[3].get_legend()) == ["yaw", "pitch", "roll"]
     axes = usual()
     labels = [one.get_ylabel() for one in axes[:3]]
-    assert labels == ["alpha, degrees", "beta, degrees", "eta, degrees"]
+    assert labels == [f"{one}, degrees" for one in list(ANGLE_TEXTS.values())[3:]]
     assert texts(axes[3].get_legend()) == ["alpha", "beta", "eta"]
     untimed = film(time_s=np.full(5, np.nan))
     axes = panels([untimed])
@@ -123,7 +125,7 @@ def test_panels_share_their_times_and_their_heights(which: Any) -> None:
 @pytest.mark.parametrize(("which", "columns"), [(draw_attack, 1), (draw_attitude, 2)])
 def test_the_caption_and_the_legend(which: Any, columns: int) -> None:
     figure = Figure()
-    assert which(figure, [film()], None) == "hand.toml, job 1: a flight by hand"
+    assert which(figure, [film()], None).splitlines()[0] == "hand.toml, job 1: a flight by hand"
     assert len(figure.axes) == 4 * columns
     assert texts(figure.legends[0]) == [BAND]
 
@@ -171,13 +173,13 @@ def test_each_job_has_its_colour_and_the_seventh_the_first_s() -> None:
 
 @pytest.mark.parametrize(("frames", "unknown", "marker"), [(60, 0, "."), (61, 0, ""), (61, 1, ".")])
 def test_up_to_sixty_frames_are_points(frames: int, unknown: int, marker: str) -> None:
-    """Of those that have an angle, and in the lowest panel a half-width."""
+    """Of those that have an angle; in the lowest panel points would hide the lines' styles."""
     angles, half = np.zeros((frames, 9)), np.ones((frames, 9))
     angles[:unknown], half[:unknown] = np.nan, np.nan
     eta = np.tile([-1.0, 1.0], (frames, 1))
     axes = panels([by_hand(frames, angles_deg=angles, half_deg=half, eta_deg=eta)])
-    lines = [axes[0].lines[0], *axes[3].lines[:3]]
-    assert [line.get_marker() or "None" for line in lines] == [marker or "None"] * 4
+    assert (axes[0].lines[0].get_marker() or "None") == (marker or "None")
+    assert {line.get_marker() or "None" for line in axes[3].lines[:3]} == {"None"}
 
 
 def test_frames_without_a_neighbour_have_a_bar() -> None:
@@ -250,6 +252,8 @@ def test_half_widths() -> None:
         assert [x for x, _ in points(line)] == [0.0, 1.0, 2.0, 3.0, None, 12.0]
     looks = [(one.get_marker(), one.get_markersize(), one.get_linewidth()) for one in drawn]
     assert looks == [(".", 2.5, 1.0)] * 3
+    # what no line leads to: a frame after a gap, and beside one without a half-width
+    assert [one.get_markevery() for one in drawn] == [[5], [5], [0, 5]]
 
 
 SCALES = {  # smallest and largest half-width: both ends of the scale

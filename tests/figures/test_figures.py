@@ -150,7 +150,7 @@ def test_every_panel_shows_the_angle_of_its_column_and_label() -> None:
     seen = []
     for axis in panels(figure_of("attitude")):
         column = ("camera", "vehicle")[axis.get_subplotspec().colspan.start]
-        name = f"{column}_{axis.get_ylabel().partition(',')[0]}_deg"
+        name = f"{column}_{axis.get_ylabel().replace(',', ' ').partition(' ')[0]}_deg"
         if name in values:
             seen.append(name)
             times, angles = np.asarray(axis.lines[0].get_data(), float)
@@ -292,10 +292,10 @@ def test_the_frame_of_a_film_and_landmarks_that_were_not_used() -> None:
     estimate = one.estimate
     scene = estimate.scene() if estimate.scene else None
     assert scene is not None and scene.film is not None
-    _, computed = scene.film(np.array([0]))
+    _, computed, _ = scene.film(np.array([0]))
     assert_close("film of eight digits", computed[0, 1:], by_label["computed"])
     assert_close("film length", place, computed[0, 0])
-    assert {text.get_text() for text in axis.texts} == {"65", "66", "67"}
+    assert {text.get_text() for text in axis.texts} == {"65", "66", "67", "N", ""}
 
 
 @pytest.mark.usefixtures("not_laid_out")
@@ -345,10 +345,11 @@ def test_a_figure_for_a_pipe() -> None:
 @pytest.mark.parametrize("name", OF_JOBS)
 def test_the_smallest_size_holds_every_panel(name: str) -> None:
     """No warning of the layout, panels that can be read, legends that cover no label."""
-    for made in (histories("appendix_h/cases_1_2_3"),):
+    made = histories("appendix_h/cases_1_2_3")
+    for size_in in filter(None, (least_size_in(name), FIGURES[name].column_in)):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            figure = draw(name, made, size_in=least_size_in(name))
+            figure = draw(name, made, size_in=size_in)
             figure.draw_without_rendering()
         for axis in panels(figure):
             box, flags = axis.get_window_extent(), len(getattr(axis, "lines", ()))
@@ -508,13 +509,13 @@ def test_the_command_says_which_jobs_are_drawn(
 
 # What draw and save do
 
-KINDS = {  # title, usual size, smallest size
-    "attitude": ("Attitude", (9, 8), (7.5, 6)),
-    "attack": ("Angles of attack", (9, 7), (5, 5.5)),
-    "residuals": ("Residuals", (9, 7), (8, 5)),
-    "image": ("One frame's image", (9, 6.5), (6, 4)),
-    "map": ("Map", (9, 9), (7, 6.5)),
-    "patches": ("Patches", (9, 6), (7, 4)),
+KINDS = {  # title, usual size, smallest size, and with panels one below the other
+    "attitude": ("Attitude", (9, 8), (7.5, 6), None),
+    "attack": ("Angles of attack", (9, 7), (5, 5.5), None),
+    "residuals": ("Residuals", (9, 7), (8, 5), (4, 8)),
+    "image": ("One frame's image", (9, 6.5), (6, 4), None),
+    "map": ("Map", (9, 9), (7, 6.5), None),
+    "patches": ("Patches", (9, 6), (7, 4), (4, 5)),
 }
 OF_ANY = list(KINDS)[:4]  # those that a job without a scene has, too
 LEAST = {name: kind[2] for name, kind in KINDS.items()} | {"all": (8, 29.5)}  # 37.5 / 7 * 5.5
@@ -629,14 +630,19 @@ def test_histories_without_any_attitude() -> None:
 def test_the_smallest_sizes(name: str) -> None:
     width, height = LEAST[name]
     assert least_size_in(name) == (width, height)
-    for fits in (None, (width, height), (width, 99.0), (99.0, height)):
-        refuse_small(name, fits)
-    for small in ((width - 0.01, 99.0), (99.0, height - 0.01), (float("nan"), 99.0)):
+    column = KINDS[name][3] if name in KINDS else None
+    high = 99.0 if column is None else column[1] - 0.01
+    fits = [None, (width, height), (width, 99.0), (99.0, height), *filter(None, [column])]
+    for one in fits:
+        refuse_small(name, one)
+    wrong = [(width - 0.01, high), (99.0, height - 0.01), (float("nan"), 99.0)]
+    for small in [*wrong, *([(column[0] - 0.01, 99.0)] if column else [])]:
         with pytest.raises(VopdError) as refused:
             refuse_small(name, small)
+        sizes = ", or ".join(f"{w:g}x{h:g}" for w, h in filter(None, [(width, height), column]))
         assert str(refused.value) == (
             f"the figure '{name}' does not fit in {small[0]:g}x{small[1]:g} inches: "
-            f"the smallest size is {width:g}x{height:g}"
+            f"the smallest size is {sizes}"
         )
         with pytest.raises(VopdError):
             draw(name, [by_hand(3)], size_in=small)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import shutil
 from dataclasses import replace
 from functools import cache
@@ -15,18 +16,24 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from tests.approved.texts import assert_approved
+from tests.kit import wgs84_film
 from tests.kit.command import ROOT, vopd
 from tests.kit.figures import labelled, points
 from tests.kit.histories import with_estimate
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History
+from vopd.attitude.history import history as from_estimate
+from vopd.errata import fixes
 from vopd.figures import draw
 from vopd.figures.map import STEPS
 from vopd.figures.style import doubts_text, place_names
+from vopd.film import film_estimate
 from vopd.flight.result import solve_flight
 from vopd.geometry.earth import earth_centred_m, geodetic
+from vopd.program.vopd import run as solve
 from vopd.report import embedded_photographs
 from vopd.report.answer import doubts
+from vopd.report.frames import frames_json
 
 HILL = ROOT / "examples" / "hill"
 
@@ -143,6 +150,85 @@ def test_true_north_on_the_map_of_a_grid() -> None:
     expected = -np.sin(np.radians(camera.latitude_deg[0])) * east_deg
     assert abs(expected) > 2.0 * within("true north on a map")
     assert_close("true north on a map", np.degrees(np.arctan2(right, up)), expected)
+
+
+def test_the_side_view_is_along_an_azimuth_from_true_north() -> None:
+    """The mean of the ways to the landmarks, on the plane at the camera; as in the report."""
+    history = solve_flight(ROOT / "examples" / "summits" / "flight.toml").history()
+    assert history.estimate.scene is not None
+    scene = history.estimate.scene()
+    own, marks = geodetic(scene.camera_m[:1]), geodetic(scene.landmark_m)
+    north = marks.latitude_deg - own.latitude_deg
+    east = (marks.longitude_deg - own.longitude_deg) * np.cos(np.radians(own.latitude_deg))
+    north, east = (np.sum(one / np.hypot(north, east)) for one in (north, east))
+    expected = np.degrees(np.arctan2(east, north)) % 360.0
+    side = draw("map", [history]).subfigs[0].axes[1]
+    assert f"toward {expected:.0f}° from true north" in side.get_xlabel()
+    assert {text.get_text() for text in side.texts} == set(scene.names)
+    (job,) = json.loads(frames_json([history]))["jobs"]
+    east_deg = float(own.longitude_deg[0]) - 15.0
+    convergence = np.sin(np.radians(own.latitude_deg[0])) * east_deg
+    assert_close("true north on a map", job["convergence"], convergence)
+
+
+@cache
+def from_above() -> tuple[History, Any]:
+    """A film over New Mexico from a camera that looks down, and its true angles."""
+    job, truth = wgs84_film.film(33.08, -106.33, decimals=None)
+    return from_estimate(film_estimate(solve(job, fixes("all")))), truth
+
+
+def test_the_way_north_on_a_film() -> None:
+    one, truth = from_above()
+    axes = wgs84_film.camera_matrix(*truth[0])  # x to the left, y up
+    figure = draw("image", [one], 1)
+    (arrow,) = (one for one in figure.subfigs[0].axes[0].texts if not one.get_text())
+    way = np.subtract(arrow.xy, arrow.xyann)
+    assert_close("way north", way / np.hypot(*way), axes[:2, 1] / np.hypot(*axes[:2, 1]))
+    (job,) = json.loads(frames_json([one]))["jobs"]
+    shown = [job["north"]["u"][0], job["north"]["v"][0]]
+    assert_close("way north", shown, -way / np.hypot(*way))  # to the right, down
+    assert set(job["horizon"]["count"]) == {0}
+
+
+def test_the_horizon_of_a_film() -> None:
+    """Of a camera that looks toward azimuth 30 degrees, 8 below level, turned by 20."""
+    one, _ = from_above()
+    estimate = one.estimate
+    assert estimate.scene is not None
+    scene, axes = estimate.scene(), wgs84_film.camera_matrix(30.0, -8.0, 20.0)
+    assert scene.film is not None
+    corners, computed, _ = scene.film(np.arange(wgs84_film.FRAMES))
+    turned = np.tile(axes, (wgs84_film.FRAMES, 1, 1))
+
+    def film(indices: Any) -> Any:
+        return corners[indices], computed[indices], turned[indices]
+
+    one = with_estimate(one, scene=lambda: replace(scene, film=film))
+    camera, marks = geodetic(scene.camera_m), geodetic(scene.landmark_m)
+    dip = np.sqrt(2.0 * (camera.height_m - marks.height_m.min()) * 0.87 / 6371e3)
+
+    def seen(places: Any) -> tuple[Any, Any]:
+        ray = np.column_stack([places, np.full(len(places), estimate.focal_length)]) @ axes
+        azimuth = np.degrees(np.arctan2(ray[:, 0], ray[:, 1]))
+        return azimuth, np.degrees(np.arctan2(ray[:, 2], np.hypot(*ray.T[:2])))
+
+    axis = draw("image", [one], 1).subfigs[0].axes[0]
+    line = np.array(points(labelled(axis)["horizon"]), float)
+    azimuth, elevation = seen(line[np.isfinite(line).all(axis=1)])
+    assert_close("horizon of a film", elevation, np.full(len(elevation), -np.degrees(dip[0])))
+    assert azimuth.min() < 20.0 < 40.0 < azimuth.max()
+    assert {"020°", "040°"} <= {text.get_text() for text in axis.texts}
+    (job,) = json.loads(frames_json([one]))["jobs"]
+    horizon, at = job["horizon"], 0
+    assert min(horizon["count"]) > 6
+    for k, count in enumerate(horizon["count"]):
+        own = np.transpose([horizon[name][at : at + count] for name in "uv"])
+        azimuth, elevation = seen(own)
+        along = horizon["first"][k] + horizon["step"][k] / 2.0 * np.arange(count)
+        assert_close("horizon of a film", azimuth, along)
+        assert_close("horizon of a film", elevation, np.full(count, -np.degrees(dip[k])))
+        at += count
 
 
 def test_the_second_flight_s_photographs_stand_behind_the_first_s(tmp_path: Path) -> None:

@@ -153,9 +153,10 @@ def test_one_frame_has_its_residuals_by_landmark() -> None:
         assert not axis.patches
         assert_close("table value", axis.get_ylim(), [-most, most])
     assert ticks(below) == ([0, 1, 2, 3], ["spire", r"\$", "9", "10"])
-    assert said == "hand.toml, job 1: a flight by hand\npicked minus computed"
+    rms = np.sqrt(np.mean([X[0] ** 2, Y[0] ** 2]))
+    assert f"picked minus computed; rms of a coordinate {rms:.3g} px; in sigmas, rms " in said
     figure, said = drawn(one, one)
-    assert said.endswith("; columns from left to right: the jobs")
+    assert "; columns from left to right: the jobs; " in said
     heights = [bar.get_height() for bar in figure.axes[0].patches]
     assert_close("table value", heights, 2.0 * np.abs(X[0]))
     assert len({spot.get_facecolor().tobytes() for spot in figure.axes[0].collections}) == 2
@@ -194,7 +195,7 @@ def test_what_is_drawn_image() -> None:
     assert points(lines["principal point"]) == [[0.0, 0.0]]
     looks = {name: (one.get_marker(), one.get_markersize()) for name, one in lines.items()}
     assert looks == {
-        "computed": ("+", 9), "measured": ("o", 7), "does not fit": ("s", 12),
+        "computed": ("+", 12), "measured": ("o", 7), "does not fit": ("s", 12),
         "principal point": ("x", 8),
     }  # fmt: skip
     edges = {name: to_hex(line.get_markeredgecolor()) for name, line in lines.items()}

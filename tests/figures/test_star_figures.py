@@ -174,7 +174,7 @@ def test_what_is_drawn() -> None:
     assert_close("table value", np.array(points(lines["computed"])), IMAGES - RESIDUALS)
     assert points(lines["principal point"]) == [[0.0, 0.0]]
     looks = [(line.get_marker(), line.get_markersize()) for line in lines.values()]
-    assert looks == [("+", 9), ("o", 7), ("x", 8)]
+    assert looks == [("+", 12), ("o", 7), ("x", 8)]
     assert lines["measured"].get_markeredgecolor() == OKABE_ITO[0]
     assert lines["measured"].get_markerfacecolor() == "none"
     far = 1.35 * np.abs(IMAGES - RESIDUALS).max()
@@ -310,12 +310,15 @@ def test_no_number_of_the_sky_is_covered(name: str, tmp_path: Path) -> None:
 
 def test_a_misidentified_star_is_marked(tmp_path: Path) -> None:
     wrong = DECKS / "stars" / "orion_misidentified.csv"
-    for options, label in ((), "does not fit"), (("--reject",), "does not fit, left out"):
+    for options, label, status in (
+        ((), "does not fit", 3),  # as `stars solve` ends
+        (("--reject",), "does not fit, left out", 0),
+    ):
         file = tmp_path / "solved.json"
         vopd("stars", "solve", wrong, "--focal", "76", *options, "-o", file)
         (solution,) = read_solutions(str(file))
         assert solution.picture is not None and solution.picture.odd == (8,)
-        assert plot(file, "-o", tmp_path / "a.svg").status == 0
+        assert plot(file, "-o", tmp_path / "a.svg").status == status
         shown = re.findall(r">([^<>]+)</text>", (tmp_path / "a.svg").read_text(encoding="utf-8"))
         assert label in shown and "Tabit: does not fit" in shown
         assert [one for one in shown if one.startswith("5h")]  # meridians

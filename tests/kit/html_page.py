@@ -7,7 +7,7 @@ import re
 from html.parser import HTMLParser
 from typing import Any
 
-VOID = {"meta", "link", "img", "input", "br", "wbr"}
+VOID = {"meta", "link", "img", "source", "input", "br", "wbr"}
 
 
 class Page(HTMLParser):

@@ -435,7 +435,7 @@ def test_the_side_view_has_distances_along_its_azimuth(hill: Any) -> None:
     azimuth_deg, camera, marks = hill.execute_script("""
       const side = document.querySelector("#map-box svg");
       const x = (path) => Number(path.getAttribute("d").match(/-?[\\d.]+/)[0]);
-      return [Number(side.textContent.match(/toward azimuth (\\d+)/)[1]),
+      return [Number(side.textContent.match(/distance toward (\\d+)/)[1]),
         Number(side.querySelector(":scope > circle.camera").getAttribute("cx")),
         [...side.querySelectorAll(":scope > path.mark")].map(x)];
     """)
@@ -474,7 +474,7 @@ def test_arrows_are_as_many_times_as_long_as_is_said(film: Any) -> None:
       return [document.getElementById("image-text").textContent,
         document.querySelector("#image-box svg").viewBox.baseVal.width,
         all("circle.picked").map((one) => [one.getAttribute("cx"), one.getAttribute("cy")]),
-        all("path.residual").map(ends), all("text.name").at(-1).textContent];
+        all("path.residual").map(ends), all("text.key").at(-1).textContent];
     """)
     times = float(re.findall(r"residuals, ([\d.]+) times", said)[0])
     k = int(chosen(film)) - 1

@@ -63,6 +63,11 @@ def plot_stars(
     Raises:
         VopdError: no such photograph, or a file is not such a file.
     """
+    return draw_star_residuals(_picture(*_chosen_stars(names, frame), images), size_in)
+
+
+def _chosen_stars(names: Sequence[str], frame: str | None) -> tuple[str, ReadSolution]:
+    """Find the solution to draw, and its file."""
     from vopd.stellar.files.table import read_solutions
 
     found = [(name, one) for name in names for one in read_solutions(name)]
@@ -70,8 +75,7 @@ def plot_stars(
     if not wanted:
         known = ", ".join(dict.fromkeys(one.image for _, one in found if one.image))
         raise VopdError(f"no photograph {frame}" + (f": there are {known}" if known else ""))
-    name, solution = max(wanted, key=lambda pair: len(pair[1].images))
-    return draw_star_residuals(_picture(name, solution, images), size_in)
+    return max(wanted, key=lambda pair: len(pair[1].images))
 
 
 def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
@@ -79,10 +83,22 @@ def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
     image = f", {short(one.image, FRAME_SHOWN)}" if one.image else ""
     about = one.picture
     point, axes = ("star", "") if about is None or about.sky else ("ground point", " in their axes")
+    from vopd.stellar.files.text import hours_text
+
+    angles = zip(("alpha", "delta", "swing"), (alpha, delta, swing), one.half_95_deg, strict=True)
+    told = [f"{name} {_with_half(angle, half)}" for name, angle, half in angles]
+    if point == "star":
+        told[0] += f" ({hours_text(alpha % 360.0, 0)})"
+    rms = float(np.sqrt(np.mean(one.residuals**2)))
     title = (
-        f"{name}{image}: {one.method}, {count_text(len(one.images), point)}\n"
-        f"alpha {alpha:.5f}, delta {delta:.5f}, swing {swing:.5f} degrees{axes}"
+        f"{name}{image}: {one.method}, {count_text(len(one.images), point)}, "
+        f"rms of a coordinate {rms:.3g} {one.unit}\n{', '.join(told)} degrees{axes}"
     )
+    if None in one.half_95_deg:
+        title += "; no uncertainty is known"
+    else:
+        title += "; ± is half of the 95 % interval"
+    title = "\n".join([title, *(f"doubtful: {text}" for text in one.doubtful[:MOST_DOUBTS])])
     if about is None:  # of an earlier version
         return StarPicture(title, one.images, one.residuals, one.labels, one.unit)
     measured = np.vstack([one.images, *(star.image[None] for star in about.left_out)])
@@ -116,6 +132,16 @@ def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
         edges = (first, right, far, first) if about.y_down else (first, right, first, far)
         drawn = drawn._replace(edges=edges, photograph=photograph)
     return drawn._replace(title=f"{title}\n{said}" if said else title)
+
+
+MOST_DOUBTS = 2  # of a solution, in the title
+
+
+def _with_half(angle: float, half: float | None) -> str:
+    """Write an angle and half of its interval; without one to two decimals."""
+    from vopd.stellar.files.text import with_half
+
+    return f"{angle:.2f}" if half is None else " ± ".join(with_half(angle, half))
 
 
 def _star_photograph(one: ReadSolution, about: StarCamera, images: str | None) -> tuple[Any, str]:
@@ -235,7 +261,8 @@ def command(
 
     Exit status: 0 the figure is drawn; 1 a source could not be read or
     solved, or nothing can be drawn; 2 wrong usage; 3 the figure is drawn, but some
-    frame did not converge, a flight misfits, or with --strict some frame has a flag.
+    frame did not converge, a flight or star photograph misfits, or with --strict some
+    frame has a flag.
     """
     suffix = _suffix(output, form)
     if dpi is not None and suffix != ".png":
@@ -245,10 +272,10 @@ def command(
     refuse_to_overwrite((*sources, *filter(None, [images])), output)
     ready()
     if stars:
-        content = _stars(ctx, sources, frame, images, inches, suffix, dpi or 150)
+        content, status = _stars(ctx, sources, frame, images, inches, suffix, dpi or 150)
         with whole_file(output) as file:
             file.write(content)
-        return
+        ctx.exit(status)
     histories, status = collect_histories(sources, options)
     if job is not None:
         histories = [one for one in histories if one.about.job == job]
@@ -301,8 +328,8 @@ def _stars(
     inches: Inches | None,
     suffix: str,
     dpi: int,
-) -> bytes:
-    """Draw a star photograph.
+) -> tuple[bytes, int]:
+    """Draw a star photograph: the file, and 3 as exit status if its solution is doubtful.
 
     Raises:
         click.UsageError: decks are named too, or an option that is for decks
@@ -315,7 +342,11 @@ def _stars(
         if source == click.core.ParameterSource.COMMANDLINE and parameter.name not in known:
             raise click.UsageError(f"{parameter.opts[0]} is not for star photographs.")
     note = partial(click.echo, err=True)
-    return save(plot_stars(names, frame, inches, images), suffix, dpi, note)
+    name, solution = _chosen_stars(names, frame)
+    for text in solution.doubtful:
+        note(f"warning: {name}: {text}")
+    figure = draw_star_residuals(_picture(name, solution, images), inches)
+    return save(figure, suffix, dpi, note), 3 if solution.doubtful else 0
 
 
 def _suffix(output: str, form: str | None) -> str:

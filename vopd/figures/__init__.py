@@ -77,6 +77,9 @@ class FigureKind(NamedTuple):
     title: str
     size_in: Inches
     least_in: Inches  # smaller ones cannot hold its panels and their labels
+    column_in: Inches | None = None
+    """The smallest with its panels one below the other, as a telephone or a column of text has
+    room for; None: it has no such form."""
 
 
 WIDTH_IN, TABLE_IN, ROW_IN = 9.0, 3.5, 0.25
@@ -85,10 +88,10 @@ WIDTH_IN, TABLE_IN, ROW_IN = 9.0, 3.5, 0.25
 FIGURES = {
     "attitude": FigureKind(draw_attitude, "Attitude", (9.0, 8.0), (7.5, 6.0)),
     "attack": FigureKind(draw_attack, "Angles of attack", (9.0, 7.0), (5.0, 5.5)),
-    "residuals": FigureKind(draw_residuals, "Residuals", (9.0, 7.0), (8.0, 5.0)),
+    "residuals": FigureKind(draw_residuals, "Residuals", (9.0, 7.0), (8.0, 5.0), (4.0, 8.0)),
     "image": FigureKind(draw_image, "One frame's image", (9.0, 6.5), (6.0, 4.0)),
     "map": FigureKind(draw_map, "Map", (9.0, 9.0), (7.0, 6.5)),
-    "patches": FigureKind(draw_patches, "Patches", (9.0, 6.0), (7.0, 4.0)),
+    "patches": FigureKind(draw_patches, "Patches", (9.0, 6.0), (7.0, 4.0), (4.0, 5.0)),
 }
 """Every kind of figure by its name."""
 
@@ -180,10 +183,14 @@ def refuse_small(name: str | Sequence[str], size_in: Inches | None) -> None:
     Raises:
         VopdError: where it does not, with the smallest size that does
     """
-    width, height = least_size_in(name)
-    if size_in is not None and not (size_in[0] >= width and size_in[1] >= height):
-        named = name if isinstance(name, str) else ", ".join(name)
+    names = [name] if isinstance(name, str) else list(name)
+    column_in = FIGURES[names[0]].column_in if names[0] in FIGURES and len(names) == 1 else None
+    least = [one for one in (least_size_in(name), column_in) if one is not None]
+    if size_in is not None and not any(
+        size_in[0] >= width and size_in[1] >= height for width, height in least
+    ):
+        sizes = ", or ".join(f"{width:g}x{height:g}" for width, height in least)
         raise VopdError(
-            f"the figure {named!r} does not fit in {size_in[0]:g}x{size_in[1]:g} inches: "
-            f"the smallest size is {width:g}x{height:g}"
+            f"the figure {', '.join(names)!r} does not fit in {size_in[0]:g}x{size_in[1]:g} "
+            f"inches: the smallest size is {sizes}"
         )

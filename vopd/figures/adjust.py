@@ -72,12 +72,12 @@ def _parameters(axis: Any, shown: Sequence[Change]) -> None:
     for row, one in sorted(enumerate(shown), key=lambda pair: not pair[1].stated):
         if one.stated:
             axis.barh(
-                row, 2.0, 0.7, -1.0, color="0.85", zorder=0, label="before, ± sigma as stated"
+                row, 2.0, 0.7, -1.0, color="0.85", zorder=0, label="before, ± one sigma as stated"
             )
         if not np.isfinite(one.moved):
             axis.plot(0.0, row, "o", mfc="white", mec="0.3", label="not held: kept as stated")
             continue
-        look: dict[str, Any] = {"fmt": "o", "color": COLOURS[0], "label": "after, ± sigma"}
+        look: dict[str, Any] = {"fmt": "o", "color": COLOURS[0], "label": "after, ± one sigma"}
         if not one.stated:
             look |= {"fmt": "D", "color": COLOURS[1]}
             look["label"] = "after, in its own sigma: none was stated before"

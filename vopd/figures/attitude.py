@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.conventions import conventions
 from vopd.attitude.history import History
 from vopd.attitude.uncertainty import ANGLES
 from vopd.figures.style import (
@@ -241,9 +242,11 @@ def draw_table(figure: Any, histories: Sequence[History], names: Sequence[str]) 
         )
     axis = figure.subplots()
     axis.axis("off")
+    from_north = "; yaw from true north" if any(one.endswith("yaw") for one in names) else ""
     axis.set_title(
-        "degrees ± half of the 95 % interval", loc="left", fontsize="medium", fontweight="bold"
-    )
+        f"degrees ± half of the 95 % interval{from_north}", loc="left", fontsize="medium",
+        fontweight="bold",
+    )  # fmt: skip
     upright = len(have) <= MOST_UPRIGHT
     if upright:  # a column for each job
         columns, *texts = [list(line) for line in zip(*rows, strict=True)]
@@ -306,12 +309,26 @@ def draw_attack(
         histories: the jobs, of which some frame has them
     """
     names = ["alpha", "beta", "eta"]
+    told = [caption(histories), conventions(histories)["angles of attack"]]
+    if not any("wind" in h.uncertainty.components for h in histories):
+        told.append("errors of the wind are not in the intervals")
     if single_frames(histories):
         draw_table(figure, histories, names)
-        return caption(histories)
-    _panels(_grid(figure, histories, 3, 1)[:, 0], histories, names)
-    draw_legend(figure, histories)
-    return caption(histories)
+    else:
+        _panels(_grid(figure, histories, 3, 1)[:, 0], histories, names)
+        draw_legend(figure, histories)
+    return "\n".join(told)
+
+
+ANGLE_TEXTS = {
+    "yaw": "yaw from\ntrue north",
+    "pitch": "pitch",
+    "roll": "roll",
+    "alpha": "alpha, attack\nin pitch",
+    "beta": "beta, attack\nin yaw",
+    "eta": "eta, attack\nin total",
+}
+"""What the axes of angles say."""
 
 
 def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
@@ -319,7 +336,7 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
         cut = unwrapped_about(np.concatenate([values_of(h, name) for h in histories]))
         for number, history in enumerate(histories):
             _angle(axis, history, name, COLOURS[number % len(COLOURS)], cut)
-        axis.set_ylabel(f"{name.split('_')[-1]}, degrees")
+        axis.set_ylabel(f"{ANGLE_TEXTS[name.split('_')[-1]]}, degrees")
         lowest = 0.0 if name.endswith("yaw") else -180.0
         axis.yaxis.set_major_formatter(lambda y, _, low=lowest: f"{in_range(y, low):.6g}")
     marks = ("-", "--", ":")
@@ -404,9 +421,14 @@ def _half_width(axis: Any, history: History, name: str, mark: str, colour: str) 
     low, high = interval_of(history, name)[:, order]
     half = (high - low) / 2.0
     times, index = broken(history.order_axis[0][order], np.zeros(len(order)))
-    marker = "." if np.isfinite(half).sum() <= POINTS else ""
     positive = np.where(half > 0.0, half, np.nan)
-    axis.plot(times, picked(positive, index), ls=mark, color=colour, lw=1.0, marker=marker, ms=2.5)
+    known = np.isfinite(positive)
+    alone = known & ~_has_neighbour(index, known)
+    at = np.flatnonzero((index >= 0) & alone[index])  # dots elsewhere would hide the lines' styles
+    axis.plot(
+        times, picked(positive, index), ls=mark, color=colour, lw=1.0, ms=2.5,
+        marker="." if len(at) else "", markevery=at.tolist() or None,
+    )  # fmt: skip
 
 
 def _width_scale(axis: Any, names: list[str], marks: tuple[str, ...]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -102,16 +102,18 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
     unpicked = _inside(view.computed, view.size_px)
     unpicked[view.landmark] = False
     look = {"ls": "", "mfc": "none", "path_effects": halo(3.0)}
-    axis.plot(*view.fitted[fits].T, "+", mec="black", ms=9, label="computed", **look)
+    read_as = "picked" if scene.clicks is None else "clicked or tracked"
+    axis.plot(*view.fitted[fits].T, "+", mec="black", ms=14, label="computed", **look)
     for marks, mark, colour, size, text in (
-        (view.pixel[view.used], "o", COLOURS[0], 9, "picked"),
-        (view.pixel[~view.used & ~culprit], "D", COLOURS[3], 7, "picked, not used"),
+        (view.pixel[view.used], "o", COLOURS[0], 9, read_as),
+        (view.pixel[~view.used & ~culprit], "D", COLOURS[3], 7, f"{read_as}, not used"),
         (view.pixel[culprit], "s", FLAGGED, 13, "does not fit"),
-        (view.computed[unpicked], "^", "0.3", 6, "not picked: computed place"),
+        (view.computed[unpicked], "^", "0.3", 6, f"not {read_as}: computed place"),
     ):
         if len(marks):
             axis.plot(*marks.T, mark, mec=colour, mew=1.5, ms=size, label=text, zorder=4, **look)
-    more = _horizon(axis, history, k, scene, view)
+    ends = np.array([[-0.5, height - 0.5], [width - 0.5, -0.5]])
+    more = _horizon(axis, history, k, scene, view, ends)
 
     outside = ~_inside(view.pixel, view.size_px)
     if outside.any():
@@ -183,13 +185,24 @@ LABEL_SHARE = 0.03  # half of the width of an azimuth, in terms of the image's
 AZIMUTHS = {0: "N", 45: "NE", 90: "E", 135: "SE", 180: "S", 225: "SW", 270: "W", 315: "NW"}
 
 
-def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageScene) -> list[str]:
-    """Draw the horizon with azimuths, or if it is not in the picture the way north; say what."""
+def _horizon(
+    axis: Any, history: History, k: int, scene: JobScene, view: ImageScene | FilmView, ends: Floats
+) -> list[str]:
+    """Draw the horizon with azimuths, or if it is not in the picture the way north; say what.
+
+    Args:
+        axis: to draw in
+        history: the job
+        k: index of the frame
+        scene: its surroundings
+        view: of the frame
+        ends: the corners of the picture, its lower left and upper right one, (2, 2)
+    """
     camera = scene.camera_m[camera_index(history, k, scene)]
     dip = float(horizon_dip_deg(camera, scene.landmark_m))
     azimuth = np.arange(0.0, 360.0, 0.25)
     line = view.pixel_of(toward(azimuth, -dip))
-    inside = _inside(line, view.size_px)
+    inside = _between(line, ends)
     if inside.sum() > 1:
         broken = np.where(inside[:, None], line, np.nan)
         axis.plot(*broken.T, "--", color=HORIZON, lw=1.2, path_effects=halo(), label="horizon")
@@ -197,8 +210,9 @@ def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageSc
         step = next(one for one in (5, 10, 15, 30, 45) if span / one < 9 or one == 45)
         ticks = np.arange(0, 360, step)
         at = view.pixel_of(toward(ticks.astype(float), -dip))
-        seen = _inside(at, view.size_px)
-        seen &= np.abs(at[:, 0] / view.size_px[0] - 0.5) < 0.5 - LABEL_SHARE
+        seen = _between(at, ends)
+        across = (at[:, 0] - ends[0, 0]) / (ends[1, 0] - ends[0, 0])
+        seen &= np.abs(across - 0.5) < 0.5 - LABEL_SHARE
         for degrees, point in zip(ticks[seen].tolist(), at[seen], strict=True):
             axis.plot(*point, "|", color=HORIZON, ms=8, path_effects=halo())
             text = f"{degrees:03d}° {AZIMUTHS.get(degrees, '')}".strip()
@@ -207,15 +221,15 @@ def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageSc
                 color=HORIZON, bbox=BEHIND, zorder=6,
             )  # fmt: skip
         return ["horizon: of a plain as high as the lowest landmark, azimuths from true north"]
-    middle = np.array([view.size_px]) / 2.0
+    middle = ends.mean(axis=0, keepdims=True)
     direction = view.direction_of(middle)
     moved = direction + 0.02 * np.array([[0.0, 1.0, 0.0]])
     way = (view.pixel_of(moved) - middle)[0]
     length = float(np.hypot(*way))
     if not length > 0.0:
         return []
-    way *= 0.05 * view.size_px[0] / length
-    foot = np.array([0.91 * view.size_px[0], 0.15 * view.size_px[1]])
+    way *= 0.05 * abs(ends[1, 0] - ends[0, 0]) / length
+    foot = ends[0] + (ends[1] - ends[0]) * [0.91, 0.85]
     axis.annotate(
         "", foot + way, foot - way, zorder=6,
         arrowprops={"arrowstyle": "-|>", "color": HORIZON, "lw": 2.0, "path_effects": halo(4.0)},
@@ -224,7 +238,7 @@ def _horizon(axis: Any, history: History, k: int, scene: JobScene, view: ImageSc
         *(foot + 1.35 * way), "N", ha="center", va="center", color=HORIZON, fontweight="bold",
         bbox=BEHIND, zorder=6,
     )  # fmt: skip
-    return ["N: the way north in the picture's middle"]
+    return ["N: the way to true north in the picture's middle"]
 
 
 BENT, EARTH_M = 0.13, 6371e3  # of standard refraction, for the horizon
@@ -252,8 +266,14 @@ def toward(azimuth_deg: Floats, elevation_deg: Floats | float) -> Floats:
 
 def _inside(pixel: Floats, size_px: tuple[int, int]) -> Bools:
     """Mark pixels within the image."""
+    return _between(pixel, np.array([[-0.5, -0.5], np.array(size_px) - 0.5]))
+
+
+def _between(points: Floats, ends: Floats) -> Bools:
+    """Mark points of a plane (n, 2) between two corners (2, 2)."""
+    low, high = np.sort(ends, axis=0)
     with np.errstate(invalid="ignore"):
-        return np.asarray(((pixel >= -0.5) & (pixel <= np.array(size_px) - 0.5)).all(axis=1))
+        return np.asarray(((points >= low) & (points <= high)).all(axis=1))
 
 
 def camera_index(history: History, k: int, scene: JobScene) -> int:
@@ -273,7 +293,7 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     shown &= np.isfinite(rows.image).all(axis=1) & np.isfinite(rows.residual).all(axis=1)
     measured, residual, odd = rows.image[shown], rows.residual[shown], rows.odd[shown]
     scene = e.scene() if e.scene is not None else None
-    corner, inside, computed = (one[0] for one in film_frames(history, scene, [k]))
+    corner, inside, computed, axes = (one[0] for one in film_frames(history, scene, [k]))
     corners = corner[np.isfinite(corner).all(axis=1)]
     others = np.array(scene.names if scene is not None else (), dtype=str)[inside].tolist()
     axis = figure.subplots()
@@ -287,7 +307,7 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     fitted = measured - residual
     scale = max(arrow_scale(residual, 2.0 * far[0]), 1.0)
     residual_arrows(axis, fitted, residual, scale, e.units)
-    axis.plot(*fitted.T, "+", color="0.2", ms=9, label="computed")
+    axis.plot(*fitted.T, "+", color="0.2", ms=12, label="computed")
     for marks, mark, colour, size, text in (
         (measured, "o", COLOURS[0], 7, "measured"),
         (measured[odd], "s", FLAGGED, 12, "does not fit"),
@@ -296,6 +316,11 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
         if len(marks):
             axis.plot(*marks.T, mark, mfc="none", mec=colour, ms=size, label=text)
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)
+    more = []
+    if scene is not None and len(corners):
+        most = np.abs(corners).max(axis=0)
+        ends = np.stack([most, most]) * [[1.0, -1.0], [-1.0, 1.0]]
+        more = _horizon(axis, history, k, scene, FilmView(axes, e.focal_length), ends)
     order = np.argsort(~odd, kind="stable")
     numbers = rows.landmark[shown][order].tolist()
     names = [name_text(e.landmark_label(one), NAME_SHOWN) for one in numbers]
@@ -315,10 +340,12 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     handles, texts = axis.get_legend_handles_labels()
     legend_below(figure, handles, texts, 4)
     when = f"{e.time_s[k]:.3f} s, " if np.isfinite(e.time_s[k]) else ""
-    left_out = f"; {count_text(nameless, 'name')} left out for want of room" if nameless else ""
+    landmarks = count_text(history.landmarks[k], "landmark")
+    if nameless:
+        more.append(f"{count_text(nameless, 'name')} left out for want of room")
     return (
         f"{caption([history])}\nframe {name_text(e.frame_label(k), FRAME_SHOWN)}, {when}"
-        f"{count_text(history.landmarks[k], 'landmark')}; corrected for distortion{left_out}\n"
+        f"{'; '.join([landmarks, 'corrected for distortion', *more])}\n"
         f"arrows: residuals, measured minus computed, {scale:g} times as long"
         f"{_misfit(history, k)}"
     )
@@ -327,9 +354,28 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
 FILM_ROOM_IN = (2.0, 2.2)  # width and height of a figure that labels, title, key and legend take
 
 
+class FilmView(NamedTuple):
+    """Films, n of them, and directions: lengths are mm, x to the left and y up."""
+
+    axes: Floats  # of the cameras as rows x, y, z, in components east, north, up, (..., 3, 3)
+    focal_length: Floats | float
+
+    def pixel_of(self, direction: Floats) -> Floats:
+        """Find the places of directions east, north, up (..., H, 3); NaN behind the camera."""
+        seen = direction @ self.axes.swapaxes(-1, -2)
+        depth = np.where(seen[..., 2:] > 0.0, seen[..., 2:], np.nan)
+        return np.asarray(self.focal_length * seen[..., :2] / depth)
+
+    def direction_of(self, place: Floats) -> Floats:
+        """Find the directions east, north, up of places (..., H, 2)."""
+        focal = np.full((*place.shape[:-1], 1), self.focal_length)
+        ray = np.concatenate([place, focal], axis=-1)
+        return np.asarray(ray / np.linalg.norm(ray, axis=-1, keepdims=True) @ self.axes)
+
+
 def film_frames(
     history: History, scene: JobScene | None, frames: Sequence[int] | Ints
-) -> tuple[Floats, Bools, Floats]:
+) -> tuple[Floats, Bools, Floats, Floats]:
     """Find the frames of a film, and the landmarks in them that no residual shows.
 
     Args:
@@ -339,12 +385,15 @@ def film_frames(
 
     Returns:
         Corners in order, NaN where they are not known, (n, 4, 2); which landmarks are in the
-        frame and were not measured or not used, (n, N); and where they were computed (n, N, 2).
+        frame and were not measured or not used, (n, N); where they were computed (n, N, 2); and
+        the camera's axes as rows, in components east, north, up (n, 3, 3).
     """
     if scene is None or scene.film is None:
-        none = np.full((len(frames), 4, 2), np.nan)
-        return none, np.zeros((len(frames), 0), bool), none[:, :0]
-    corners, computed = scene.film(np.array([camera_index(history, k, scene) for k in frames]))
+        none = np.full((len(frames), 4, 3), np.nan)
+        return none[..., :2], np.zeros((len(frames), 0), bool), none[:, :0, :2], none[:, :3]
+    corners, computed, axes = scene.film(
+        np.array([camera_index(history, k, scene) for k in frames])
+    )
     known = np.isfinite(corners).all(axis=(1, 2)) & np.ptp(corners, axis=1).all(axis=1)
     corners = np.where(known[:, None, None], corners, np.nan)
     with np.errstate(invalid="ignore"):
@@ -356,7 +405,7 @@ def film_frames(
     for frame, number in zip(rows.frame[measured], rows.landmark[measured], strict=True):
         if int(frame) in place:
             shown[place[int(frame)], index[history.estimate.landmark_label(int(number))]] = False
-    return corners, shown, computed
+    return corners, shown, computed, axes
 
 
 def _misfit(history: History, k: int) -> str:

@@ -30,7 +30,9 @@ NO_MAP = "no map: where landmarks and camera are is not known"
 BEYOND = 1.3  # how far the footprint of a view toward the horizon goes: of the farthest landmark
 MISSED = 0.01  # of the distance to a landmark: a line of sight that passes it farther is marked
 STEPS = 40  # of a line of sight, so that over a long way the Earth's curvature shows
+SEEN = 0.003  # of the plan: a track that is smaller is not seen behind the camera's mark
 ROOM = 0.08  # around all that is drawn
+GATHERED = 0.1  # mean of level directions to landmarks: above it they lie to one side
 SIDE = 0.32  # of the height of the figure: the side view
 
 
@@ -62,6 +64,7 @@ def draw_map(
             return scene.plane(position_m.reshape(-1, 3))[0].reshape(*position_m.shape[:-1], 2)
         return np.asarray((position_m - camera_m) @ axes[:2].T / unit_m)
 
+    read = "measured" if scene.image is None else "clicked or tracked" if scene.clicks else "picked"
     picked, ray = scene.sight(number, name)
     mark_m = scene.landmark_m[picked]
     along = ((mark_m - camera_m) * ray).sum(axis=1)
@@ -71,9 +74,10 @@ def draw_map(
     miss_m = np.linalg.norm(mark_m - line_m[:, -1], axis=1)
     culprit = _culprits(history, k, scene)
     missed = (miss_m > MISSED * along) | np.isin(picked, np.flatnonzero(culprit))
-    level = (ray @ axes[:2].T).sum(axis=0)
+    flat = (mark_m - camera_m) @ axes[:2].T
+    level = (flat / np.maximum(np.hypot(*flat.T), 1e-9)[:, None]).sum(axis=0)
     azimuth = np.degrees(np.arctan2(level[0], level[1])) if len(ray) else 0.0
-    gathered = np.hypot(*level) > 0.5 * len(ray) * 0.2
+    gathered = np.hypot(*level) > GATHERED * len(ray)
 
     def beside(position_m: Floats) -> Floats:
         """The distance along the view, and the height."""
@@ -83,14 +87,18 @@ def draw_map(
         height = geodetic(position_m).height_m
         return np.stack([along, height / unit_m], axis=-1)
 
+    shown_m = np.vstack([plan(known), plan(scene.landmark_m), plan(camera_m)[None]])
     above, side = figure.subplots(2, 1, height_ratios=(1.0 - SIDE, SIDE))
     foot, cut_short = _footprint(scene, history, k, camera_m, axes, away_m)
     for axis, to in ((above, plan), (side, beside)):
         if axis is above and foot is not None:
             at = to(foot)
             axis.fill(*at.T, fc=f"{COLOURS[4]}2e", ec=COLOURS[4], zorder=0,
-                      label="ground in the image")  # fmt: skip
-        if len(known) > 1 and np.ptp(known, axis=0).any():
+                      label="ground in the image, of the\nlandmarks' mean height")  # fmt: skip
+        if (
+            len(known) > 1
+            and np.ptp(to(known), axis=0).max() > SEEN * np.ptp(shown_m, axis=0).max()
+        ):
             axis.plot(
                 *to(known).T, ".-", color="0.25", ms=3, lw=0.8, zorder=2, label="camera's track",
                 rasterized=len(known) > 2000,
@@ -107,8 +115,8 @@ def draw_map(
         used = np.zeros(len(scene.names), bool)
         used[picked] = True
         for here, mark, colour, text in (
-            (~used, "^", "0.45", "landmark"),
-            (used & ~culprit, "^", COLOURS[0], "landmark picked in this frame"),
+            (~used, "^", "0.45", f"landmark not {read} in this frame"),
+            (used & ~culprit, "^", COLOURS[0], f"landmark {read} in this frame"),
             (culprit, "s", FLAGGED, "does not fit"),
         ):
             if here.any():
@@ -147,16 +155,15 @@ def draw_map(
     pt = 72.0 * box_in / (high - low)
     at = plan(scene.landmark_m[order])
     nameless += place_names(above, at, names, pt, np.stack([low, high]), culprit[order])
-    in_side = order[(used | culprit)[order]]
-    at = beside(scene.landmark_m[in_side])
-    names = [name_text(scene.names[one], NAME_SHOWN) for one in in_side]
+    at = beside(scene.landmark_m[order])
+    names = [name_text(scene.names[one], NAME_SHOWN) for one in order]
     nameless += place_names(side, at, names, side_pt, in_view)
 
     where = f"in {scene.crs}, m" if scene.plane is not None else f"of this frame's camera, {unit}"
     above.set_xlabel(f"easting {where}" if scene.plane is not None else f"east {where}")
     above.set_ylabel("northing, m" if scene.plane is not None else f"north, {unit}")
-    direction = f"toward azimuth {azimuth % 360.0:.0f}°" if gathered else "toward the east"
-    side.set_xlabel(f"distance from the camera {direction}, {unit}")
+    toward = azimuth % 360.0 if gathered else 90.0
+    side.set_xlabel(f"distance from the camera toward {toward:.0f}° from true north, {unit}")
     side.set_ylabel(f"height, {unit}")
     for axis in (above, side):
         axis.ticklabel_format(style="plain", useOffset=False)
@@ -164,7 +171,8 @@ def draw_map(
     _north(above, scene, camera_m)
     handles, texts = above.get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=3)
-    told = [f"frame {name_text(e.frame_label(k), FRAME_SHOWN)}", "lines of sight as picked"]
+    told = [f"frame {name_text(e.frame_label(k), FRAME_SHOWN)}", f"lines of sight as {read}"]
+    told.append("N: true north")
     if missed.any():
         worst = int(np.where(missed, miss_m / along, 0.0).argmax())
         told.append(

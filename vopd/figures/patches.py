@@ -16,14 +16,23 @@ from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
 from vopd.figures.image import Photograph, camera_index
-from vopd.figures.style import COLOURS, FLAGGED, caption, name_text, plain, short_start
+from vopd.figures.style import (
+    COLOURS,
+    FLAGGED,
+    caption,
+    name_text,
+    plain,
+    short_start,
+    width_in,
+)
 from vopd.findings import VopdError
 from vopd.geometry.earth import local_axes
 from vopd.scene import ImageScene, JobScene
 
 SIDE = 41  # pixels of the first frame along a side of a patch as it is drawn
 ALIKE = 25  # of which the middle is compared with the first
-COLUMNS, MOST_STRIPS = 12, 12
+COLUMNS, FEWEST, MOST_STRIPS = 12, 4, 12
+WIDE_IN = 9.0  # width of a figure with so many columns; a narrower one has fewer
 GAP = 12  # pixels between patches: their labels
 FRAME_SHOWN = 7  # characters of a frame's name below a patch
 LEVELS = 31  # of grey, with which the picture is half as large
@@ -76,7 +85,8 @@ def _draw(figure: Any, history: History, scene: JobScene, read: Photograph) -> s
     from matplotlib.collections import LineCollection
     from matplotlib.patches import Rectangle
 
-    strips = _strips(history, scene)
+    most = max(round(COLUMNS * min(width_in(figure) / WIDE_IN, 1.0)), FEWEST)
+    strips = _strips(history, scene, most)
     if not strips:
         raise VopdError(NO_PATCHES)
     shown = list(strips)[:MOST_STRIPS]
@@ -128,16 +138,16 @@ def _draw(figure: Any, history: History, scene: JobScene, read: Photograph) -> s
     for side in axis.spines.values():
         side.set_visible(False)
     more = f"; {len(strips) - len(shown)} landmarks more" if len(strips) > len(shown) else ""
-    clicks = "blue: clicks; " if scene.clicks is not None else ""
+    clicks = "thick blue border: clicks; " if scene.clicks is not None else ""
     return (
-        f"{caption([history])}\n{clicks}red: does not fit; not found: where it should be; "
-        f"white: beyond the picture{more}\n"
+        f"{caption([history])}\n{clicks}thickest, red, bold: does not fit; "
+        f"not found: where it should be; white: beyond the picture{more}\n"
         "each patch turned and stretched to look like the first; below it the frame, and the "
         "correlation with the first"
     )
 
 
-def _strips(history: History, scene: JobScene) -> dict[int, list[_Patch]]:
+def _strips(history: History, scene: JobScene, columns: int) -> dict[int, list[_Patch]]:
     """Choose the patches of each landmark: clicks first, then frames spread evenly."""
     e = history.estimate
     known = np.flatnonzero(history.has_attitude)
@@ -148,7 +158,7 @@ def _strips(history: History, scene: JobScene) -> dict[int, list[_Patch]]:
             if int(at) in of_scene:
                 one = _Patch(of_scene[int(at)], pixel, "wrong" if wrong else "click")
                 clicks.setdefault(int(mark), []).append(one)
-    spread = known[np.unique(np.linspace(0, len(known) - 1, COLUMNS).round().astype(int))]
+    spread = known[np.unique(np.linspace(0, len(known) - 1, columns).round().astype(int))]
     if scene.clicks is None:
         assert scene.image is not None
         for k in spread.tolist():
@@ -168,7 +178,7 @@ def _strips(history: History, scene: JobScene) -> dict[int, list[_Patch]]:
         good = [one for one in own if one.kind == "click"] or own
         first = min(good, key=lambda one: one.k)
         strip.pop(first.k, None)
-        found[mark] = [first, *(strip[k] for k in sorted(strip))][:COLUMNS]
+        found[mark] = [first, *(strip[k] for k in sorted(strip))][:columns]
     return found
 
 

@@ -19,6 +19,7 @@ from vopd.figures.style import (
     legend_below,
     name_text,
     round_number,
+    width_in,
 )
 from vopd.findings import count_text
 
@@ -32,6 +33,7 @@ FAR = 8.0  # times the 99th percentile: residuals beyond are drawn at the edge
 MARKS = "os^Dvp"
 OWN_SIGMA = ("residuals", "sample")  # of `SOURCES`: residuals say nothing about such a sigma
 HELD = 1e-6  # part of a reading's variance that is left as a residual: below it fits by itself
+BESIDE_IN = 6.0  # width of a figure, below which panels are not side by side
 MOST_SIGMAS = 5.0  # of the histogram; what is beyond stands in its last bins, and is counted
 
 
@@ -83,7 +85,15 @@ def draw_residuals(
 def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -> str:
     units = histories[0].estimate.units
     names, values = _directions(histories, found)
-    axes = figure.subplots(3, 2, width_ratios=(3, 1), sharex="col", sharey="row")
+    narrow = width_in(figure) < BESIDE_IN
+    if narrow:  # the histogram and the landmarks' names below, in place of beside
+        rows = figure.subplots(4, 1, height_ratios=(1, 1, 1, 0.8))
+        axes = np.array([[one, rows[3]] for one in rows[:3]])
+        for one in rows[:2]:
+            one.sharex(rows[2])
+            one.tick_params(labelbottom=False)
+    else:
+        axes = figure.subplots(3, 2, width_ratios=(3, 1), sharex="col", sharey="row")
     numbers, own = np.unique(found.landmark, return_inverse=True)
     squares = (values**2).sum(axis=1)
     rms = np.sqrt(np.bincount(own, squares) / (2.0 * np.bincount(own)))
@@ -115,7 +125,11 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
             axis.axhspan(-1.96, 1.96, color="0.5", alpha=0.15, lw=0, label="95 % of errors")
             axis.set_ylabel("residual, in\nits sigma")
             handles, texts = axis.get_legend_handles_labels()
-            legend = figure.legend(handles, texts, loc="outside lower center", ncols=3)
+            if narrow:
+                legend = axis.legend(handles, texts, loc="upper left", ncols=3, fontsize="small",
+                                     bbox_to_anchor=(0.0, -0.3))  # fmt: skip
+            else:
+                legend = figure.legend(handles, texts, loc="outside lower center", ncols=3)
             for mark in legend.get_lines():
                 mark.set(markersize=5.0, alpha=1.0)
         for side, at in ((1.0, "^"), (-1.0, "v")):
@@ -125,10 +139,6 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
             )
         axis.set_ylim(-1.06 * most, 1.06 * most)
     label_time_axis(axes[2, 0], histories)
-    for axis in axes[:2, 1]:
-        axis.axis("off")
-    beside = axes[0, 1].get_gridspec()[:2, 1]  # a legend beside one row alone parts it from others
-    axes[0, 1].set_subplotspec(beside)
     shown = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
     named = {
         str(place): f"{_label(histories, int(numbers[k]))}: {_three_digits(rms[k])}"
@@ -136,24 +146,27 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     }
     named |= {"others": f"{len(numbers) - len(coloured)} others", "does not fit": "does not fit"}
     kept = [one for one in named if one in shown]
-    axes[0, 1].legend(
-        [shown[one] for one in kept], [named[one] for one in kept], loc="upper left",
-        title=f"rms, {units.residual}", bbox_to_anchor=(-0.1, 1.02), alignment="left",
-    )  # fmt: skip
-    far = _histogram(axes[2, 1], found.sigmas)
-    known = found.sigmas[np.isfinite(found.sigmas) & ~found.outlier[:, None]]
+    handles, texts = [shown[one] for one in kept], [named[one] for one in kept]
+    title = f"rms, {units.residual}"
+    if narrow:
+        figure.legend(handles, texts, loc="outside lower center", ncols=2, title=title)
+    else:
+        for axis in axes[:2, 1]:
+            axis.axis("off")
+        # a legend beside one row alone parts it from others
+        axes[0, 1].set_subplotspec(axes[0, 1].get_gridspec()[:2, 1])
+        axes[0, 1].legend(
+            handles, texts, loc="upper left", title=title, bbox_to_anchor=(-0.1, 1.02),
+            alignment="left",
+        )  # fmt: skip
+    far = _histogram(axes[2, 1], found.sigmas, upright=narrow)
     told = ["picked minus computed" if units.image == "px" else "measured minus computed"]
     longest = int(np.unique(own + len(numbers) * found.job, return_counts=True)[1].max())
     if longest > MANY:
         told.append(f"lines: means of {_of_a_mean(longest)} residuals, dots: single ones")
         if others := len(numbers) - len(coloured):
             told[-1] += f", of {count_text(others, 'other landmark')} these alone"
-    if len(known):
-        rms_sigmas = np.sqrt(np.mean(known**2))
-        fitted = all(h.uncertainty.reading.source in OWN_SIGMA for h in histories)
-        size = f"{_three_digits(rms_sigmas)} (1 if sigma is right"
-        size += "; sigma is from these residuals)" if fitted else ")"
-        told.append(f"in sigmas, rms of those that fit: {size}")
+    told += filter(None, [_rms_text(found, histories)])
     for count, most, unit in zip(cut, limit, (units.residual, "sigma"), strict=True):
         if count:
             many = count_text(count, "residual")
@@ -161,6 +174,17 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     if far:
         told.append(f"{far} beyond {MOST_SIGMAS:g} sigma in the histogram's last bins")
     return f"{caption(histories)}\n{'; '.join(told)}"
+
+
+def _rms_text(found: Residuals, histories: Sequence[History]) -> str:
+    """Say how large the residuals that fit are in their standard deviations; else empty."""
+    known = found.sigmas[np.isfinite(found.sigmas) & ~found.outlier[:, None]]
+    if not len(known):
+        return ""
+    size = f"{_three_digits(float(np.sqrt(np.mean(known**2))))} (1 if sigma is right"
+    fitted = all(h.uncertainty.reading.source in OWN_SIGMA for h in histories)
+    size += "; sigma is from these residuals)" if fitted else ")"
+    return f"in sigmas, rms of those that fit: {size}"
 
 
 def _three_digits(value: float) -> str:
@@ -247,20 +271,32 @@ def _means(time: Floats, values: Floats, each: int) -> tuple[Floats, Floats]:
     return times, means
 
 
-def _histogram(axis: Any, sigmas: Floats) -> int:
-    """Draw how often residuals have which size, in sigmas; gives how many are in the end bins."""
+def _histogram(axis: Any, sigmas: Floats, upright: bool) -> int:
+    """Draw how often residuals have which size, in sigmas; gives how many are in the end bins.
+
+    Args:
+        axis: the panel
+        sigmas: the residuals
+        upright: whether the size grows to the right, in place of up as beside other panels
+    """
     values = sigmas[np.isfinite(sigmas)]
-    axis.tick_params(labelleft=False, labelbottom=False, bottom=False)
+    axis.tick_params(labelleft=False, left=not upright, labelbottom=upright, bottom=upright)
     axis.grid(visible=False)
     if not len(values):
         axis.text(0.5, 0.5, "no sigma", ha="center", transform=axis.transAxes)
         return 0
     edges = np.linspace(-MOST_SIGMAS, MOST_SIGMAS, 31)
     held = np.clip(values, edges[0], edges[-1])
-    axis.hist(held, edges, density=True, orientation="horizontal", color=COLOURS[4], alpha=0.6)
+    way: Any = "vertical" if upright else "horizontal"
+    axis.hist(held, edges, density=True, orientation=way, color=COLOURS[4], alpha=0.6)
     size = np.linspace(edges[0], edges[-1], 101)
-    axis.plot(np.exp(-(size**2) / 2.0) / np.sqrt(2.0 * np.pi), size, color="black", lw=1.0)
-    axis.set_xlabel("how many;\nline: as expected")
+    line = (size, np.exp(-(size**2) / 2.0) / np.sqrt(2.0 * np.pi))
+    axis.plot(*(line if upright else line[::-1]), color="black", lw=1.0)
+    if upright:
+        axis.set_xlabel("residual, in its sigma; line: as expected")
+        axis.set_ylabel("how many")
+    else:
+        axis.set_xlabel("how many;\nline: as expected")
     return int((np.abs(values) > MOST_SIGMAS).sum())
 
 
@@ -307,8 +343,14 @@ def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) ->
     if len(texts) > 1:
         legend_below(figure, handles, texts, 4)
     order = "; columns from left to right: the jobs" if jobs > 1 else ""
-    picked = "picked" if histories[0].estimate.units.image == "px" else "measured"
-    return f"{caption(histories)}\n{picked} minus computed{order}"
+    units = histories[0].estimate.units
+    picked = "picked" if units.image == "px" else "measured"
+    told = [f"{picked} minus computed{order}"]
+    if len(values):
+        rms_text = _three_digits(float(np.sqrt(np.mean(values**2))))
+        told.append(f"rms of a coordinate {rms_text} {units.residual}")
+    told += filter(None, [_rms_text(found, histories)])
+    return f"{caption(histories)}\n{'; '.join(told)}"
 
 
 def _label(histories: Sequence[History], number: int) -> str:

@@ -158,7 +158,7 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
         start = images - residuals
         scale, along = draw_arrows(axis, start, residuals, ~odd & ~out, width, units)
         look = {"ls": "", "mfc": "none", "path_effects": halo(3.0)}
-        axis.plot(*start.T, "+", mec="0.2", ms=9, label="computed", **look)
+        axis.plot(*start.T, "+", mec="0.2", ms=12, label="computed", **look)
         for here, mark, colour, size, text in (
             (~odd & ~out, "o", COLOURS[0], 7, "measured"),
             (out & ~odd, "D", COLOURS[3], 7, "left out"),

@@ -309,7 +309,7 @@ def plain(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in text).replace("$", r"\$")
 
 
-MARGIN = 0.94  # of a figure's width for a line of a title: letters fitted to dots are wider
+MARGIN = 0.89  # of a figure's width for a line of a title: letters fitted to few dots are wider
 
 
 def wrapped(text: str, width_in: float) -> str:
@@ -467,6 +467,11 @@ def place_names(
             fontweight="bold" if strong else "normal",
         )  # fmt: skip
     return left_out
+
+
+def width_in(figure: Any) -> float:
+    """Find the width of a figure, or of a part of one, inches."""
+    return float(figure.bbox.width / figure.dpi)
 
 
 def round_number(number: float) -> float:

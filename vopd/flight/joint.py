@@ -248,11 +248,33 @@ def solvable(flight: Flight) -> Iterator[None]:
 
 
 def no_solution(flight: Flight) -> VopdError:
-    """Make the error of a flight whose equations have no solution."""
+    """Make the error of a flight whose equations have no solution, naming a far landmark."""
+    far = _far_landmark(flight) or "is a coordinate far off?"
     return VopdError(
         f"{flight.source}: the equations of its positions and landmarks have no solution within "
-        'rounding: is a coordinate far off? [solve] position = "fixed" holds both where they are '
-        "stated, and warns of those that do not fit"
+        f'rounding: {far} [solve] position = "fixed" holds both where they are stated, and warns '
+        "of those that do not fit"
+    )
+
+
+FAR_TIMES = 30.0  # as far away as most landmarks: where its coordinates may be wrong
+
+
+def _far_landmark(flight: Flight) -> str:
+    """Say of the farthest landmark how far it is, if most are much nearer; else empty."""
+    picks, marks = flight.picks, flight.landmarks
+    away_m = marks.position_m[picks.landmark] - flight.path.position_m[picks.frame]
+    distance_m = np.linalg.norm(away_m, axis=1)
+    known = np.isfinite(distance_m)
+    if not known.any():
+        return ""
+    farthest, usual_m = int(np.nanargmax(distance_m)), float(np.median(distance_m[known]))
+    if not distance_m[farthest] > FAR_TIMES * usual_m:
+        return ""
+    name, far_km = marks.name[picks.landmark[farthest]], distance_m[farthest] / 1000.0
+    return (
+        f"landmark {name} is {far_km:,.4g} km from the camera, most are {usual_m / 1000.0:.2g} km: "
+        "correct its coordinates, or leave it out."
     )
 
 

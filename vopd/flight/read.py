@@ -615,7 +615,10 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     lens, picks = camera_lens.read, given or read_pick_rows(project, camera_lens)
     number, times, index = frames_of(project, picks)
     one = _all_as_one(project)
+    flight_name, frames = _name(project.section("flight")), len(number)
     if one:
+        noun = "image" if times.image else "frame"
+        flight_name += f"{', ' if flight_name else ''}{count_text(frames, noun)} solved as one"
         number, times, index = number[:1], _first(times), np.zeros_like(index)
     picks = replace(picks, frame=index)
     notes = Notes([], {})
@@ -648,7 +651,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     refraction = refraction_of(project.section("atmosphere"))
     offset_s = project.section("track").number("offset_s") if project.has("track") else 0.0
     flight = Flight(
-        name=_name(project.section("flight")),
+        name=flight_name,
         source=name,
         lens=camera_lens.of_names(times.image or [str(one) for one in number.tolist()]),
         frame=number,

@@ -7,7 +7,7 @@ import hashlib
 import io
 from collections.abc import Callable, Sequence
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import quote
 
 import numpy as np
@@ -413,6 +413,18 @@ def _worst(residual: Floats, frames: Ints) -> int:
 
 # Figures: the page draws what belongs to a frame itself, and these show all frames at once
 
+
+class Figured(NamedTuple):
+    """A figure of the page; its addresses hold the SVG itself."""
+
+    name: str
+    title: str
+    caption: str
+    address: str
+    small: str = ""  # of a form for narrow screens
+
+
+PHONE_IN = (4.2, 9.5)
 CAPTIONS = {
     "residuals": "Residuals of all frames: against time, a line for each landmark, and in their "
     "standard deviations; of one image by landmark. The numbers are in the table of landmarks.",
@@ -427,8 +439,8 @@ ADJUSTED = (
 )
 
 
-def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, str]]:
-    """Draw the figures of all frames: name, title, caption, and the SVG as a data URI.
+def embedded_figures(histories: Sequence[History]) -> list[Figured]:
+    """Draw the figures of all frames.
 
     Photographs are not in the page, but for the patches of clicks that were followed.
     """
@@ -441,12 +453,15 @@ def embedded_figures(histories: Sequence[History]) -> list[tuple[str, str, str, 
             if name != "patches":
                 raise
             continue  # a video that is elsewhere
-        figures.append((name, kind.title, CAPTIONS[name], _data_uri(drawn)))
+        small = draw(name, histories, size_in=PHONE_IN)
+        figures.append(
+            Figured(name, kind.title, CAPTIONS[name], _data_uri(drawn), _data_uri(small))
+        )
     for k, h in enumerate(drawn_jobs(histories)):
         adjusted = h.estimate.scene().adjusted if h.estimate.scene is not None else None
         if adjusted is not None:
             drawn = draw_adjusted(h.about.source, *adjusted())
-            figures.append((f"adjusted-{k}", "Adjusted", ADJUSTED, _data_uri(drawn)))
+            figures.append(Figured(f"adjusted-{k}", "Adjusted", ADJUSTED, _data_uri(drawn)))
     return figures
 
 

@@ -57,7 +57,7 @@ def angle_table(histories: Sequence[History]) -> tuple[list[str], Rows]:
 
 
 AXES = ("yaw", "pitch", "roll")
-RANGE = ("from, degrees", "to, degrees", "± (95 %), median", "± (95 %), largest")
+RANGE = ("least, degrees", "greatest, degrees", "± (95 %), median", "± (95 %), largest")
 
 
 def _angle_row(histories: Sequence[History], name: str, single: bool) -> list[str]:

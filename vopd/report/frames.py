@@ -16,7 +16,7 @@ from vopd.attitude.table import TableColumn, column_name, columns_of, table_valu
 from vopd.estimate import Units
 from vopd.export.tables import as_text
 from vopd.figures.attitude import TOLD_BY, is_turned, shows_attack
-from vopd.figures.image import camera_index, film_frames, horizon_dip_deg, toward
+from vopd.figures.image import FilmView, camera_index, film_frames, horizon_dip_deg, toward
 from vopd.figures.map import MISSED, ground
 from vopd.findings import count_text
 from vopd.geometry.earth import geodetic, local_axes
@@ -242,18 +242,22 @@ def _scene(h: History, footprints: bool) -> dict[str, Any]:
     plan = _Plan(scene, camera_m[known].mean(axis=0), away_m)
     made |= {
         "crs": scene.crs,
+        "convergence": round(plan.convergence_deg, 3),
         "origin": _numbers(plan.origin, 2),
         "places": plan.places(scene.landmark_m),
         "camera": plan.places(camera_m),
     }
     if scene.views is None:
         made["picks"] = _film_picks(h, rows.frame, own)
-        return made | _film_frames(h, scene) if footprints else made
+        return made | _film_frames(h, scene, camera_m) if footprints else made
     order = np.argsort(frames)
     views = scene.views(frames[order])
     back = np.argsort(order)
     if footprints:
-        made |= _horizons(scene, views, camera_m[order], back)
+        dip_deg = horizon_dip_deg(camera_m[order], scene.landmark_m)
+        edge = views.size_px[:, None].astype(np.float64)
+        ends = np.array([[0.0, 1.0], [1.0, 0.0]]) * edge - 0.5
+        made |= _horizons(views, views.border, views.middle, ends, dip_deg, back)
     views = _in_order(views, order)
     odd = np.zeros((len(frames), len(names)), bool)
     odd[rows.frame[rows.odd], own[rows.odd]] = True
@@ -315,28 +319,45 @@ HALF_STEPS_DEG = (0.5, 1.0, 2.5, 5.0, 7.5, 15.0, 22.5)  # half of those between 
 MOST_AZIMUTHS = 9  # named along a horizon
 
 
-def _horizons(scene: JobScene, views: Views, camera_m: Floats, back: Ints) -> dict[str, Any]:
+def _horizons(
+    view: Views | FilmView,
+    border: Floats,
+    middle: Floats,
+    ends: Floats,
+    dip_deg: Floats,
+    order: Ints,
+    decimals: int = 0,
+) -> dict[str, Any]:
     """Describe the horizon of each image, or if it is not in the picture the way north.
 
     Every second of its points has an azimuth of whole degrees, the first the first that is given.
+
+    Args:
+        view: of n images
+        border: directions east, north, up, around each image, (n, B, 3)
+        middle: of its middle, (n, 3)
+        ends: lower left and upper right corner of the picture, (n, 2, 2)
+        dip_deg: how far below level the horizon is, (n,)
+        order: of the images in what is given back
+        decimals: of places in the image
     """
-    level = np.hypot(*views.middle.T[:2])
-    cosine = np.einsum("nbj,nj->nb", views.border, views.middle)
+    level = np.hypot(*middle.T[:2])
+    cosine = np.einsum("nbj,nj->nb", border, middle)
     with np.errstate(invalid="ignore", divide="ignore"):
-        radius = np.arccos(np.clip(np.nanmin(cosine, axis=1), -1.0, 1.0))
+        radius = np.arccos(np.clip(np.fmin.reduce(cosine, axis=1), -1.0, 1.0))
         ratio = np.where(radius < np.pi / 2.0, np.sin(radius) / level, 2.0)
         span = np.where(ratio < 1.0, np.degrees(np.arcsin(np.clip(ratio, 0.0, 1.0))), 180.0)
-    azimuth = np.degrees(np.arctan2(views.middle[:, 0], views.middle[:, 1]))
+    azimuth = np.degrees(np.arctan2(middle[:, 0], middle[:, 1]))
     known = np.isfinite(azimuth) & np.isfinite(span)
     steps = np.array(HALF_STEPS_DEG)
     own = np.searchsorted(steps * MOST_AZIMUTHS, np.where(known, span, 0.0))
     half_deg = steps[np.minimum(own, len(steps) - 1)]
     first = 2.0 * half_deg * np.floor((azimuth - span) / (2.0 * half_deg))
     at = first[:, None] + half_deg[:, None] * np.arange(4 * MOST_AZIMUTHS + 3)
-    dip = horizon_dip_deg(camera_m, scene.landmark_m)
-    pixel = views.pixel_of(toward(at, -dip[:, None]))
+    pixel = view.pixel_of(toward(at, -dip_deg[:, None]))
+    low, high = np.sort(ends, axis=1).swapaxes(0, 1)[..., None, :]
     with np.errstate(invalid="ignore"):
-        inside = np.all((pixel >= -0.5) & (pixel <= views.size_px[:, None] - 0.5), axis=2)
+        inside = np.all((pixel >= low) & (pixel <= high), axis=2)
     inside &= (at < first[:, None] + 360.0) & known[:, None]
     shown = inside.copy()  # with the next beyond each edge
     shown[:, 1:] |= inside[:, :-1]
@@ -346,26 +367,27 @@ def _horizons(scene: JobScene, views: Views, camera_m: Floats, back: Ints) -> di
     start -= start % 2  # at a whole degree
     there = shown.any(axis=1)
     pixel = np.where((np.abs(pixel) < FAR_PX).all(axis=2, keepdims=True), pixel, np.nan)
-    points = [pixel[k, start[k] : end[k]] if there[k] else pixel[k, :0] for k in back]
-    moved = views.middle + 0.02 * np.array([0.0, 1.0, 0.0])
-    way = views.pixel_of(np.stack([views.middle, moved], axis=1))[back]
-    north = way[:, 1] - way[:, 0]
+    points = [pixel[k, start[k] : end[k]] if there[k] else pixel[k, :0] for k in order]
+    moved = middle + 0.02 * np.array([0.0, 1.0, 0.0])
+    way = view.pixel_of(np.stack([middle, moved], axis=1))
+    north = (way[:, 1] - way[:, 0]) * np.sign(ends[:, 1] - ends[:, 0]) * [1.0, -1.0]
     with np.errstate(invalid="ignore", divide="ignore"):
-        north = np.where(there[back, None], np.nan, north / np.hypot(*north.T)[:, None])
+        north = np.where(there[:, None], np.nan, north / np.hypot(*north.T)[:, None])
     along = np.concatenate(points)
     return {
         "horizon": {
             "count": _numbers(np.array([len(one) for one in points])),
-            "first": _numbers((first + half_deg * start)[back] % 360.0),
-            "step": _numbers(2.0 * half_deg[back]),
-            "u": _numbers(along[:, 0]),
-            "v": _numbers(along[:, 1]),
+            "first": _numbers((first + half_deg * start)[order] % 360.0),
+            "step": _numbers(2.0 * half_deg[order]),
+            "u": _numbers(along[:, 0], decimals),
+            "v": _numbers(along[:, 1], decimals),
         },
-        "north": {"u": _numbers(north[:, 0], 2), "v": _numbers(north[:, 1], 2)},
+        "north": {"u": _numbers(north[order, 0], 2), "v": _numbers(north[order, 1], 2)},
     }
 
 
 FAR_PX = 1e5  # of a point beside the image; beyond it there is none
+BORDER = 8  # points along each side of a film
 
 
 def _film_picks(h: History, frame: Ints, own: Ints) -> dict[str, Any]:
@@ -385,12 +407,19 @@ def _film_picks(h: History, frame: Ints, own: Ints) -> dict[str, Any]:
     }
 
 
-def _film_frames(h: History, scene: JobScene) -> dict[str, Any]:
+def _film_frames(h: History, scene: JobScene, camera_m: Floats) -> dict[str, Any]:
     """Describe the frames of a film by their corners, and the landmarks in them without a pick."""
-    corners, shown, computed = film_frames(h, scene, np.arange(len(h.status)))
+    frames = np.arange(len(h.status))
+    corners, shown, computed, axes = film_frames(h, scene, frames)
     known = np.isfinite(corners).all(axis=(1, 2))
+    view = FilmView(axes, h.estimate.focal_length)
+    most = np.abs(corners).max(axis=1)
+    ends = most[:, None] * [[1.0, -1.0], [-1.0, 1.0]]
+    along = np.linspace(corners, np.roll(corners, 1, axis=1), BORDER, endpoint=False, axis=2)
+    border = view.direction_of(along.reshape(len(frames), -1, 2))
+    dip_deg = horizon_dip_deg(camera_m, scene.landmark_m)
     at, mark = np.nonzero(shown)
-    return {
+    return _horizons(view, border, axes[:, 2], ends, dip_deg, frames, 3) | {
         "corners": {
             "count": _numbers(np.where(known, 4, 0)),
             "u": _numbers(corners[known][..., 0], 2),
@@ -412,9 +441,10 @@ class _Plan:
         self._scene, self._middle_m = scene, middle_m
         self._axes = local_axes(middle_m[None])[0]
         self._decimals = 2 if away_m < FAR_M else 0
-        self.origin = np.zeros(2)
+        self.origin, self.convergence_deg = np.zeros(2), 0.0
         if scene.plane is not None:
-            self.origin = np.round(scene.plane(middle_m[None])[0][0])
+            place, convergence = scene.plane(middle_m[None])
+            self.origin, self.convergence_deg = np.round(place[0]), float(convergence[0])
 
     def places(self, position_m: Floats, with_height: bool = True) -> dict[str, Token]:
         """Write Earth-centred positions (n, 3)."""

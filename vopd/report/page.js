@@ -119,6 +119,12 @@ function names(svg, points, width, height, arrows = []) { // clear of arrows if 
   return left;
 }
 
+// The place that is farthest from all marks, the first of those that are far enough.
+function freest(places, marks) {
+  const away = ([a, b]) => Math.min(80, ...marks.map(([c, d]) => Math.hypot(a - c, b - d)));
+  return places.reduce((one, other) => (away(one) < away(other) ? other : one));
+}
+
 // Frames: one is chosen, and curves, image, map and table follow it.
 const PAGE = 100; // rows of the table at a time
 const STATES = ["", "not used", "does not fit"];
@@ -315,10 +321,17 @@ function work(data) {
     return typeof half === "number" ? [at - half, at + half] : [NaN, NaN];
   }
 
-  // A roll is drawn from -180 to 180, and written so beside its curve; the table has it as the CSV.
+  // Beside its curve: a roll from -180 to 180, an angle to two digits of half its interval. The table has all digits.
   function asDrawn(one) {
     const written = text(one, now);
-    return one.name.endsWith("roll_deg") && Number(written) > 180 ? (Number(written) - 360).toFixed(written.split(".")[1]?.length ?? 0) : written;
+    if (written === "") return "none";
+    if (one === rms) return Number(written).toPrecision(3);
+    const angle = one.name.endsWith("roll_deg") && Number(written) > 180 ? Number(written) - 360 : Number(written);
+    const [lowEnd, highEnd] = ends(one, now, 0);
+    const half = (highEnd - lowEnd) / 2;
+    if (!Number.isFinite(half)) return `${angle.toFixed(2)} ± ? °`;
+    const digits = half > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(half)))) : 6;
+    return `${angle.toFixed(digits)} ± ${half.toFixed(digits)} °`;
   }
 
   function curves() {
@@ -327,18 +340,18 @@ function work(data) {
     if (job.count < 2) { of("curves").hidden = true; return; }
     of("curves").hidden = false;
     if (!drawn) drawCurves(box, job);
-    const { svg, x, panels, height, at } = drawn;
+    const { svg, x, panels, tops, tall, at } = drawn;
     svg.querySelector(".cursor")?.remove();
     const place = x(at[now - job.first]);
     const cursor = node("g", { class: "cursor" });
-    if (Number.isFinite(place)) cursor.append(line(place, 0, place, height, "chosen"));
+    if (Number.isFinite(place)) for (const top of tops) cursor.append(line(place, top + 14, place, top + tall, "chosen"));
     for (const { one, y, top, values } of panels) {
       const own = values[now - job.first];
       if (Number.isFinite(own) && Number.isFinite(place)) cursor.append(node("circle", { cx: round(place), cy: round(y(own)), r: 4, class: "chosen" }));
-      cursor.append(label(svg.viewBox.baseVal.width - 6, top + 11, asDrawn(one) === "" ? "none" : `${asDrawn(one)} ${one.name.endsWith("_deg") ? "°" : ""}`, "value", "end"));
+      cursor.append(label(svg.viewBox.baseVal.width - 6, top + 11, asDrawn(one), "value", "end"));
     }
     svg.append(cursor);
-    svg.setAttribute("aria-label", `${drawn.said}; chosen: ${described(now)}, ${panels.map(({ one }) => `${one.name} ${asDrawn(one) || "none"}`).join(", ")}`);
+    svg.setAttribute("aria-label", `${drawn.said}; chosen: ${described(now)}, ${panels.map(({ one }) => `${one.name} ${asDrawn(one)}`).join(", ")}`);
   }
 
   function drawCurves(box, job) {
@@ -428,7 +441,8 @@ function work(data) {
       const here = inside.filter((k) => raised(job.first + k).includes(name));
       svg.append(label(left, top, `${name} (${here.length})`, "flagname"), path(here.map((k) => `M${round(x(at[k]))} ${top + 2}v8`).join(""), "flagged"));
     });
-    drawn = { svg, x, panels, height: bottom, at, said: `Curves of ${inside.length} frames: ${told.join(", ")}` };
+    const tops = [...panels.map(({ top }) => top), list.length * (tall + gap) + gap];
+    drawn = { svg, x, panels, tops, tall, at, said: `Curves of ${inside.length} frames: ${told.join(", ")}` };
   }
 
   function drawWidths(svg, top, tall, left, right, x, angles, lines) { // half of the intervals, a line each
@@ -571,12 +585,17 @@ function work(data) {
     points.sort((a, b) => (b[3] === "odd") - (a[3] === "odd"));
     const inside = points.filter(([u, v]) => u >= 0 && v >= 0 && u <= width && v <= height);
     const outside = points.length - inside.length;
-    const left = points.length <= 200 ? names(svg, inside, width, height, arrows) : points.length;
     if (job.usual > 0) {
       const key = roundNumber(1.5 * job.usual);
       const long = (key / job.per) * scale * unit;
-      if (long < 0.4 * width) svg.append(arrow(width - 14 - long, height - 10, width - 14, height - 10, "residual"), label(width - 14, height - 17, `${key} ${job.residual}`, "name", "end"));
+      const [a, b] = freest([[width - 40, height - 14], [40, height - 14], [width - 40, 18], [40, 18]], [...inside, ...arrows]);
+      const to = a > width / 2 ? width - 14 : 14 + long;
+      if (long < 0.4 * width) {
+        svg.append(arrow(to - long, b + 4, to, b + 4, "residual"), label(a > width / 2 ? to : 14, b - 3, `${key} ${job.residual}`, "name key", a > width / 2 ? "end" : "start"));
+        for (let n = 0; n <= 8; n++) arrows.push([to - 5 - 6 * n, b - 6], [to - (n / 8) * long, b + 4]);
+      }
     }
+    const left = points.length <= 200 ? names(svg, inside, width, height, arrows) : points.length;
     const signs = ["○ picked", "+ computed", list.some((one) => one.state === 1) && "◇ picked, not used", odd.length && "□ does not fit", job.others?.count[now - job.first] && (job.sizes ? "△ not picked: computed place" : "△ not used: computed place")];
     const more = `${outside ? `; ${outside} outside the image` : ""}${left ? `; ${left} names left out for want of room` : ""}`;
     const plane = job.sizes ? "" : `; seen from behind the camera, ${job.surface}, corrected for distortion${corners.length ? "; the border joins the fiducials" : ""}`;
@@ -604,11 +623,10 @@ function work(data) {
     }
     const [u, v] = [job.north.u[k], job.north.v[k]];
     if (u === null) return "";
-    const away = ([a, b]) => Math.min(...marks.map(([c, d]) => Math.hypot(a - c, b - d)), Infinity);
-    const [a, b] = [[width - 34, 34], [34, 34], [34, height - 34]].reduce((one, other) => (Math.min(away(one), 80) < Math.min(away(other), 80) ? other : one));
+    const [a, b] = freest([[width - 34, 34], [34, 34], [34, height - 34]], marks);
     for (let n = -16; n <= 28; n += 4) arrows.push([a + n * u, b + n * v]);
     svg.append(arrow(a - 16 * u, b - 16 * v, a + 16 * u, b + 16 * v, "toward"), label(a + 25 * u, b + 25 * v + 4, "N", "name toward", "middle"));
-    return "; N: the way north in the picture's middle";
+    return "; N: the way to true north in the picture's middle";
   }
 
   // The map: camera, landmarks, lines of sight and footprint from above, and from the side
@@ -644,7 +662,7 @@ function work(data) {
     const [close, distant] = extent(away);
     const digits = (length) => String(Number(length.toPrecision(3)));
     const nearFar = known && list.length ? `, landmarks ${digits(close / far)} to ${digits(distant / far)} ${name} away` : "";
-    const svg = canvas(box, width, tall + side + 74, `Map of ${described(now)}: ${places.east_m.length} landmarks${nearFar}`);
+    const svg = canvas(box, width, tall + side + 80, `Map of ${described(now)}: ${places.east_m.length} landmarks${nearFar}`);
     const [ex, nx] = job.origin;
     const clip = node("clipPath", { id: "plan" }, node("rect", { x: left, y: 0, width: round(inner), height: round(tall) }));
     const plan = node("g", { "clip-path": "url(#plan)" });
@@ -653,7 +671,7 @@ function work(data) {
     for (const e of easts) svg.append(line(x(e * far - ex), 0, x(e * far - ex), tall, "grid"), label(x(e * far - ex), tall + 13, e.toFixed(d), "tick", "middle"));
     const [norths, f] = ticks((middle[1] - tall / 2 / unit + nx) / far, (middle[1] + tall / 2 / unit + nx) / far, tall / 60);
     for (const n of norths) svg.append(line(left, y(n * far - nx), width - right, y(n * far - nx), "grid"), label(left - 3, y(n * far - nx) + 4, n.toFixed(f), "tick", "end"));
-    svg.append(label(left + inner / 2, tall + 26, job.crs ? `easting and northing in ${job.crs}, ${name}` : `east and north, ${name}`, "tick", "middle"), plan);
+    svg.append(label(left + inner / 2, tall + 26, job.crs ? `easting and northing in ${job.crs}, ${name}` : `east and north of the camera's mean place, ${name}`, "tick", "middle"), plan);
     if (job.footprint) {
       const corners = some(job.footprint, job).map((n) => [x(job.footprint.east_m[n]), y(job.footprint.north_m[n])]);
       if (corners.length) plan.append(path(`${along(corners)}Z`, "footprint"));
@@ -668,13 +686,13 @@ function work(data) {
     const flat = list.map((pick) => beside(places.east_m[pick.landmark], places.north_m[pick.landmark]));
     let [start, end] = extent([0, ...flat]);
     if (!(end > start)) [start, end] = [-1, 1];
-    const base = tall + 40;
+    const base = tall + 46;
     const sx = (s) => left + 10 + ((s - start) / (end - start)) * (inner - 20);
     const lift = heights[1] - heights[0] || 1;
     const sy = (h) => base + 6 + (1 - (h - heights[0]) / lift) * (side - 12);
     svg.append(node("rect", { x: left, y: base, width: round(inner), height: side, class: "border" }));
     for (const h of ticks(heights[0], heights[1] > heights[0] ? heights[1] : heights[0] + 1, 5)[0]) svg.append(line(left, sy(h), width - right, sy(h), "grid"), label(left - 3, sy(h) + 4, String(Math.round(h)), "tick", "end"));
-    svg.append(label(left + inner / 2, base + side + 27, `from the side, toward azimuth ${Math.round(((azimuth * 180) / Math.PI + 360) % 360)}°, ${name}; heights, m`, "tick", "middle"));
+    svg.append(label(left + inner / 2, base + side + 27, `distance toward ${Math.round(((azimuth * 180) / Math.PI + job.convergence + 360) % 360)}° from true north, ${name}`, "tick", "middle"), label(left, base - 3, "from the side: heights, m", "tick"));
     for (const s of ticks(start / far, end / far, inner / 90)[0]) svg.append(label(sx(s * far), base + side + 13, String(Number(s.toPrecision(6))), "tick", "middle"));
     const ended = new Map((job.missed?.pick ?? []).map((n, row) => [n, row]));
     if (known) {
@@ -689,13 +707,18 @@ function work(data) {
     }
     const stateOf = new Map(list.map((pick) => [pick.landmark, pick.state]));
     const points = [];
+    const sides = [];
     places.east_m.forEach((e, n) => {
       const state = stateOf.get(n);
       const look = state === undefined ? "other" : state === 2 ? "culprit" : "mark";
       const sign = (u, v) => (look === "culprit" ? node("rect", { x: round(u - 6), y: round(v - 6), width: 12, height: 12, class: look }) : path(`M${round(u)} ${round(v - 6)}l5.5 10h-11z`, look));
       const [u, v] = [x(e), y(places.north_m[n])];
       plan.append(sign(u, v));
-      if (state !== undefined) svg.append(sign(sx(beside(e, places.north_m[n])), sy(places.height_m[n])));
+      if (state !== undefined) {
+        const [s, h] = [sx(beside(e, places.north_m[n])), sy(places.height_m[n])];
+        svg.append(sign(s, h));
+        sides.push([s, h - base, short(job.names[n]), state === 2 ? "odd" : ""]);
+      }
       points.push([u, v, state === 2 ? `${short(job.names[n])}: does not fit` : short(job.names[n]), state === 2 ? "odd" : state === undefined ? "faint" : ""]);
     });
     if (known) {
@@ -703,13 +726,22 @@ function work(data) {
       svg.append(node("circle", { cx: round(sx(0)), cy: round(sy(here[2])), r: 5.5, class: "camera" }));
     }
     points.sort((a, b) => ["odd", "", "faint"].indexOf(a[3]) - ["odd", "", "faint"].indexOf(b[3]));
-    const unnamed = points.length <= 200 ? names(svg, points, width, tall) : points.length;
     const bar = roundNumber((0.25 * inner) / unit);
-    svg.append(line(left + 10, tall - 8, left + 10 + bar * unit, tall - 8, "bar"), label(left + 10, tall - 14, bar >= 1000 ? `${bar / 1000} km` : `${bar} m`, "name"));
-    svg.append(arrow(width - 22, 34, width - 22, 8, "north"), label(width - 22, 46, job.crs ? "grid N" : "N", "name", job.crs ? "end" : "middle"));
+    const taken = [...points, ...(known ? [[x(here[0]), y(here[1])]] : [])];
+    const [a, b] = freest([[width - 26, 32], [left + 26, 32], [width - 26, tall - 32]], taken);
+    const [p, q] = [Math.sin(job.convergence * Math.PI / 180) * -13, Math.cos(job.convergence * Math.PI / 180) * -13];
+    svg.append(arrow(a - p, b - q, a + p, b + q, "north"), label(a + 1.6 * p, b + 1.6 * q + 4, "N", "name", "middle"));
+    const [c, f0] = freest([[left + 10 + (bar * unit) / 2, tall - 14], [width - 20 - (bar * unit) / 2, tall - 14], [left + 10 + (bar * unit) / 2, 22]], [...taken, [a, b]]);
+    const from = c - (bar * unit) / 2;
+    svg.append(line(from, f0 + 5, from + bar * unit, f0 + 5, "bar"), label(from, f0 - 1, bar >= 1000 ? `${bar / 1000} km` : `${bar} m`, "name"));
+    const drawn = [-2, -1, 0, 1, 2].flatMap((n) => [[a + n * p, b + n * q], [c + (n * bar * unit) / 4, f0]]);
+    const unnamed = points.length <= 200 ? names(svg, points, width, tall, drawn) : points.length;
+    const below = node("g", { transform: `translate(0 ${round(base)})` });
+    svg.append(below);
+    names(below, sides, width, side);
     const more = unnamed ? `; ${unnamed} names left out for want of room` : "";
     const foot = job.footprint?.count[k] ? ", shaded: what the image shows of the ground" : "";
-    of("map-text").textContent = `Map of ${described(now)}${nearFar}. ● camera, filled △ picked, open △ not picked, □ does not fit; lines: lines of sight, dashed where one misses its landmark${foot}${more}. Below, heights from the side.`;
+    of("map-text").textContent = `Map of ${described(now)}${nearFar}. N: true north; ● camera, filled △ picked, open △ not picked, □ does not fit; lines: lines of sight, dashed where one misses its landmark${foot}${more}. Below, heights from the side.`;
   }
 
   // What the user does

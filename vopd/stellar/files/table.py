@@ -17,6 +17,7 @@ from vopd.findings import input_error
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.picture import StarCamera, picture_as_dict, read_picture
 from vopd.stellar.files.read import UNITS, read_text
+from vopd.stellar.files.text import half_widths
 from vopd.stellar.methods.run import ANGLE_NAMES, ANGLE_SIGMA_NAMES, SolvedStars
 from vopd.version import __version__
 
@@ -211,6 +212,8 @@ def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
             row = image | one.as_dict(photograph.file.unit)
             row |= {"names": names} if any(names) else {}
             row |= {"epoch": photograph.epoch} if photograph.epoch else {}
+            if photograph.status:
+                row |= {"doubtful": [one.message for _, one in photograph.findings]}
             if photograph.axes is not None:
                 row |= {"picture": picture_as_dict(photograph, photograph.axes, one)}
             solutions.append(json.dumps(row, allow_nan=False))
@@ -243,6 +246,8 @@ class ReadSolution(NamedTuple):
     numbers: tuple[int, ...]  # of the stars, counted from 1
     epoch: str  # what right ascensions and declinations refer to
     picture: StarCamera | None  # None: an earlier version wrote the file
+    half_95_deg: tuple[float | None, ...] = (None, None, None)  # of the 95 % intervals of pointing
+    doubtful: tuple[str, ...] = ()  # why it was not solved with exit status 0
 
 
 def read_solutions(name: str) -> list[ReadSolution]:
@@ -282,7 +287,9 @@ def _solution(row: dict[str, Any]) -> ReadSolution:
     if not len(names) == len(numbers) == len(images):
         raise ValueError("names and stars do not go together")
     labels = tuple(name or number for name, number in zip(names, numbers, strict=True))
-    alpha, delta, swing = (float(row[name]) for name in ("alpha_deg", "delta_deg", "swing_deg"))
+    alpha, delta, swing = (float(row[name]) for name in ANGLE_NAMES[3:])
+    known = all(name in row for name in ANGLE_SIGMA_NAMES)
+    sigmas = [float(row[name]) for name in ANGLE_SIGMA_NAMES[3:]] if known else None
     return ReadSolution(
         str(row.get("image", "")),
         str(row["method"]),
@@ -294,4 +301,6 @@ def _solution(row: dict[str, Any]) -> ReadSolution:
         tuple(int(star) for star in row["stars"]),
         str(row.get("epoch", "")),
         read_picture(row) if "picture" in row else None,
+        tuple(half_widths(sigmas, row.get("reading_freedom"))),
+        tuple(str(one) for one in row.get("doubtful", ())),
     )

@@ -63,12 +63,21 @@ HALF_WIDTHS = "+- is half of the 95 % interval"
 ARCSEC = math.degrees(1.0) * 3600.0
 
 
-def _half_widths(one: SolvedStars) -> list[float | None]:
-    """Halve the 95 % intervals of right ascension, declination and position angle, degrees."""
-    if one.angle_sigmas_deg is None:
+def half_widths(sigmas_deg: Sequence[float] | None, freedom: float | None) -> list[float | None]:
+    """Halve the 95 % intervals of right ascension, declination and position angle, degrees.
+
+    Args:
+        sigmas_deg: the standard deviations of these three; None: they are not known
+        freedom: degrees of freedom of the reading sigma; None: it is stated
+    """
+    if sigmas_deg is None:
         return [None] * 3
-    freedom = math.inf if one.reading_freedom is None else float(one.reading_freedom)
-    return [float(stdtrit(freedom, 0.975)) * sigma for sigma in one.angle_sigmas_deg[3:]]
+    student = float(stdtrit(math.inf if freedom is None else freedom, 0.975))
+    return [student * sigma for sigma in sigmas_deg]
+
+
+def _half_widths(one: SolvedStars) -> list[float | None]:
+    return half_widths(one.angle_sigmas_deg and one.angle_sigmas_deg[3:], one.reading_freedom)
 
 
 def _decimals(half: float | None) -> int:
@@ -76,12 +85,14 @@ def _decimals(half: float | None) -> int:
     return 5 if not half else min(max(1 - math.floor(math.log10(half * 1.005)), 0), 7)
 
 
-def _with_half(value: float, half: float | None) -> list[str]:
+def with_half(value: float, half: float | None) -> list[str]:
+    """Write an angle and half of its interval to two digits of that; empty where it is unknown."""
     decimals = _decimals(half)
+    value = round(value, decimals) + 0.0  # no -0
     return [f"{value:.{decimals}f}", "" if half is None else f"{half:.{decimals}f}"]
 
 
-def _hours(ra_deg: float, decimals: int) -> str:
+def hours_text(ra_deg: float, decimals: int) -> str:
     """Write a right ascension as hours, minutes and seconds."""
     text = format_dms(ra_deg / 15.0, decimals)
     for mark, letter in zip("°'\"", "hms", strict=True):
@@ -101,14 +112,14 @@ def _answer(photograph: SolvedPhotograph, one: SolvedStars, size_px: Sequence[fl
     halves, values = _half_widths(one), _pointed(one)
     ra, dec = values[:2]
     seconds = None if halves[0] is None else halves[0] * 240.0
-    hours = _hours(ra, min(_decimals(seconds), 3))
+    hours = hours_text(ra, min(_decimals(seconds), 3))
     arc = None if halves[1] is None else halves[1] * 3600.0
     notes = (hours, format_dms(dec, min(_decimals(arc), 3)), "of the y axis, from north to east")
     rows = []
     for name, value, half, note in zip(
         ("right ascension", "declination", "position angle"), values, halves, notes, strict=True
     ):
-        shown, width = _with_half(value, half)
+        shown, width = with_half(value, half)
         rows.append([name, shown, f"+- {width}" if width else "", "deg", note])
     focal = (one.camera or {}).get("focal", float(np.ravel(stars.focal_length_mm)[0]))
     scale = ARCSEC / focal
@@ -139,7 +150,7 @@ def _directions(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
         cells = [
             cell
             for value, half in zip(_pointed(one), _half_widths(one), strict=True)
-            for cell in _with_half(value, half)
+            for cell in with_half(value, half)
         ]
         rms = [f"{one.rms:.3g}" if photograph.file.unit == unit else "" for unit in units]
         table.append([photograph.label, one.method, _stars(one.stars), *cells, *rms])
@@ -274,7 +285,7 @@ def _pointing(sky: dict[str, float]) -> list[str]:
     if "ra_of_date_deg" in sky:
         ra_deg, dec_deg = sky["ra_of_date_deg"], sky["dec_of_date_deg"]
         lines.append(
-            f"optical axis: right ascension of date {ra_deg:.5f} = {_hours(ra_deg, 3)}, "
+            f"optical axis: right ascension of date {ra_deg:.5f} = {hours_text(ra_deg, 3)}, "
             f"declination {dec_deg:.5f} = {format_dms(dec_deg)}"
         )
     if "azimuth_deg" in sky:
