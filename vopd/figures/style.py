@@ -281,7 +281,7 @@ def legend_below(figure: Any, handles: Sequence[Any], texts: Sequence[str], most
         most: columns
     """
     wide_pt = np.array([text_width_pt(one, TITLE_PT) + HANDLE_PT for one in texts])
-    room_pt = MARGIN * 72.0 * figure.bbox.width / figure.dpi
+    room_pt = LEGEND_MARGIN * 72.0 * figure.bbox.width / figure.dpi
     columns = most
     while columns > 1 and _columns_pt(wide_pt, columns) > room_pt:
         columns -= 1
@@ -310,6 +310,7 @@ def plain(text: str) -> str:
 
 
 MARGIN = 0.89  # of a figure's width for a line of a title: letters fitted to few dots are wider
+LEGEND_MARGIN = 0.94  # the same for a legend
 
 
 def wrapped(text: str, width_in: float) -> str:
