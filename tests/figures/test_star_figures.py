@@ -116,7 +116,8 @@ def test_ground_points_are_not_called_stars(tmp_path: Path) -> None:
     options = ("--camera", "0,0,0", "--focal-px", "100", "--centre", "50,50", "--size", "101,101")
     file = tmp_path / "ground.json"
     assert vopd("stars", "solve", points, *options, "-o", file).status == 0
-    assert_approved(plot_stars([str(file)], None, None).get_suptitle().partition(": ")[2])
+    title = plot_stars([str(file)], None, None).get_suptitle().partition(": ")[2]
+    assert_approved(" ".join(title.split()))  # lines break by the length of the file's path
 
 
 def test_what_is_read_back_is_what_was_read(solved: Path) -> None:
