@@ -105,6 +105,17 @@ def frames_text(labels: Sequence[str]) -> str:
     return f"frame{'' if len(labels) == 1 else 's'} {', '.join(named[:MOST_RUNS])}{more}"
 
 
+def first_of(labels: Sequence[str], most: int) -> str:
+    """List labels, and of more than so many the first ones and how many more there are.
+
+    Args:
+        labels: what is listed
+        most: how many are named
+    """
+    left = len(labels) - most
+    return ", ".join(labels[:most]) + f" and {left} more" * (left > 0)
+
+
 def count_text(number: int, one: str, many: str = "") -> str:
     """Write a number with its noun: `1 frame`, `12 more frames`, `1 frame is left out`.
 

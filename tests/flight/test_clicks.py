@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -150,6 +151,48 @@ def test_places_that_do_not_fit_are_named_by_frame() -> None:
     one_of_them = here & (one.rows.from_frame == one.rows.from_frame[here][0])
     *_, said = messages(moved(one, one_of_them, [0.0, 4.0], carried=False))
     assert said.startswith("frame 30: P2: the places tracked from several clicks contradict")
+
+
+@pytest.mark.parametrize(
+    ("frames", "by_px"), [((20,), 500.0), ((20, 35), 80.0), (range(20, 34), 60.0)]
+)
+def test_places_that_are_far_off_make_no_click_wrong(frames: Sequence[int], by_px: float) -> None:
+    """Of the last ones the error of their click would explain more than that of any one of them."""
+    one = clicked_flight(np.random.default_rng(12), every=60, reach=60)
+    here = np.isin(one.rows.frame, frames) & (np.array(one.rows.landmark) == "P2")
+    found = moved(one, here, [0.0, by_px], carried=False)
+    good = solve_flight_read(one.flight)
+    assert_approved(messages(found))
+    kept, every = (flight.picks.clicks for flight in (found.flight, one.flight))
+    assert kept is not None and every is not None
+    assert len(kept.pick) == len(every.pick) - len(frames)
+    ratio = np.abs(turns(one, found.estimates.solved)).max(axis=1)
+    ratio /= np.abs(turns(one, good.estimates.solved)).max()
+    assert ratio.max() < 2.0 and np.delete(ratio, frames).max() < 1.5
+
+
+def test_a_frame_of_two_landmarks_with_a_place_that_is_far_off_costs_no_other() -> None:
+    """Nothing tells which one it is: the frame has no attitude."""
+    one = clicked_flight(np.random.default_rng(12), every=60, reach=60)
+    marks, frame = np.array(one.rows.landmark), one.rows.frame
+    two = (frame != 20) | np.isin(marks, ("P2", "P4"))
+    rows = one.rows.where(two)
+    pixel = rows.pixel.copy()
+    pixel[(rows.frame == 20) & (np.array(rows.landmark) == "P2")] += 500.0
+    found = solve_flight_read(with_rows(one.flight, replace(rows, pixel=pixel)))
+    assert_approved(messages(found)[0])
+    assert not found.solved[20] and found.solved.sum() == 59
+
+
+def test_a_place_that_is_far_off_beside_a_wrong_click() -> None:
+    one = clicked_flight(np.random.default_rng(12), every=60, reach=60)
+    marks, pixel = np.array(one.rows.landmark), one.rows.pixel.copy()
+    pixel[(one.rows.frame == 20) & (marks == "P2")] += 300.0
+    own = marks == "P3"
+    pixel[own] += one.rows.by_click[own] @ [30.0, 0.0]
+    found = solve_flight_read(with_rows(one.flight, replace(one.rows, pixel=pixel)))
+    click, place = messages(found)
+    assert click.startswith("frame 9: the click of P3") and place.startswith("frame 20: P2 (")
 
 
 def test_a_landmark_with_wrong_coordinates_is_no_wrong_click() -> None:

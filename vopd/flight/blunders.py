@@ -29,7 +29,7 @@ from vopd.attitude.residuals import (
 from vopd.attitude.sigmas import Sigmas, given_components, in_force
 from vopd.attitude.uncertainty import HALF_WIDTH
 from vopd.estimate import Estimate
-from vopd.findings import Finding, count_text
+from vopd.findings import Finding, count_text, first_of
 from vopd.flight.errors import priors_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, FrameSlots, frame_label, pick_label
@@ -685,13 +685,12 @@ def blunder_findings(
 
 def _together(labels: list[str], flight: Flight) -> str:
     """Describe the picks and landmarks that do not fit in a flight that misfits."""
-    left = len(labels) - MOST_NAMED
-    names = ", ".join(labels[:MOST_NAMED]) + f" and {left} more" * (left > 0)
     done = f"used; {KEPT}"
     if flight.options.drop_blunders:
         done = 'left out by [solve] blunders = "drop", if it is clear which'
     return (
-        f"not fitting the others, which may come of the misfit (mend that first): {names}; {done}"
+        f"not fitting the others, which may come of the misfit (mend that first): "
+        f"{first_of(labels, MOST_NAMED)}; {done}"
     )
 
 

@@ -1,7 +1,10 @@
 """Clicks that do not fit: on another mast, of another landmark, beside it.
 
 All places tracked from such a click disagree with the others, and agree with each other: it is one
-mistake, and named once. A place that one track has elsewhere than the others is left out by itself.
+mistake, and named once. A place that is far off is left out by itself, before. Clicks and places
+are observations alike: a mistake in one makes others seem wrong, but most is gained without that
+one (Baarda, A testing procedure for use in geodetic networks, 1968). A place that one track has
+elsewhere than the others is left out, too.
 """
 
 from __future__ import annotations
@@ -13,13 +16,14 @@ from scipy.special import chdtrc
 
 from vopd.arrays import Array, Bools, Floats, Ints
 from vopd.attitude.residuals import SIGNIFICANCE, chance_text
-from vopd.findings import Finding, VopdError, count_text
+from vopd.findings import Finding, VopdError, count_text, first_of
 from vopd.flight.clicks import ClickEquations
 from vopd.flight.equations import Model
 from vopd.flight.errors import every_prior, priors_of
 from vopd.flight.exchanged import exchanged_places
 from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.joint import JointSolution, solve_jointly
+from vopd.flight.leave_out import FRAME, PICK, leave_out_picks
 from vopd.flight.misfit import REJECTED, significant_errors
 from vopd.flight.stabilised import shifts_of_frames
 
@@ -29,10 +33,14 @@ MOST_TRIED = 5  # clicks that seem wrong and are not, one after the other
 MOST_NAMED = 3
 EXCHANGED = 6.0  # standard deviations of a click from where the other landmark is computed
 SEVERAL = 3  # clicks that seem wrong: fewer are no error of the lens
+MEDIAN = 2.0 * np.log(2.0)  # of chi-square of two
+ROUNDS = 8  # of leaving out places that are far off, one of each frame
+AS_FAR = 0.25  # of the largest gain: places of other frames that are left out with it
+FEW = 0.1  # of the readings: if more are far off, each by itself is not what is wrong
 
 
 def without_wrong_clicks(flight: Flight) -> tuple[Flight, list[Finding]]:
-    """Leave out clicks that do not fit the others, and places that one track has elsewhere.
+    """Leave out clicks that do not fit the others, and single places that do not.
 
     They are found with the sigmas that the tracked file states.
 
@@ -56,9 +64,10 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     read, every = flight, flight.picks.clicks
     assert every is not None
     tells: dict[int, str] = {}
-    joint = solve_jointly(flight, priors_of(flight))
+    joint, far = _without_far_places(solve_jointly(flight, priors_of(flight)))
+    flight = joint.model.flight
     if _is_of_all(joint):
-        return flight, []
+        return flight, _warnings(read, _far_texts(joint, read, far))
     if joint.stated[0]:  # an error of clock or lens, as large as is stated, is no click's
         joint = solve_jointly(flight, every_prior(flight))
     seems = np.zeros(len(every.frame), bool)  # wrong, and is not
@@ -87,7 +96,7 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     more: list[str] = []
     if any(stays):
         left_out = [click for click in tells if not stays[click]]
-        flight = without_readings(read, np.isin(every.click, left_out))
+        flight = without_readings(read, np.isin(every.click, left_out) | far)
     else:
         flight, more = _without_contrary(flight, joint)
     wrong = [click for click in tells if not stays[click]]
@@ -95,7 +104,12 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     swapped = _exchanged_texts(joint, read, wrong)
     texts = [text for click, text in tells.items() if not stays[click] and click not in swapped]
     texts += [*dict.fromkeys(swapped.values()), *more]
-    return flight, [Finding(one, read.source, severity="warning") for one in texts]
+    texts += _far_texts(joint, read, far & ~np.isin(every.click, wrong))
+    return flight, _warnings(read, texts)
+
+
+def _warnings(flight: Flight, texts: list[str]) -> list[Finding]:
+    return [Finding(one, flight.source, severity="warning") for one in texts]
 
 
 def _is_of_all(joint: JointSolution) -> bool:
@@ -104,9 +118,7 @@ def _is_of_all(joint: JointSolution) -> bool:
     It is then named by the tests of the flight, and no click is wrong. Places that were tracked
     with such an error may be off by themselves, so that it explains the clicks alone better.
     """
-    chance = chdtrc(2.0, _squares(joint))
-    tested = int(np.isfinite(chance).sum())
-    wrong = int((chance < SIGNIFICANCE / max(tested, 1)).sum())
+    wrong = _seem_wrong(_squares(joint))
     if wrong:
         shifts = shifts_of_frames(joint)
         if shifts.stabilised and shifts.rest < REJECTED**2:
@@ -115,6 +127,12 @@ def _is_of_all(joint: JointSolution) -> bool:
         return False
     clicks = solve_clicks_alone(joint.model.flight)
     return any(_one_error_explains(one) for one in (joint, clicks))
+
+
+def _seem_wrong(squares: Floats) -> int:
+    """Count clicks whose errors are larger than is stated."""
+    limit = SIGNIFICANCE / max(int(np.isfinite(squares).sum()), 1)
+    return int((chdtrc(2.0, squares) < limit).sum())
 
 
 def _one_error_explains(joint: JointSolution) -> bool:
@@ -133,6 +151,87 @@ def solve_clicks_alone(flight: Flight) -> JointSolution:
     tracked = flight.picks.frame[clicks.pick] != clicks.frame[clicks.click]
     alone = without_readings(flight, tracked)
     return solve_jointly(alone, priors_of(alone))
+
+
+def _without_far_places(joint: JointSolution) -> tuple[JointSolution, Bools]:
+    """Leave out places that make clicks seem wrong, and are far from where their clicks have them.
+
+    Args:
+        joint: the solution of a flight
+
+    Returns:
+        The solution without them, and their readings, (R,).
+    """
+    first, read, every = joint, joint.model.flight, joint.model.flight.picks.clicks
+    assert every is not None
+    far = np.zeros(len(every.pick), bool)
+    for _ in range(ROUNDS):
+        tried = np.zeros_like(far)
+        tried[~far] = _suspected_readings(joint)
+        if not tried.any():
+            return joint, far
+        again = _solved_without(read, far | tried)
+        fits = chdtrc(2.0, _jumps(again, read)) >= SIGNIFICANCE / len(far)
+        if not (tried & ~fits).any():
+            return joint, far
+        far |= tried & ~fits
+        joint = _solved_without(read, far) if (tried & fits).any() else again
+        if far.sum() > FEW * len(far):
+            break
+    return first, np.zeros_like(far)
+
+
+def _solved_without(read: Flight, out: Bools) -> JointSolution:
+    """Solve a flight without some readings, (R,)."""
+    less = without_readings(read, out)
+    return solve_jointly(less, priors_of(less))
+
+
+def _suspected_readings(joint: JointSolution) -> Bools:
+    """Find the readings that gain most by being left out, if clicks seem wrong, (R,).
+
+    They are those of a click, or of the worst pick, and of the worst of other frames. Of a frame
+    with two picks nothing tells which one is wrong: both are taken.
+    """
+    model, squares = joint.model, _squares(joint)
+    picks, clicks = model.flight.picks, model.flight.picks.clicks
+    assert clicks is not None
+    if not _seem_wrong(squares) or model.clicks is None:
+        return np.zeros(len(clicks.pick), bool)
+    tests, gain = leave_out_picks(joint), np.zeros(len(picks.frame))
+    own, whole = tests.kind == PICK, tests.kind == FRAME
+    gain[tests.pick[own]] = tests.gain[own]
+    gain[model.pick] += model.clicks.squares(joint.state.click_px)
+    of_frame, most = np.zeros((2, model.frames))
+    of_frame[tests.frame[whole]] = tests.gain[whole]
+    two = np.bincount(picks.frame[model.pick], minlength=model.frames) == 2
+    gain = np.nan_to_num(np.where(two[picks.frame], of_frame[picks.frame], gain))
+    np.maximum.at(most, picks.frame, gain)
+    if np.nanmax(squares) >= most.max():
+        return np.asarray(clicks.click == np.nanargmax(squares))
+    worst = (gain > AS_FAR * most.max()) & (gain == most[picks.frame])
+    return np.asarray(worst[clicks.pick])
+
+
+def _jumps(joint: JointSolution, flight: Flight) -> Floats:
+    """Weigh how far readings are from where the others of their clicks have them, (R,).
+
+    Chi-square of two by the click's standard deviation, or by the spread of the click's readings
+    where that is larger, as with wrong coordinates of a landmark; NaN: there is no image.
+
+    Args:
+        joint: the solution
+        flight: the flight with all readings
+    """
+    clicks, away = flight.picks.clicks, _errors_px(joint, flight)
+    assert clicks is not None
+    squares = np.full(len(away), np.nan)
+    for click, sigma_px in enumerate(clicks.sigma_px):
+        rows = np.flatnonzero((clicks.click == click) & np.isfinite(away).all(axis=1))
+        if len(rows):
+            own = ((away[rows] - np.median(away[rows], axis=0)) ** 2).sum(axis=1)
+            squares[rows] = own / max(sigma_px**2, float(np.median(own)) / MEDIAN)
+    return squares
 
 
 def _exchanged_texts(joint: JointSolution, read: Flight, wrong: list[int]) -> dict[int, str]:
@@ -215,14 +314,26 @@ def _away_px(joint: JointSolution, flight: Flight, click: int) -> Floats:
     """
     clicks = flight.picks.clicks
     assert clicks is not None
-    rows = np.flatnonzero(clicks.click == click)
-    seen = _images_px(joint, flight)
-    place = flight.picks.pixel[clicks.pick[rows]] + clicks.off_px[rows]
-    away = np.linalg.solve(clicks.by_click[rows], (place - seen[clicks.pick[rows]])[..., None])
-    known = np.isfinite(away).all(axis=(1, 2))
+    away = _errors_px(joint, flight)[clicks.click == click]
+    known = np.isfinite(away).all(axis=1)
     if not known.any():
         return np.zeros(2)
-    return np.asarray(np.median(away[known, :, 0], axis=0))
+    return np.asarray(np.median(away[known], axis=0))
+
+
+def _errors_px(joint: JointSolution, flight: Flight) -> Floats:
+    """Compare readings with a solution, in the pixels of their clicks, (R, 2); NaN: no image.
+
+    Args:
+        joint: the solution; the errors of clicks that it has are taken off
+        flight: the flight with all readings
+    """
+    clicks = flight.picks.clicks
+    assert clicks is not None
+    place = flight.picks.pixel[clicks.pick] + clicks.off_px
+    away = place - _images_px(joint, flight)[clicks.pick]
+    errors = np.linalg.solve(clicks.by_click, away[..., None])[..., 0]
+    return np.asarray(errors - joint.state.click_px[clicks.click])
 
 
 def _images_px(joint: JointSolution, flight: Flight) -> Floats:
@@ -255,21 +366,39 @@ def _without_contrary(flight: Flight, joint: JointSolution) -> tuple[Flight, lis
     if not contrary.any():
         return flight, []
     rows = np.flatnonzero(contrary[clicks.pick])
-    shift = np.einsum("rij,rj->ri", clicks.by_click, joint.state.click_px[clicks.click])
-    place = flight.picks.pixel[clicks.pick] + clicks.off_px - shift
-    away = np.hypot(*(place - _images_px(joint, flight)[clicks.pick]).T)[rows]
+    away = np.hypot(*_errors_px(joint, flight).T)[rows]
     order = rows[np.lexsort((-np.nan_to_num(away, nan=np.inf), clicks.pick[rows]))]
     first = np.append(True, np.diff(clicks.pick[order]) > 0)
     out = np.zeros(len(clicks.pick), bool)
     out[order[first]] = True
     labels = [pick_label(flight, int(k)) for k in np.flatnonzero(contrary)]
-    left = len(labels) - MOST_NAMED
-    named = ", ".join(labels[:MOST_NAMED]) + f" and {left} more" * (left > 0)
     told = (
-        f"{named}: the places tracked from several clicks contradict each other; the one that is "
-        "farthest from the solution is not used"
+        f"{first_of(labels, MOST_NAMED)}: the places tracked from several clicks contradict each "
+        "other; the one that is farthest from the solution is not used"
     )
     return without_readings(flight, out), [told]
+
+
+def _far_texts(joint: JointSolution, read: Flight, far: Bools) -> list[str]:
+    """Say which places are far off, if any.
+
+    Args:
+        joint: solved without them
+        read: the flight with them
+        far: their readings, (R,)
+    """
+    clicks = read.picks.clicks
+    assert clicks is not None
+    away, labels = clicks.by_click @ _errors_px(joint, read)[..., None], list[str]()
+    for k in np.flatnonzero(far):
+        off_px = np.hypot(*away[k, :, 0])
+        off = f" ({off_px:.1f} px off)" if np.isfinite(off_px) else ""
+        labels.append(pick_label(read, int(clicks.pick[k])) + off)
+    told = (
+        f"{first_of(labels, MOST_NAMED)}: tracked far from where the others have the landmark, and "
+        "no error of a click explains that: not used; run vopd track again"
+    )
+    return [told] if labels else []
 
 
 def _wrong_text(flight: Flight, click: int, away_px: Floats, chance: float) -> str:

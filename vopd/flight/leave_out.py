@@ -142,6 +142,21 @@ def leave_out(
     return tests.take(possible)
 
 
+@np.errstate(all="ignore")
+def leave_out_picks(joint: JointSolution) -> LeftOut:
+    """Leave out each pick and each frame, by the standard deviations that are stated.
+
+    Args:
+        joint: the solution of a flight
+
+    Returns:
+        The tests, without their chances, and without movements of frames.
+    """
+    to = _Collected(1.0)
+    _add_frames_and_picks(joint, None, to)
+    return LeftOut.concat(to.tests)
+
+
 def judge(tests: LeftOut, reading: JobReadingSigma, least_px: float, every: int) -> None:
     """Calculate the chances of tests; gains become those in the variance without each.
 
