@@ -21,6 +21,7 @@ from vopd.attitude.history import History
 from vopd.attitude.mean import mean_attitude
 from vopd.attitude.sigmas import Sigmas
 from vopd.cli.new import write_project
+from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, adjust
 from vopd.flight.adjusted_project import (
     adjusted_project,
@@ -253,6 +254,23 @@ def test_the_command_writes_a_project_and_starts_from_the_priors_of_the_first(
     assert_approved(once_more.stderr.splitlines()[0], parts=[source.as_posix()])
 
 
+def test_a_project_that_was_adjusted_needs_the_first(copied: Path) -> None:
+    """Whose priors it starts from: it says which, and why it cannot be read."""
+    first = copied.parent / "source" / "flight.toml"
+    first.write_text(first.read_text(encoding="utf-8") + "[nonsense]\n", encoding="utf-8")
+    with refused(VopdError, parts=[copied.parent.as_posix()]):
+        adjust(str(copied / "flight.toml"), ["focal"])
+
+
+def test_where_nothing_is_in_common_nothing_is_written(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    source.mkdir()
+    write_flight(source, EXACT._replace(errors=Errors()), np.random.default_rng(1))
+    project = read_project(str(source / "flight.toml"))
+    with refused(VopdError, parts=[tmp_path.as_posix()]):
+        adjusted_project(project, adjust(flight_of(project), []), tmp_path / "new")
+
+
 # A damaged covariance file
 
 
@@ -311,6 +329,7 @@ def crooked(values: dict[str, Any]) -> None:
         put("version", value=2),
         lambda values: values.pop("units"),
         lambda values: [values[key].pop() for key in ("names", "units", "values")],
+        lambda values: values.update(names=["k2" if n == "clock" else n for n in values["names"]]),
     ],
 )
 def test_a_damaged_covariance_file_is_refused(

@@ -18,13 +18,14 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.browser import forget, load, open_browser
 from tests.kit.command import DECKS
 from tests.kit.random_flights import SIZE, lenses, random_frame
 from tests.tolerances import assert_close
 from vopd.cards.head import read_head
 from vopd.cards.read import read_jobs
+from vopd.findings import VopdError
 from vopd.flight.directions import FrameDirections
 from vopd.flight.solve import solve_rotations
 from vopd.geometry.lenses import Lenses, project
@@ -140,6 +141,18 @@ def test_one_frame_is_decoded_at_a_time(opened: Any) -> None:
         press(opened, key)
         wait_for_picture(opened)
     assert opened.execute_script("return [open_now, most]") == [1, 1]
+
+
+def test_a_page_that_no_browser_holds_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After the frame that is too many; 2 MB for the usual 400."""
+    noise = np.random.default_rng(1).integers(0, 256, (900, 900, 3), np.uint8)
+    for k in range(3):
+        Image.fromarray(noise).save(tmp_path / f"{k}.png")
+    monkeypatch.setattr(pick, "MOST_BYTES", 2_000_000)
+    with refused(VopdError, parts=[tmp_path.as_posix()]):
+        pick_page(open_frames([str(tmp_path)]), [0, 1, 2], PageContent(LANDMARKS))
 
 
 @pytest.mark.parametrize(("wanted", "quality"), [(10_000_000, 92), (60_000, 75)])

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.report import page_template, style_and_script
 from vopd.video import VideoFrames
 
@@ -80,7 +80,7 @@ def pick_page(
         if size > MOST_BYTES:
             raise VopdError(
                 f"{frames.source}: the page has more than {MOST_BYTES // 1_000_000} MB after "
-                f"{len(images)} frames; choose fewer with --at"
+                f"{count_text(len(images), 'frame')}; choose fewer with --at"
             )
         label, time_s = frames.label(k), frames.time_s[k]
         title = f"{label}, {time_s:.3f} s" if time_s == time_s else label
