@@ -342,6 +342,13 @@ def test_a_figure_for_a_pipe() -> None:
     assert done.status == 0 and done.output.startswith(b"\x89PNG\r\n\x1a\n")
 
 
+def test_a_date_that_is_none_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which matplotlib reads for a .pdf, as programs do that make the same file again."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "abc")
+    with refused(VopdError):
+        save(draw("image", flight()), ".pdf")
+
+
 @pytest.mark.parametrize("name", OF_JOBS)
 def test_the_smallest_size_holds_every_panel(name: str) -> None:
     """No warning of the layout, panels that can be read, legends that cover no label."""

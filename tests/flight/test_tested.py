@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.approved.texts import refused
 from tests.kit.flight_blunders import BLUNDER_ROWS, BlunderRow, blunders_named
-from tests.kit.simulated_flights import LensErrors, write_flight
+from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
 from tests.tolerances import assert_close
+from vopd.findings import VopdError
 from vopd.flight import tested
 from vopd.flight.joint import solve_jointly
 from vopd.flight.leave_out import PICK, leave_out
@@ -51,6 +53,14 @@ def test_picks_are_predicted_as_by_solving_without_them(tmp_path: Path) -> None:
                 assert_close("updated prediction", tests.off_px[k], off_px)
         gain = joint.normal.cost - one.normal.cost
         assert_close("updated gain", tests.gain[k], gain)
+
+
+def test_two_landmarks_of_one_frame_predict_no_pick(tmp_path: Path) -> None:
+    """Where positions and landmarks are exact, too: nothing else could tell of a pick."""
+    plan = Plan(Errors(), landmarks=2, frames=1, stands=True)
+    write_flight(tmp_path, plan, np.random.default_rng(2))
+    with refused(VopdError, parts=[tmp_path.as_posix()]):
+        tested.tested_flight(vopd.solve_flight(tmp_path / "flight.toml"))
 
 
 def test_freeing_a_wrong_focal_length_helps_the_prediction(tmp_path: Path) -> None:
