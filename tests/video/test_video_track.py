@@ -129,12 +129,23 @@ def test_videos_without_a_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     write_gpmf(Path("other.mp4"), [(0, device(klv("ACCL", "s", 2, 1, b"\0\1")))])
     write_gpmf(Path("wrong.mp4"), [(0, device(klv("GPS5", "?", 20, 1, b"\0" * 20)))])
     write_gpmf(Path("size.mp4"), [(0, device(klv("GPS5", "l", 21, 1, b"\0" * 21)))])
+    write_gpmf(Path("letter.mp4"), [(0, device(klv("GPS5", "\7", 20, 1, b"\0" * 20)))])
+    letters = klv("TYPE", "c", 1, 5, b"lxlll"), klv("GPS5", "?", 20, 1, b"\0" * 20)
+    write_gpmf(Path("letters.mp4"), [(0, device(*letters))])
     block = "1\n00:00:00,000 --> 00:00:01,000\n[latitude: {}] [longitude: {}]{}\n"
     Path("flat.SRT").write_text(block.format(47.2, 15.1, ""))
     Path("lost.SRT").write_text(block.format(0.0, 0.0, " [abs_alt: 3.0]"))
     above = block.format(47.2, 15.1, " [abs_alt: 3.0]"), block.partition("[")[0]
     Path("both.SRT").write_text(f"{above[0]}\n{above[1]}GPS(15.1,47.2,16) BAROMETER:3.0\n")
-    videos = "none.mp4", "unfixed.mp4", "other.mp4", "wrong.mp4", "size.mp4"
+    videos = (
+        "none.mp4",
+        "unfixed.mp4",
+        "other.mp4",
+        "wrong.mp4",
+        "size.mp4",
+        "letter.mp4",
+        "letters.mp4",
+    )
     for name in (*videos, "flat.SRT", "lost.SRT", "both.SRT"):
         with refused(VopdError):
             read(tmp_path / name)

@@ -168,10 +168,17 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
     if key not in stream:
         return np.empty((0, 1))
     kind, size, count, content = stream[key]
-    letters = stream[b"TYPE"][3].rstrip(b"\0").decode("ascii") if kind == "?" else kind
+    letters, name = kind, key.decode("latin-1")
+    if kind == "?":
+        if b"TYPE" not in stream:
+            raise ValueError(f"TYPE is missing, which lists the types of the values of {name}")
+        letters = stream[b"TYPE"][3].rstrip(b"\0").decode("latin-1")
+    unknown = [letter for letter in letters if letter not in NUMBERS]
+    if unknown or not letters:
+        raise ValueError(f"{name} has values of an unknown type, {''.join(unknown[:1])!a}")
     one = struct.Struct(">" + "".join(NUMBERS[letter] for letter in letters))
     if size % one.size or (kind == "?" and size != one.size):
-        raise ValueError(f"{key.decode('latin-1')} has values of {size} bytes, not {one.size}")
+        raise ValueError(f"{name} has values of {size} bytes, not {one.size}")
     values: Floats = np.array(list(one.iter_unpack(content)), float)
     values = values.reshape(count, (size // one.size) * len(letters))
     scale = _numbers(stream, b"SCAL") if scaled else np.empty(0)
