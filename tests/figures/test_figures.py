@@ -342,6 +342,12 @@ def test_a_figure_for_a_pipe() -> None:
     assert done.status == 0 and done.output.startswith(b"\x89PNG\r\n\x1a\n")
 
 
+@pytest.mark.parametrize("name", ["nothing", ["image", "attitud"]])
+def test_there_are_six_figures(name: str | list[str]) -> None:
+    with refused(VopdError):
+        draw(name, flight())
+
+
 def test_a_date_that_is_none_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """Which matplotlib reads for a .pdf, as programs do that make the same file again."""
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "abc")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import struct
 import sys
@@ -318,6 +319,7 @@ BROKEN = [
     OSError("bad kernel"),
     ValueError("what"),
     KeyError("what"),
+    OSError(errno.EINVAL, "Invalid argument"),  # of a record before the first
 ]  # fmt: skip
 
 

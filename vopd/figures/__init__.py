@@ -100,14 +100,30 @@ OF_CLICKS = ("patches",)
 OF_ONE_FRAME = ("image", "map", "patches")
 
 
+def _as_names(name: str | Sequence[str]) -> list[str]:
+    """List names of figures.
+
+    Raises:
+        VopdError: where there is no such figure
+    """
+    names = [name] if isinstance(name, str) else list(name)
+    for one in names:
+        if one not in (*FIGURES, "all"):
+            raise VopdError(f"no figure {one!r}: there are {', '.join(FIGURES)}, and all")
+    return names
+
+
 def figure_names(name: str | Sequence[str], histories: Sequence[History]) -> list[str]:
     """List the figures that a name stands for; of all those that some job can have.
 
     Args:
         name: of `FIGURES`, several, or "all"
         histories: the jobs
+
+    Raises:
+        VopdError: where there is no such figure
     """
-    names = [name] if isinstance(name, str) else list(name)
+    names = _as_names(name)
     if "all" not in names:
         return list(dict.fromkeys(names))
     missing: set[str] = set() if shows_attack(drawn_jobs(histories)) else {"attack"}
@@ -135,9 +151,9 @@ def draw(
             image; None takes those that the project names, false draws none
 
     Raises:
-        VopdError: where matplotlib is not installed, no frame has an attitude, that
-            frame has none, no frame has angles of attack for `attack`, or the size cannot
-            hold the panels
+        VopdError: where matplotlib is not installed, there is no such figure, no frame has an
+            attitude, that frame has none, no frame has angles of attack for `attack`, or the size
+            cannot hold the panels
     """
     if not any(h.has_attitude.any() for h in histories):
         ready()
@@ -166,7 +182,7 @@ def draw(
 
 def least_size_in(name: str | Sequence[str]) -> Inches:
     """Find the smallest width and height, inches, of a figure, of several, or of "all"."""
-    names = [name] if isinstance(name, str) else list(name)
+    names = _as_names(name)
     if "all" in names:
         names = [one for one in FIGURES if one not in OF_CLICKS]
     kinds = [FIGURES[one] for one in names]
@@ -183,8 +199,9 @@ def refuse_small(name: str | Sequence[str], size_in: Inches | None) -> None:
     Raises:
         VopdError: where it does not, with the smallest size that does
     """
-    names = [name] if isinstance(name, str) else list(name)
-    column_in = FIGURES[names[0]].column_in if names[0] in FIGURES and len(names) == 1 else None
+    names = _as_names(name)
+    alone = names[0] in FIGURES and len(names) == 1
+    column_in = FIGURES[names[0]].column_in if alone else None
     least = [one for one in (least_size_in(name), column_in) if one is not None]
     if size_in is not None and not any(
         size_in[0] >= width and size_in[1] >= height for width, height in least

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import re
 import struct
 from collections.abc import Iterator, Sequence
@@ -271,6 +272,8 @@ def _ephemeris(file: str | None) -> Iterator[Any]:
         _check_summaries(path)
         planets = SpiceKernel(str(path))
     except OSError as error:
+        if error.errno == errno.EINVAL:  # its records lead to a place before its beginning
+            raise input_error("not an ephemeris (.bsp)", str(path)) from None
         text = f"cannot be read: {error.strerror or error}"
         raise input_error(text, str(path)) from None
     except Exception:  # of jplephem, which has no class of its own for it

@@ -272,12 +272,32 @@ def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
     if question.camera is None:
         parts = parts[:1]
     cameras = {name: one for part in parts for name, one in part.get("cameras", part).items()}
-    if question.camera is not None:
-        cameras = {name: one for name, one in cameras.items() if name == question.camera}
-    if len(cameras) != 1:
-        raise file.error(f"{len(cameras)} cameras: name one of its keys with [camera] camera")
-    ((name, camera),) = cameras.items()
-    return _camera(file, name, camera)
+    name = _chosen(file, list(cameras), question, "name one of its keys")
+    return _camera(file, name, cameras[name])
+
+
+def _chosen(file: InputFile, names: Sequence[str], question: LensQuestion, how: str) -> str:
+    """Choose the camera that the project names, or the only one.
+
+    Args:
+        file: of the cameras
+        names: of the cameras
+        question: what is asked for
+        how: to name one of several
+    """
+    if not names:
+        raise file.error("it has no camera")
+    if question.camera is None:
+        if len(names) > 1:
+            raise file.error(f"{len(names)} cameras: {how} with [camera] camera")
+        return names[0]
+    if names.count(question.camera) != 1:
+        known = ", ".join(map(shown, names[:MOST_NAMED])) + ", ..." * (len(names) > MOST_NAMED)
+        raise file.error(f"no camera {shown(question.camera)}: it has {known}")
+    return question.camera
+
+
+MOST_NAMED = 5  # cameras in a message
 
 
 def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
@@ -519,11 +539,9 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
         for number, line in enumerate(file.text.splitlines(), 1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
-    if question.camera is not None:
-        rows = [row for row in rows if row[1][0] == question.camera]
-    if len(rows) != 1:
-        raise file.error(f"{len(rows)} cameras: name one by its number with [camera] camera")
-    number, (_, name, *fields) = rows[0]
+    names = [fields[0] for _, fields in rows]
+    own = _chosen(file, names, question, "name one by its number")
+    number, (_, name, *fields) = rows[names.index(own)]
     if name in NOT_READ_COLMAP:
         raise file.error(
             f"COLMAP's model {name} is not read: let COLMAP calibrate the camera as "
