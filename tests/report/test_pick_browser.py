@@ -110,6 +110,12 @@ def test_a_click_is_where_the_screen_shows_it(opened: Any, dense: float) -> None
     opened.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
     try:
         press(opened, "0", "+", "+", "+", "+", "+")
+        wide, high, *drawn = opened.execute_script("""
+          const box = canvas.parentElement.getBoundingClientRect();
+          return [box.width, box.height, canvas.width, canvas.height, loupe.width, loupe.height];
+        """)
+        assert drawn[:2] == [int(wide * dense), int(high * dense)]  # pixels of the screen
+        assert drawn[2] == drawn[3] > 100 * dense
         for zoom in (16, 8, 4, 2, 1):
             press(opened, Keys.DELETE)
             assert where(opened)[2] == zoom
@@ -141,6 +147,35 @@ def test_one_frame_is_decoded_at_a_time(opened: Any) -> None:
         press(opened, key)
         wait_for_picture(opened)
     assert opened.execute_script("return [open_now, most]") == [1, 1]
+    opened.execute_script("choose(0); choose(1); choose(0)")  # the first two come too late
+    wait_for_picture(opened)
+    WebDriverWait(opened, 20).until(lambda one: one.execute_script("return open_now") == 1)
+    assert opened.execute_script("return picture.width") == 64
+
+
+def test_the_loupe_shows_pixels_and_a_cross(opened: Any) -> None:
+    """Pixels as squares; the arms of a cross lead away from its middle, which stays free."""
+    assert opened.execute_script("""
+      draw();
+      return [loupe.getContext("2d").imageSmoothingEnabled, loupe.width > 0];
+    """) == [False, True]
+    arms = opened.execute_script("""
+      const arms = [];
+      const pen = { beginPath() {}, stroke() {}, moveTo: (...at) => arms.push([at]),
+        lineTo: (...at) => arms.at(-1).push(at) };
+      mark(pen, 100, 50, 9, "red");
+      return arms;
+    """)
+    ways = [(1, 0), (-1, 0), (0, 1), (0, -1)]
+    assert arms == [[[100 + n * x, 50 + n * y] for n in (2, 9)] for x, y in ways]
+
+
+def test_of_several_readings_the_last_is_removed(opened: Any) -> None:
+    opened.execute_script("put(10, 11); put(12, 14, true); put(20, 30, true)")
+    assert rows(opened) == ["0.png,mast,10.00,11.00", "0.png,mast,12.00,14.00",
+                            "0.png,mast,20.00,30.00"]  # fmt: skip
+    press(opened, Keys.DELETE)
+    assert rows(opened) == ["0.png,mast,10.00,11.00", "0.png,mast,12.00,14.00"]
 
 
 def test_a_page_that_no_browser_holds_is_refused(
@@ -308,6 +343,18 @@ def test_the_rotation_is_that_of_a_solve_with_the_position_fixed(
         assert_close("landmark predicted on a page", place, expected[5])
         sum_of_squares = float(((one.pixel[:5] - expected[:5]) ** 2).sum())
         assert_close("landmark predicted on a page", off, np.sqrt(sum_of_squares / 7))
+
+    # a place that is predicted is told from a pick by more than its colour
+    assert browser.execute_script("""
+      const dashes = [], make = CanvasRenderingContext2D.prototype.setLineDash;
+      CanvasRenderingContext2D.prototype.setLineDash = function (one) {
+        dashes.push(one.length);
+        make.call(this, one);
+      };
+      draw();
+      CanvasRenderingContext2D.prototype.setLineDash = make;
+      return dashes;
+    """) == [2, 0]  # fmt: skip
 
     # an exchange is named, and undone by its button
     assert "rotation alone fitted to 5 landmarks" in text(browser, "fit")

@@ -22,6 +22,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
+from tests.approved.texts import assert_approved
 from tests.kit.browser import forget, load, open_browser
 from tests.kit.command import ROOT
 from tests.kit.histories import by_hand, flight, histories, with_estimate
@@ -465,6 +466,56 @@ def test_a_number_below_zero_keeps_its_sign(browser: Any, tmp_path: Path) -> Non
     assert column(browser, "vehicle_pitch_deg") == ["-0.000000"] * 3
 
 
+def test_one_frame_has_no_curves(browser: Any, tmp_path: Path) -> None:
+    for frames in (1, 2):
+        load(browser, tmp_path, report([by_hand(frames)]))
+        assert browser.find_element(By.ID, "curves").is_displayed() == (frames > 1)
+
+
+def test_captions_of_image_and_map(hill: Any, film: Any, request: pytest.FixtureRequest) -> None:
+    """What their marks are, which north, what is broken off."""
+    for name in ("film", "hill"):
+        load(hill, request.getfixturevalue("tmp_path"), page_of(name))
+        for part in ("image-text", "map-text"):
+            assert_approved(hill.find_element(By.ID, part).text)
+
+
+def test_each_frame_has_the_size_of_its_image(browser: Any, tmp_path: Path) -> None:
+    """Of a second job too, whose images are of two sizes."""
+    made = page_of("hill").decode()
+    both = report([solve_flight(HILL).history()] * 2).decode()
+    start, end = (both.index(one) for one in ('"sizes": [[1920,1080]]', '"picks": '))
+    assert start > 0 and end > 0 and made
+    second = both.rindex('"sizes": [[1920,1080]]')
+    sizes = '"sizes": [[400,300],[1920,1080]], "size": [0,1,0,1,1]'
+    both = both[:second] + sizes + both[second + len('"sizes": [[1920,1080]]') :]
+    load(browser, tmp_path, both.encode())
+    script = """
+      const slider = document.getElementById("slider");
+      slider.value = arguments[0];
+      slider.dispatchEvent(new Event("input"));
+      const { width, height } = document.querySelector("#image-box svg").viewBox.baseVal;
+      return width / height;
+    """
+    wide = [browser.execute_script(script, frame) for frame in range(10)]
+    expected = [16 / 9] * 5 + [4 / 3, 16 / 9, 4 / 3, 16 / 9, 16 / 9]
+    assert_close("mark on a page", wide, expected)
+
+
+def test_names_on_a_photograph_are_readable(hill: Any) -> None:
+    """Against their outline, as a photograph may be light or dark: 4.5 at least."""
+    pairs = hill.execute_script("""
+      const rgb = (text) => text.match(/\\d+/g).slice(0, 3).map(Number);
+      return [...document.querySelectorAll("#image-box svg.photo text")].map((one) => {
+        const { fill, stroke } = getComputedStyle(one);
+        return [rgb(fill), rgb(stroke)];
+      });
+    """)
+    assert len(pairs) > 8  # of landmarks and azimuths
+    for one, other in pairs:
+        assert contrast(one, other) >= 4.5, (one, other)
+
+
 def test_arrows_are_as_many_times_as_long_as_is_said(film: Any) -> None:
     """Those of a film are in micrometres, its places in millimetres; the key is an arrow too."""
     (job,) = data_of(page_of("film").decode())["jobs"]
@@ -523,6 +574,11 @@ def test_widths_and_paper(name: str, browser: Any, tmp_path: Path) -> None:
         assert browser.execute_script(repeated) == "table-header-group"  # on each sheet
         assert not browser.find_element(By.ID, "flag").is_displayed()
         assert not browser.find_element(By.ID, "more").is_displayed()
+        left = """
+          return [...document.querySelectorAll("nav, .along, .controls button, input, select")]
+            .filter((one) => one.offsetParent).map((one) => one.outerHTML);
+        """
+        assert browser.execute_script(left) == []
     finally:
         browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

@@ -237,7 +237,7 @@ function choose(next) {
   picture = null;
   const bytes = Uint8Array.from(atob(part("image" + next).textContent), one => one.charCodeAt(0));
   createImageBitmap(new Blob([bytes], { type: "image/jpeg" })).then(made => {
-    if (frame !== next) return made.close();
+    if (frame !== next || picture) return made.close();  // too late, or once more
     picture = made;
     fit();
   }, () => { part("where").textContent = "the image cannot be shown"; });
