@@ -21,6 +21,7 @@ TOLERANCES = {
         "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
     ),
     "azimuth of whole pixels": Tolerance("deg", 0.04, "half a pixel of a focal length of 1500"),
+    "miss on a map": Tolerance("m", 3.0, "places are whole metres, and a miss has three digits"),
     "horizon of a film": Tolerance("deg", 0.005, "three decimals of a mm, of 10.4"),
     "way north": Tolerance(
         "1", 0.03, "two decimals; a lens whose centre is 3 px beside the middle"

@@ -168,7 +168,7 @@ def test_residuals_are_in_micrometres_x_above_y() -> None:
     (one,) = flight()
     residual = one.estimate.residual_xy[one.estimate.used & one.has_attitude[:, None]]
     axes = panels(figure_of("residuals"))
-    for axis, k, words in ((axes[0], 0, "residual x, µm"), (axes[2], 1, "residual y, µm")):
+    for axis, k, words in ((axes[0], 0, "residual x to"), (axes[2], 1, "residual y up")):
         assert axis.get_ylabel().startswith(words)
         lines = [line.get_ydata() for line in axis.lines if line.get_label() in "012345 others"]
         shown = np.concatenate([np.asarray(line, float) for line in lines])

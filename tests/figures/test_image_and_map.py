@@ -19,13 +19,13 @@ from tests.approved.texts import assert_approved
 from tests.kit import wgs84_film
 from tests.kit.command import ROOT, vopd
 from tests.kit.figures import labelled, points
-from tests.kit.histories import with_estimate
+from tests.kit.histories import histories, with_estimate
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History
 from vopd.attitude.history import history as from_estimate
 from vopd.errata import fixes
 from vopd.figures import draw
-from vopd.figures.map import STEPS
+from vopd.figures.map import LOOKS_UP, MISSES, STEPS
 from vopd.figures.style import doubts_text, place_names
 from vopd.film import film_estimate
 from vopd.flight.result import solve_flight
@@ -171,6 +171,48 @@ def test_the_side_view_is_along_an_azimuth_from_true_north() -> None:
     assert_close("true north on a map", job["convergence"], convergence)
 
 
+def test_a_camera_below_its_landmarks_has_a_sector_in_place_of_ground() -> None:
+    """From the camera on, between the azimuths of its picture: 4000 px of 35 mm, 35.9 wide."""
+    history = solve_flight(ROOT / "examples" / "summits" / "flight.toml").history()
+    axis = draw("map", [history]).subfigs[0].axes[0]
+    (sector,) = (one for one in axis.patches if one.get_label() == LOOKS_UP)
+    corners = sector.get_xy()
+    (camera,) = labelled(axis)["camera of this frame"].get_xydata()
+    assert_close("miss on a map", corners[0], camera)
+    ways = corners[1:-1] - camera
+    azimuth = np.degrees(np.arctan2(ways[:, 0], ways[:, 1]))
+    half = np.degrees(np.arctan(35.9 / 2.0 / 35.0))  # and more in the corners, by the pitch
+    assert half < np.ptp(azimuth) / 2.0 < half + 2.0
+
+
+def test_heights_are_not_drawn_smaller_than_distances() -> None:
+    """Of case 4, 37 km above landmarks that are 10 km away."""
+    (history,) = histories("appendix_h/case4")
+    figure = draw("map", [history])
+    figure.draw_without_rendering()
+    (part,) = figure.subfigs
+    axis = part.axes[1]
+    box = axis.get_window_extent()
+    per = [box.width / np.ptp(axis.get_xlim()), box.height / np.ptp(axis.get_ylim())]
+    assert 0.8 < per[1] / per[0] < 1.25  # labels take what the figure did not foresee
+    assert part.get_suptitle().endswith("to scale")
+
+
+def test_the_report_s_lines_of_sight_miss_as_those_of_the_figure_do() -> None:
+    """Case 1: by 811 m at most, of landmark 65."""
+    (history,) = histories("appendix_h/case1")
+    said = " ".join(draw("map", [history]).subfigs[0].get_suptitle().split())
+    assert "most 65: 811 m" in said
+    (job,) = json.loads(frames_json([history]))["jobs"]
+    ends = np.transpose([job["missed"][one] for one in ("east_m", "north_m", "height_m")])
+    marks = np.transpose([job["places"][one] for one in ("east_m", "north_m", "height_m")])
+    of = [job["picks"]["landmark"][one] for one in job["missed"]["pick"]]
+    miss_m = np.linalg.norm(ends - marks[of], axis=1)
+    assert [job["names"][one] for one in of].index("65") == int(miss_m.argmax())
+    assert len(of) == 3
+    assert_close("miss on a map", miss_m.max(), 811.0)
+
+
 @cache
 def from_above() -> tuple[History, Any]:
     """A film over New Mexico from a camera that looks down, and its true angles."""
@@ -255,7 +297,7 @@ def test_heights_in_feet_are_seen() -> None:
     raised = replace(scene, landmark_m=high)
     axis, said = panel("map", with_estimate(hill(), scene=lambda: raised))
     assert "6 lines of sight that miss their landmarks" in said
-    assert "misses its landmark (dots)" in labelled(axis)
+    assert MISSES in labelled(axis)
 
 
 @pytest.mark.usefixtures("not_laid_out")

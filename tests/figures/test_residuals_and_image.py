@@ -89,6 +89,9 @@ def test_pixels_are_drawn_as_they_are_picked() -> None:
     assert below.get_ylabel() == "residual v, px,\ndown"
     drawn_v = np.concatenate([np.array(one, float)[:, 1] for one in by_landmark(below).values()])
     assert_close("drawn residual", np.sort(drawn_v), np.sort(-Y.ravel() / 1000.0))
+    in_sigmas = {line.get_label(): line.get_ydata() for line in figure.axes[4].lines}
+    of_sigmas = np.asarray(in_sigmas["v"], float)
+    assert (np.sign(of_sigmas) == np.sign(-Y[np.isfinite(Y)].reshape(of_sigmas.shape))).all()
     assert "picked minus computed" in said
 
 
@@ -96,7 +99,8 @@ def test_units_and_words_of_a_film() -> None:
     figure, _ = drawn(film(said={"words": Words(surface="on the film")}))
     labels = [axis.get_ylabel() for axis in figure.axes[::2]]
     assert labels == [
-        "residual x, µm\non the film", "residual y, µm\non the film", "residual, in\nits sigma"
+        "residual x to the left, µm\non the film", "residual y up, µm\non the film",
+        "residual, in\nits sigma",
     ]  # fmt: skip
     assert [axis.get_xlabel() for axis in figure.axes[::2]] == ["", "", "time, s"]
 

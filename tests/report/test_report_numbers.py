@@ -147,7 +147,8 @@ def test_the_table_of_flags() -> None:
 
 LANDMARKS = [  # column, sorted as words
     ("landmark", True), ("job", False), ("frames", False), ("ignored", False),
-    ("mean x, µm", False), ("mean y, µm", False), ("rms x, µm", False), ("rms y, µm", False),
+    ("mean x left, µm", False), ("mean y up, µm", False), ("rms x, µm", False),
+    ("rms y, µm", False),
     ("largest, µm", False), ("in frame", True), ("outlier", False),
 ]  # fmt: skip
 USED = [[True, True, False, True], [True, False, False, True], [True, True, False, True]]
@@ -349,8 +350,8 @@ def test_a_landmark_s_row() -> None:
     table = landmark_table([history(estimate([[10.0, -60.0, 20.0]] * 3, residual=residual))])
     row = dict(zip(names(table), table[1][0], strict=True))
     assert row["landmark"] == "church tower" and row["frames"] == "3" and row["ignored"] == "0"
-    assert (row["mean x, px"], row["mean y, px"]) == ("3.000", "-2.333")
-    assert (row["rms x, px"], row["rms y, px"]) == ("3.697", "4.655")  # of 41 / 3 and 65 / 3
+    assert (row["mean u right, px"], row["mean v down, px"]) == ("-3.000", "2.333")
+    assert (row["rms u, px"], row["rms v, px"]) == ("3.697", "4.655")  # of 41 / 3 and 65 / 3
     assert (row["largest, px"], row["in frame"]) == ("8.246", "DJI_0001.JPG")
 
 

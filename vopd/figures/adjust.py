@@ -91,6 +91,7 @@ def _parameters(axis: Any, shown: Sequence[Change]) -> None:
     values = axis.twinx()
     values.set_ylim(axis.get_ylim())
     values.set_yticks(range(len(shown)), [plain(one.told) for one in shown], fontsize="small")
+    values.set_ylabel("before → after,\n± one sigma", fontsize="small")
     for one in (axis, values):
         one.tick_params(axis="y", length=0)
     handles, texts = axis.get_legend_handles_labels()

@@ -96,6 +96,10 @@ def flagged_frames(history: History) -> dict[str, Bools]:
     return found
 
 
+def _raised(histories: Sequence[History], name: str) -> bool:
+    return any(bool((h.flags.raised[name] & h.has_attitude).any()) for h in histories)
+
+
 def draw_flags(axis: Any, histories: Sequence[History]) -> None:
     """Draw a row of marks for each flag.
 
@@ -118,7 +122,11 @@ def draw_flags(axis: Any, histories: Sequence[History]) -> None:
             at, np.full(len(at), float(row)), "|", color=FLAGGED, ms=7, mew=0.8,
             rasterized=len(at) > MANY,
         )  # fmt: skip
-        texts.append(f"{name.replace('_', ' ')}\n{len(at)} of {total}")
+        told = [
+            name,
+            *(one for one, by in TOLD_BY.items() if by == name and _raised(histories, one)),
+        ]
+        texts.append(f"{', '.join(told).replace('_', ' ')}\n{len(at)} of {total}")
     axis.set_ylim(len(names) - 0.4, -0.6)
     axis.set_yticks(range(len(names)), texts, fontsize="small")
     axis.tick_params(axis="y", length=0)

@@ -16,6 +16,7 @@ from vopd.figures.style import (
     COLOURS,
     FLAGGED,
     caption,
+    legend_below,
     name_text,
     place_names,
     round_number,
@@ -29,10 +30,13 @@ if TYPE_CHECKING:
 NO_MAP = "no map: where landmarks and camera are is not known"
 BEYOND = 1.3  # how far the footprint of a view toward the horizon goes: of the farthest landmark
 MISSED = 0.01  # of the distance to a landmark: a line of sight that passes it farther is marked
+MISSES = "passes its landmark (dots)\nby over 1 % of the distance"
 STEPS = 40  # of a line of sight, so that over a long way the Earth's curvature shows
-SEEN = 0.003  # of the plan: a track that is smaller is not seen behind the camera's mark
+SEEN = 0.02  # of the plan: a track that is smaller is not seen behind the camera's mark
 ROOM = 0.08  # around all that is drawn
 GATHERED = 0.1  # mean of level directions to landmarks: above it they lie to one side
+IN_IMAGE = "ground in the image, of the\nlandmarks' mean height"
+LOOKS_UP = "azimuths in the image, which\nlooks up at the landmarks"
 SIDE = 0.32  # of the height of the figure: the side view
 
 
@@ -90,11 +94,12 @@ def draw_map(
     shown_m = np.vstack([plan(known), plan(scene.landmark_m), plan(camera_m)[None]])
     above, side = figure.subplots(2, 1, height_ratios=(1.0 - SIDE, SIDE))
     foot, cut_short = _footprint(scene, history, k, camera_m, axes, away_m)
+    looks_up = bool(((scene.landmark_m - camera_m) @ axes[2]).mean() > 0.0)
     for axis, to in ((above, plan), (side, beside)):
         if axis is above and foot is not None:
             at = to(foot)
             axis.fill(*at.T, fc=f"{COLOURS[4]}2e", ec=COLOURS[4], zorder=0,
-                      label="ground in the image, of the\nlandmarks' mean height")  # fmt: skip
+                      label=LOOKS_UP if looks_up else IN_IMAGE)  # fmt: skip
         if (
             len(known) > 1
             and np.ptp(to(known), axis=0).max() > SEEN * np.ptp(shown_m, axis=0).max()
@@ -104,14 +109,14 @@ def draw_map(
                 rasterized=len(known) > 2000,
             )  # fmt: skip
         for n, (one, odd) in enumerate(zip(line_m, missed, strict=True)):
-            text = "misses its landmark (dots)" if odd else "line of sight"
+            text = MISSES if odd else "line of sight"
             axis.plot(
                 *to(one).T, "--" if odd else "-", color=FLAGGED if odd else COLOURS[0], zorder=3,
                 lw=1.4 if odd else 0.9, label=text if odd not in missed[:n] else None,
             )  # fmt: skip
             if odd:
                 ends = np.stack([one[-1], mark_m[n]])
-                axis.plot(*to(ends).T, ":", color=FLAGGED, lw=1.6, zorder=3)
+                axis.plot(*to(ends).T, ":", color=FLAGGED, lw=2.5, zorder=7)
         used = np.zeros(len(scene.names), bool)
         used[picked] = True
         for here, mark, colour, text in (
@@ -140,6 +145,10 @@ def draw_map(
     least, most = heights.min(axis=0), heights.max(axis=0)
     span = np.maximum(most - least, 1e-3 * max(float((most - least).max()), 1.0))
     span[1] = max(span[1], span[0] * side_in[1] / side_in[0] * 0.02)
+    wide = span[1] * (1.0 + 4.0 * ROOM) / (1.0 + 2.0 * ROOM) * side_in[0] / side_in[1]
+    if span[0] < wide:  # to scale: heights are never drawn smaller than distances
+        middle = (least[0] + most[0]) / 2.0
+        least[0], most[0], span[0] = middle - wide / 2.0, middle + wide / 2.0, wide
     around = np.array([ROOM, 2.0 * ROOM]) * span
     in_view = np.stack([least - around, most + around])
     side.set(xlim=in_view[:, 0], ylim=in_view[:, 1])
@@ -170,14 +179,15 @@ def draw_map(
     _scale_bar(above, low, high, unit)
     _north(above, scene, camera_m)
     handles, texts = above.get_legend_handles_labels()
-    figure.legend(handles, texts, loc="outside lower center", ncols=3)
+    legend_below(figure, handles, texts, 3)
     told = [f"frame {name_text(e.frame_label(k), FRAME_SHOWN)}", f"lines of sight as {read}"]
     told.append("N: true north")
     if missed.any():
         worst = int(np.where(missed, miss_m / along, 0.0).argmax())
         told.append(
             f"red: {count_text(int(missed.sum()), 'line')} of sight that "
-            f"{'misses its landmark' if missed.sum() == 1 else 'miss their landmarks'}, "
+            f"{'misses its landmark' if missed.sum() == 1 else 'miss their landmarks'} by more "
+            f"than {MISSED:.0%} of the distance, or do not fit, "
             f"most {name_text(scene.names[picked[worst]], NAME_SHOWN)}: {miss_m[worst]:.3g} m"
         )
     if cut_short:
@@ -233,7 +243,8 @@ def ground(
 ) -> tuple[Floats | None, bool]:
     """Find where lines of sight meet the mean height of the landmarks, Earth-centred (n, 3).
 
-    Those that do not, or too far away, end somewhat beyond the farthest landmark.
+    Those that do not, or too far away, end somewhat beyond the farthest landmark. Where the
+    landmarks are above the camera it is the sector of azimuths that the image has.
 
     Args:
         direction: unit vectors east, north, up, (n, 3); NaN ones are left out
@@ -247,6 +258,8 @@ def ground(
     """
     direction = direction[np.isfinite(direction).all(axis=1)]
     below_m = float(((landmark_m - camera_m) @ axes[2]).mean())
+    if below_m > 0.0 and len(direction):  # a plane above the camera is no ground
+        return camera_m + _sector(direction) * (BEYOND * away_m) @ axes, False
     with np.errstate(divide="ignore", invalid="ignore"):
         far = below_m / direction[:, 2]
     level = np.hypot(direction[:, 0], direction[:, 1])
@@ -258,6 +271,20 @@ def ground(
     flat = direction[:, :2] * reach[:, None]
     flat = np.hstack([flat, np.full((len(flat), 1), below_m)])
     return camera_m + flat @ axes, bool(endless.any())
+
+
+def _sector(direction: Floats) -> Floats:
+    """Find the level directions between the azimuths of an image's border, and its apex, (n, 3).
+
+    Args:
+        direction: unit vectors east, north, up, (n, 3)
+    """
+    level = direction[:, 0] + 1j * direction[:, 1]
+    middle = level.sum()
+    apart = np.angle(level / middle) if abs(middle) > 0.0 else np.zeros(1)
+    turn = np.exp(1j * np.linspace(apart.min(), apart.max(), 30)) * middle / max(abs(middle), 1e-9)
+    around = np.stack([turn.real, turn.imag, np.zeros(30)], axis=1)
+    return np.vstack([np.zeros((1, 3)), around])
 
 
 def _scale_bar(axis: Any, low: Floats, high: Floats, unit: str) -> None:

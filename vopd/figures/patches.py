@@ -93,7 +93,7 @@ def _draw(figure: Any, history: History, scene: JobScene, read: Photograph) -> s
     frames = _Frames(history, scene, read)
     columns = max(len(strips[mark]) for mark in shown)
     step = SIDE + GAP
-    sheet = np.full((len(shown) * step, columns * step), 255.0)
+    sheet = np.full((len(shown) * step, columns * step), np.nan)  # between patches the page
     axis = figure.subplots()
     axis.grid(visible=False)
     rows = frame_landmarks(history)

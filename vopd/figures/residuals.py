@@ -84,7 +84,7 @@ def draw_residuals(
 
 def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -> str:
     units = histories[0].estimate.units
-    names, values = _directions(histories, found)
+    names, values, sigmas = _directions(histories, found)
     narrow = width_in(figure) < BESIDE_IN
     if narrow:  # the histogram and the landmarks' names below, in place of beside
         rows = figure.subplots(4, 1, height_ratios=(1, 1, 1, 0.8))
@@ -99,10 +99,10 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
     rms = np.sqrt(np.bincount(own, squares) / (2.0 * np.bincount(own)))
     coloured = np.argsort(-rms, kind="stable")[: len(COLOURS)]
     with np.errstate(invalid="ignore"):
-        limit = [_limit(values), _sigma_limit(found.sigmas)]
+        limit = [_limit(values), _sigma_limit(sigmas)]
     cut = [int((np.abs(values) > limit[0]).any(axis=1).sum())]
-    cut.append(int((np.abs(found.sigmas) > limit[1]).any(axis=1).sum()))
-    for row, data in enumerate((values[:, 0], values[:, 1], found.sigmas)):
+    cut.append(int((np.abs(sigmas) > limit[1]).any(axis=1).sum()))
+    for row, data in enumerate((values[:, 0], values[:, 1], sigmas)):
         axis, most = axes[row, 0], limit[row // 2]
         axis.axhline(0.0, color="0.3", lw=0.6)
         if row < 2:
@@ -159,7 +159,7 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
             handles, texts, loc="upper left", title=title, bbox_to_anchor=(-0.1, 1.02),
             alignment="left",
         )  # fmt: skip
-    far = _histogram(axes[2, 1], found.sigmas, upright=narrow)
+    far = _histogram(axes[2, 1], sigmas, upright=narrow)
     told = ["picked minus computed" if units.image == "px" else "measured minus computed"]
     longest = int(np.unique(own + len(numbers) * found.job, return_counts=True)[1].max())
     if longest > MANY:
@@ -192,13 +192,19 @@ def _three_digits(value: float) -> str:
     return f"{value:#.3g}".rstrip(".")
 
 
-def _directions(histories: Sequence[History], found: Residuals) -> tuple[list[str], Floats]:
-    """Name the directions of residuals, and turn them so: of pixels u and v, as they are picked."""
+def _directions(histories: Sequence[History], found: Residuals) -> tuple[list[str], Floats, Floats]:
+    """Name the directions of residuals, and turn them so: of pixels u and v, as they are picked.
+
+    Returns:
+        The names, the residuals (N, 2), and these in their standard deviations (N, 2).
+    """
     units, words = histories[0].estimate.units, histories[0].about.words
     values = found.pair * units.residuals_per_image
     if units.image == "px":
-        return ["u, px,\nto the right", "v, px,\ndown"], -values
-    return [f"{name}, {units.residual}\n{words.surface}" for name in "xy"], values
+        return ["u, px,\nto the right", "v, px,\ndown"], -values, -found.sigmas
+    ways = ("x to the left", "y up")
+    names = [f"{way}, {units.residual}\n{words.surface}" for way in ways]
+    return names, values, found.sigmas
 
 
 def _limit(values: Floats) -> float:
@@ -310,7 +316,7 @@ def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) ->
     across = column + (COLUMN * (found.job / (jobs - 1) - 0.5) if jobs > 1 else 0.0)
     axes = figure.subplots(2, 1, sharex=True, sharey=True)
     size = 14.0 if len(across) < 300 else 4.0
-    names, values = _directions(histories, found)
+    names, values, _ = _directions(histories, found)
     most = 1.08 * max(float(np.abs(values).max(initial=0.0)), 1e-9)
     alone = np.bincount(column).max(initial=0) <= 1  # each is its own root mean square
     coloured = 1 < jobs <= len(COLOURS)

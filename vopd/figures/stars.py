@@ -198,7 +198,9 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
         figure.legend(handles, texts, loc="outside lower center", ncols=5)
         long = "as long as they are" if scale == 1.0 else f"{scale:g} times as long"
         told.append(f"arrows: residuals, measured minus computed, {long}")
-        text = wrapped(f"{plain(picture.title)}\n{'; '.join(told)}", size_in[0])
+        text = wrapped(
+            "\n".join([*map(plain, picture.title.splitlines()), "; ".join(told)]), size_in[0]
+        )
         figure.suptitle(text, fontsize="medium")
         drawn: Figure = figure
     return drawn

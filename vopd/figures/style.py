@@ -280,7 +280,8 @@ def legend_below(figure: Any, handles: Sequence[Any], texts: Sequence[str], most
         texts: beside them
         most: columns
     """
-    wide_pt = np.array([text_width_pt(one, TITLE_PT) + HANDLE_PT for one in texts])
+    widths = [max(text_width_pt(line, TITLE_PT) for line in one.split("\n")) for one in texts]
+    wide_pt = np.array(widths) + HANDLE_PT
     room_pt = LEGEND_MARGIN * 72.0 * figure.bbox.width / figure.dpi
     columns = most
     while columns > 1 and _columns_pt(wide_pt, columns) > room_pt:

@@ -24,7 +24,14 @@ from vopd.figures.style import ready, svg
 from vopd.files import optional_package
 from vopd.findings import VopdError, count_text
 from vopd.report.answer import Sigma, angle_table, doubts, not_included, sigmas_in_force
-from vopd.report.frames import WORDS, frames_json, residual_names, shown_columns, undrawn
+from vopd.report.frames import (
+    WORDS,
+    frames_json,
+    residual_directions,
+    residual_names,
+    shown_columns,
+    undrawn,
+)
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -353,16 +360,17 @@ def landmark_table(histories: Sequence[History]) -> Table:
     """Tabulate the statistics of the residuals of each landmark of each job."""
     units, words = histories[0].estimate.units, histories[0].about.words
     several = _several(histories)
+    right, down = residual_directions(units)
     columns = [
         ("landmark", words.landmark, bool(histories[0].estimate.landmark_names)),
         *([(words.source, "", True)] if several else []),
         ("job", "", False),
         ("frames", "in which it takes part", False),
         ("ignored", "frames from which it is left out", False),
-        (f"mean x, {units.residual}", "of the residuals", False),
-        (f"mean y, {units.residual}", "of the residuals", False),
-        (f"rms x, {units.residual}", "root mean square of the residuals", False),
-        (f"rms y, {units.residual}", "root mean square of the residuals", False),
+        (f"mean {right}, {units.residual}", "of the residuals", False),
+        (f"mean {down}, {units.residual}", "of the residuals", False),
+        (f"rms {right[0]}, {units.residual}", "root mean square of the residuals", False),
+        (f"rms {down[0]}, {units.residual}", "root mean square of the residuals", False),
         (f"largest, {units.residual}", "the longest residual", False),
         ("in frame", "where that is", bool(histories[0].estimate.frame_names)),
         ("outlier", "frames in which it is the outlier", False),
@@ -378,6 +386,8 @@ def _frame_landmarks(h: History, several: bool) -> list[list[str]]:
     e = h.estimate
     of = frame_landmarks(h)
     residual = of.residual * e.units.residuals_per_image
+    if e.units.image == "px":  # as they are picked
+        residual = -residual
     here = of.used & np.isfinite(residual).all(axis=1)
     rows = []
     for number in np.unique(of.landmark[here | of.ignored]).tolist():

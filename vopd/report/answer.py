@@ -109,7 +109,13 @@ def doubts(histories: Sequence[History]) -> list[Doubt]:
                 frames = frames & ~h.flags.raised[TOLD_BY[name]]
             count += int(frames.sum())
         if count:
-            found.append((count, Doubt(f"{count} of {of}: {meaning}", name)))
+            more = [one for one, by in TOLD_BY.items() if by == name]
+            also = "".join(
+                f"; {words[one][0]}"
+                for one in more
+                if any(h.flags.raised[one].any() for h in histories)
+            )
+            found.append((count, Doubt(f"{count} of {of}: {meaning}{also}", name)))
     listed = [one for _, one in sorted(found, key=lambda one: -one[0])]
     none = [
         word

@@ -213,8 +213,13 @@ def undrawn(histories: Sequence[History]) -> str:
 
 def residual_names(units: Units) -> list[str]:
     """Name the columns of a frame's residuals: of pixels u and v, of a film x and y."""
-    names = ("u right", "v down") if units.image == "px" else ("x left", "y up")
+    names = residual_directions(units)
     return [*(f"residual {one}, {units.residual}" for one in names), f"length, {units.residual}"]
+
+
+def residual_directions(units: Units) -> tuple[str, str]:
+    """Name the two directions of residuals."""
+    return ("u right", "v down") if units.image == "px" else ("x left", "y up")
 
 
 def _scene(h: History, footprints: bool) -> dict[str, Any]:
@@ -246,10 +251,15 @@ def _scene(h: History, footprints: bool) -> dict[str, Any]:
         "origin": _numbers(plan.origin, 2),
         "places": plan.places(scene.landmark_m),
         "camera": plan.places(camera_m),
+        "up": plan.is_below(scene.landmark_m),
     }
     if scene.views is None:
         made["picks"] = _film_picks(h, rows.frame, own)
-        return made | _film_frames(h, scene, camera_m) if footprints else made
+        if footprints:
+            made |= _film_frames(h, scene, camera_m)
+            seen = _film_sights(h, scene, rows.frame, own)
+            made |= plan.missed(*seen, camera_m, rows.odd[_film_shown(h)])
+        return made
     order = np.argsort(frames)
     views = scene.views(frames[order])
     back = np.argsort(order)
@@ -277,7 +287,7 @@ def _scene(h: History, footprints: bool) -> dict[str, Any]:
         "dv": _numbers(residual[:, 1], 3),
         "state": _numbers(np.where(culprit, 2, np.where(views.used, 0, 1))),
     }
-    made |= plan.missed(views, camera_m, culprit)
+    made |= plan.missed(views.frame, views.landmark, views.ray, camera_m, culprit)
     low, high = -0.5, views.size_px[:, None] - 0.5
     with np.errstate(invalid="ignore"):
         inside: Bools = np.all((views.computed >= low) & (views.computed <= high), axis=2)
@@ -392,8 +402,7 @@ BORDER = 8  # points along each side of a film
 
 def _film_picks(h: History, frame: Ints, own: Ints) -> dict[str, Any]:
     """Describe the picks of a film: in its plane, corrected for distortion, x to the left."""
-    rows, units = frame_landmarks(h), h.estimate.units
-    here = np.isfinite(rows.image).all(axis=1) & (rows.used | rows.ignored)
+    rows, units, here = frame_landmarks(h), h.estimate.units, _film_shown(h)
     residual = rows.residual[here] * units.residuals_per_image
     state = np.where(rows.odd, 2, np.where(rows.used, 0, 1))[here]
     return {
@@ -405,6 +414,25 @@ def _film_picks(h: History, frame: Ints, own: Ints) -> dict[str, Any]:
         "dv": _numbers(residual[:, 1], 2),
         "state": _numbers(state),
     }
+
+
+def _film_shown(h: History) -> Bools:
+    """Mark the landmarks of frames that a film has as picks."""
+    rows = frame_landmarks(h)
+    return np.asarray(np.isfinite(rows.image).all(axis=1) & (rows.used | rows.ignored))
+
+
+def _film_sights(h: History, scene: JobScene, frame: Ints, own: Ints) -> tuple[Ints, Ints, Floats]:
+    """List frame, landmark and line of sight of each pick of a film; NaN: it has none."""
+    e, here = h.estimate, _film_shown(h)
+    frame, own = frame[here], own[here]
+    ray = np.full((len(frame), 3), np.nan)
+    for k in np.unique(frame).tolist():
+        marks, rays = scene.sight(int(e.frame[k]), e.frame_names[k] if e.frame_names else "")
+        of_mark = dict(zip(marks.tolist(), rays, strict=True))
+        for n in np.flatnonzero(frame == k).tolist():
+            ray[n] = of_mark.get(int(own[n]), ray[n])
+    return frame, own, ray
 
 
 def _film_frames(h: History, scene: JobScene, camera_m: Floats) -> dict[str, Any]:
@@ -458,13 +486,27 @@ class _Plan:
             made["height_m"] = _numbers(geodetic(position_m).height_m, self._decimals)
         return made
 
-    def missed(self, views: Views, camera_m: Floats, culprit: Bools) -> dict[str, Any]:
-        """Write where lines of sight end that miss their landmarks, as far away as these."""
-        mark_m, from_m = self._scene.landmark_m[views.landmark], camera_m[views.frame]
-        away = ((mark_m - from_m) * views.ray).sum(axis=1)
+    def is_below(self, landmark_m: Floats) -> bool:
+        """Tell whether the job's middle is below the landmarks on the whole."""
+        return bool(((landmark_m - self._middle_m) @ self._axes[2]).mean() > 0.0)
+
+    def missed(
+        self, frame: Ints, landmark: Ints, ray: Floats, camera_m: Floats, culprit: Bools
+    ) -> dict[str, Any]:
+        """Write where lines of sight end that miss their landmarks, as far away as these.
+
+        Args:
+            frame: index of the frame of each of P lines
+            landmark: index of its landmark
+            ray: Earth-centred unit vector along it, (P, 3); NaN: there is none
+            camera_m: Earth-centred places, (F, 3)
+            culprit: which lines do not fit, (P,)
+        """
+        mark_m, from_m = self._scene.landmark_m[landmark], camera_m[frame]
+        away = ((mark_m - from_m) * ray).sum(axis=1)
         with np.errstate(invalid="ignore"):
             away = np.where(away > 0.0, away, np.linalg.norm(mark_m - from_m, axis=1))
-            end_m = from_m + away[:, None] * views.ray
+            end_m = from_m + away[:, None] * ray
             far = culprit | (np.linalg.norm(mark_m - end_m, axis=1) > MISSED * away)
         here = np.flatnonzero(far & np.isfinite(end_m).all(axis=1))
         if not len(here):

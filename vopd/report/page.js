@@ -659,7 +659,8 @@ function work(data) {
     const far = Math.max(inner, tall) / unit > 20000 ? 1000 : 1;
     const name = far > 1 ? "km" : "m";
     const away = list.map((pick) => Math.hypot(places.east_m[pick.landmark] - here[0], places.north_m[pick.landmark] - here[1]));
-    const [close, distant] = extent(away);
+    const [close, distant] = extent(list.map((pick, n) => Math.hypot(away[n], places.height_m[pick.landmark] - here[2])));
+    const digits2 = (times) => String(Number(times.toPrecision(2)));
     const digits = (length) => String(Number(length.toPrecision(3)));
     const nearFar = known && list.length ? `, landmarks ${digits(close / far)} to ${digits(distant / far)} ${name} away` : "";
     const svg = canvas(box, width, tall + side + 80, `Map of ${described(now)}: ${places.east_m.length} landmarks${nearFar}`);
@@ -670,7 +671,7 @@ function work(data) {
     const [easts, d] = ticks((middle[0] - inner / 2 / unit + ex) / far, (middle[0] + inner / 2 / unit + ex) / far, inner / 90);
     for (const e of easts) svg.append(line(x(e * far - ex), 0, x(e * far - ex), tall, "grid"), label(x(e * far - ex), tall + 13, e.toFixed(d), "tick", "middle"));
     const [norths, f] = ticks((middle[1] - tall / 2 / unit + nx) / far, (middle[1] + tall / 2 / unit + nx) / far, tall / 60);
-    for (const n of norths) svg.append(line(left, y(n * far - nx), width - right, y(n * far - nx), "grid"), label(left - 3, y(n * far - nx) + 4, n.toFixed(f), "tick", "end"));
+    for (const n of norths.filter((one) => y(one * far - nx) > 5)) svg.append(line(left, y(n * far - nx), width - right, y(n * far - nx), "grid"), label(left - 3, y(n * far - nx) + 4, n.toFixed(f), "tick", "end"));
     svg.append(label(left + inner / 2, tall + 26, job.crs ? `easting and northing in ${job.crs}, ${name}` : `east and north of the camera's mean place, ${name}`, "tick", "middle"), plan);
     if (job.footprint) {
       const corners = some(job.footprint, job).map((n) => [x(job.footprint.east_m[n]), y(job.footprint.north_m[n])]);
@@ -689,6 +690,9 @@ function work(data) {
     const base = tall + 46;
     const sx = (s) => left + 10 + ((s - start) / (end - start)) * (inner - 20);
     const lift = heights[1] - heights[0] || 1;
+    const wide = (lift * (inner - 20)) / (side - 12); // heights are never drawn smaller than distances
+    if (end - start < wide) [start, end] = [(start + end - wide) / 2, (start + end + wide) / 2];
+    const stretched = ((side - 12) / lift) * ((end - start) / (inner - 20));
     const sy = (h) => base + 6 + (1 - (h - heights[0]) / lift) * (side - 12);
     svg.append(node("rect", { x: left, y: base, width: round(inner), height: side, class: "border" }));
     for (const h of ticks(heights[0], heights[1] > heights[0] ? heights[1] : heights[0] + 1, 5)[0]) svg.append(line(left, sy(h), width - right, sy(h), "grid"), label(left - 3, sy(h) + 4, String(Math.round(h)), "tick", "end"));
@@ -738,10 +742,10 @@ function work(data) {
     const unnamed = points.length <= 200 ? names(svg, points, width, tall, drawn) : points.length;
     const below = node("g", { transform: `translate(0 ${round(base)})` });
     svg.append(below);
-    names(below, sides, width, side);
-    const more = unnamed ? `; ${unnamed} names left out for want of room` : "";
-    const foot = job.footprint?.count[k] ? ", shaded: what the image shows of the ground" : "";
-    of("map-text").textContent = `Map of ${described(now)}${nearFar}. N: true north; ● camera, filled △ picked, open △ not picked, □ does not fit; lines: lines of sight, dashed where one misses its landmark${foot}${more}. Below, heights from the side.`;
+    const unseen = names(below, sides, width, side);
+    const more = unnamed + unseen ? `; ${unnamed + unseen} names left out for want of room` : "";
+    const foot = job.footprint?.count[k] ? (job.up ? ", shaded: the azimuths in the image, which looks up" : ", shaded: what the image shows of the ground") : "";
+    of("map-text").textContent = `Map of ${described(now)}${nearFar}. N: true north; ● camera, filled △ picked, open △ not picked, □ does not fit; lines: the camera's track, and lines of sight, dashed where one passes its landmark by more than 1 % of the distance${foot}${more}. Below, from the side, heights ${stretched > 1.05 ? `drawn ${digits2(stretched)} times as large as distances` : "to scale"}.`;
   }
 
   // What the user does
