@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,13 +15,15 @@ from vopd.arrays import Floats
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.included import included_text, left_out_text
 from vopd.attitude.sigmas import Sigmas
+from vopd.estimate import Estimate
 from vopd.export.tables import dataframe
-from vopd.flight import joint
+from vopd.flight import estimate, joint
 from vopd.flight.equations import Priors
 from vopd.flight.errors import priors_of, with_sigmas
+from vopd.flight.estimate import FlightEstimates, flight_estimate
 from vopd.flight.flight import Flight, FlightOptions, TrackFixes
 from vopd.flight.result import FlightResult, solve_flight_read
-from vopd.flight.solve import solve
+from vopd.flight.solve import SolvedFlight, solve
 
 GPS = (2.0, 2.0, 4.0)
 
@@ -50,6 +53,29 @@ def test_exact_positions_and_landmarks_give_the_rotations_of_each_frame_alone() 
     result = solve_flight_read(flight)
     assert np.array_equal(rotations(result), solve(flight).attitudes.rotation)
     assert result.estimate.errors is None and result.estimate.moved is None
+
+
+def test_what_exact_places_give_for_the_reading_sigma_serves_tests_and_history(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Frames are estimated once; normal equations formed to look for errors of the inputs."""
+    made, formed, normal = list[int](), list[object](), joint.Normal
+
+    def counted(solved: SolvedFlight, whole: FlightEstimates | None = None) -> Estimate:
+        made.append(len(solved.flight.frame))
+        return flight_estimate(solved, whole)
+
+    def noted(*arguments: Any) -> joint.Normal:
+        formed.append(arguments)
+        return normal(*arguments)
+
+    monkeypatch.setattr(estimate, "flight_estimate", counted)
+    monkeypatch.setattr(joint, "Normal", noted)
+    flight, _ = drawn(Priors(), stated=False)
+    result = solve_flight_read(flight)
+    freedom = result.history().uncertainty.reading.freedom
+    assert_close("degrees of freedom", freedom, 2.0 * 36 - 3 * 6)
+    assert [frames for frames in made if frames > 1] == [6] and len(formed) == 1
 
 
 def test_positions_that_are_held_give_the_same_rotations_and_the_position_as_a_component() -> None:

@@ -179,7 +179,7 @@ def residual_sizes(made: Adjustment) -> tuple[tuple[str, ...], Floats]:
         read = replace(result.read, options=replace(result.read.options, free=(), kept=()))
         before = settled(read, ~joint.model.used)
         if not read.options.drop_blunders:
-            before = with_named_picks(read, before)
+            before = with_named_picks(read, before, before)
         stated = FlightResult(before, ())
     sizes = [_sizes(one) for one in (stated, result)]
     return result.flight.landmarks.name, np.stack(sizes, axis=1)

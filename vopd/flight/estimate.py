@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -419,6 +420,14 @@ class FlightEstimates:
     def flight(self) -> Flight:
         """The flight that was solved."""
         return self.solved.flight
+
+    def with_reading(self, reading: JobReadingSigma) -> FlightEstimates:
+        """Put a reading sigma in force: estimates are the same, but for errors solved for."""
+        found = copy(self)
+        found.reading = reading
+        solved_for = self.joint is not None and (self.joint.passes or self._held is not None)
+        found._made = {} if solved_for else dict(self._made)
+        return found
 
     def scene(self) -> JobScene:
         """Describe the surroundings of the frames, for figures."""

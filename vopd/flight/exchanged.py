@@ -78,7 +78,7 @@ def exchanges(estimates: FlightEstimates, frames: Bools, out: Bools) -> Exchange
         marks = replace(marks, position_m=estimates.solved.landmark_m)
     variance = np.zeros(len(marks.name))
     try:
-        known = np.diag(joint.factored.common)[model.of_landmarks]
+        known = np.diag(joint.factored.common)[model.of_landmarks] if joint.passes else np.zeros(0)
     except VopdError:  # nothing is known of what is common
         return NO_EXCHANGE
     variance[model.free] = known.reshape(-1, 3).mean(axis=1)

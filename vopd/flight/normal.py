@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from vopd.arrays import Array, Floats, Ints
 from vopd.flight.equations import LinearisedPicks, Model, State
@@ -311,6 +310,8 @@ class Factored:
         if size and not np.iscomplexobj(common):
             if not np.isfinite(self._scaled).all():
                 raise np.linalg.LinAlgError("an unknown without an observation")
+            from scipy.linalg import cho_factor  # takes a twentieth of a second to load
+
             self._triangle = cho_factor(self._scaled, lower=True)
             diagonal = np.diag(self._triangle[0]) / self._scale
             self.log_determinant += 2.0 * float(np.log(diagonal).sum())
@@ -327,6 +328,8 @@ class Factored:
         """Solve for what is common, (K, k)."""
         if not len(right):
             return right
+        from scipy.linalg import cho_solve
+
         scale = self._scale[:, None]
         return np.asarray(cho_solve(self._triangle, right * scale) * scale)
 

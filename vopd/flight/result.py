@@ -361,9 +361,9 @@ def solve_flight_read(
         apart = (found.pick | swapped) & few
     if without is None or not np.array_equal(apart, found.left_out | swapped):
         without = settled(flight, apart, estimates.joint)
-    estimates = without
+    estimates, first_estimates = without, estimates
     if not flight.options.drop_blunders:
-        estimates = with_named_picks(flight, without)
+        estimates = with_named_picks(flight, without, first_estimates)
     more = least_held(without.joint)
     if more is not None:
         stated = replace(stated, options=read.options)
@@ -506,13 +506,14 @@ def settled(
             flight, picks=flight.picks.with_sigma(before.model.flight.picks.one_sigma_px)
         )
     joint = solve_jointly(begun, priors, ~left_out, start, first=same)
-    reading = stated_reading(joint)
+    estimates = estimates_of(joint, flight)
+    reading = stated_reading(estimates)
     if reading is None:
         said: JobReadingSigma | None
         tried, settles = np.zeros(0), True
         for _ in range(ROUNDS):
             said = reading
-            reading = residual_reading(joint)
+            reading = residual_reading(estimates)
             sigma = joint.model.flight.picks.one_sigma_px
             weighs = joint.passes > 0 or robust
             if not weighs or abs(reading.sigma / sigma - 1.0) < SETTLED:
@@ -529,7 +530,8 @@ def settled(
             settles = joint.settles
             scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))
             joint = solve_jointly(scaled, priors, ~left_out, start, first=same)
-    return FlightEstimates(replace(joint.solved, flight=as_solved(flight, joint)), joint, reading)
+            estimates = estimates_of(joint, flight)
+    return estimates.with_reading(reading)
 
 
 def _settled_before(
@@ -541,21 +543,21 @@ def _settled_before(
     """
     start = before.state if before is not None and before.passes else None
     scaled = replace(flight, picks=flight.picks.with_sigma(held.sigma_px))
-    joint = solve_jointly(scaled, priors_of(flight), ~left_out, start)
-    estimates = FlightEstimates(replace(joint.solved, flight=as_solved(flight, joint)), joint)
+    estimates = estimates_of(solve_jointly(scaled, priors_of(flight), ~left_out, start), flight)
     sigmas = Sigmas(reading=held.sigma_px)
     found = sampled_reading_sigma(estimates.layout, estimates.of, sigmas)
     reading = replace(found, sigma=held.reading_sigma_px, freedom=held.freedom, source=held.source)
-    return FlightEstimates(estimates.solved, joint, reading)
+    return estimates.with_reading(reading)
 
 
-def estimates_of(joint: JointSolution) -> FlightEstimates:
-    """Estimate a flight that has been solved."""
-    solved = joint.solved
-    return FlightEstimates(replace(solved, flight=as_solved(solved.flight, joint)), joint)
+def estimates_of(joint: JointSolution, flight: Flight) -> FlightEstimates:
+    """Estimate a flight, whose picks are not scaled, from its solution."""
+    return FlightEstimates(replace(joint.solved, flight=as_solved(flight, joint)), joint)
 
 
-def with_named_picks(flight: Flight, clean: FlightEstimates) -> FlightEstimates:
+def with_named_picks(
+    flight: Flight, clean: FlightEstimates, first: FlightEstimates
+) -> FlightEstimates:
     """Take blunders that are named and used back into their own frames' rotations.
 
     A pick that is a thousand pixels off would carry away the positions and landmarks of the whole
@@ -564,11 +566,16 @@ def with_named_picks(flight: Flight, clean: FlightEstimates) -> FlightEstimates:
     Args:
         flight: the flight
         clean: solved without the blunders
+        first: solved before that, without gross picks
     """
     joint = clean.joint
     assert joint is not None and clean.reading is not None
     if not joint.passes:
-        return settled(flight, np.zeros(len(flight.picks.frame), bool), joint)
+        every = flight.landmarks.takes_part[flight.picks.landmark]
+        for known in (clean, first):
+            if np.array_equal(known.solved.used, every):
+                return known
+        return settled(flight, np.zeros(len(every), bool), joint)
     scaled, places, marks = joint.model.flight, flight.path, flight.landmarks
     path = replace(places, position_m=clean.solved.camera_m, lever_arm_m=None)
     if clean.solved.landmark_m is not None:
@@ -582,16 +589,15 @@ def with_named_picks(flight: Flight, clean: FlightEstimates) -> FlightEstimates:
     changed[flight.picks.frame[found.used != clean.solved.used]] = True
     if not changed.any():
         return clean
-    every = joint.with_rotations(found, scaled)
-    estimates = FlightEstimates(replace(every.solved, flight=as_solved(flight, every)), every)
+    estimates = estimates_of(joint.with_rotations(found, scaled), flight)
     tested = sampled_reading_sigma(
         estimates.layout, estimates.of, Sigmas(reading=clean.reading.test_sigma)
     )
     chance = np.where(changed, tested.chance, clean.reading.chance)
-    return FlightEstimates(estimates.solved, every, replace(clean.reading, chance=chance))
+    return estimates.with_reading(replace(clean.reading, chance=chance))
 
 
-def stated_reading(joint: JointSolution) -> JobReadingSigma | None:
+def stated_reading(estimates: FlightEstimates) -> JobReadingSigma | None:
     """Take the reading sigma that is given or stated; None where there is none, or it is rejected.
 
     It is rejected where the residuals of all frames together are larger than what is stated
@@ -599,9 +605,10 @@ def stated_reading(joint: JointSolution) -> JobReadingSigma | None:
     with each other speak for more than `REJECTED` times as much.
 
     Args:
-        joint: of a flight solved with it
+        estimates: of a flight solved with it
     """
-    flight, estimates = joint.solved.flight, estimates_of(joint)
+    flight, joint = estimates.flight, estimates.joint
+    assert joint is not None
     given, stated = flight.options.reading_sigma_px, flight.picks.one_sigma_px
     if given is None and not flight.picks.stated:
         return None
@@ -610,14 +617,15 @@ def stated_reading(joint: JointSolution) -> JobReadingSigma | None:
     if given is not None:
         return found
     _, chance = size_of_residuals(joint, np.ones(len(found.chance), bool))
-    if chance < SIGNIFICANCE and residual_reading(joint).sigma > REJECTED * stated:
+    if chance < SIGNIFICANCE and residual_reading(estimates).sigma > REJECTED * stated:
         return None
     return replace(found, source="stated")
 
 
-def residual_reading(joint: JointSolution) -> JobReadingSigma:
+def residual_reading(estimates: FlightEstimates) -> JobReadingSigma:
     """Estimate the reading sigma from the residuals of all frames."""
-    estimates = estimates_of(joint)
+    joint = estimates.joint
+    assert joint is not None
     if joint.model.clicks is not None:
         return _with_clicks(joint, estimates)
     found = sampled_reading_sigma(estimates.layout, estimates.of, Sigmas())

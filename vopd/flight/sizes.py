@@ -64,6 +64,8 @@ def sigma_freedom(solution: JointSolution) -> float:
     and that trace the derivative of P^-1 M by a factor of P.
     """
     model, scale = solution.model, 1.0 + 1j * DERIVATIVE
+    if not solution.passes:
+        return 2.0 * len(model.pick) - 3.0 * model.solved
     varied = Factored(solution.normal, fix_scale=scale, common_scale=scale)
     total = (np.diag(varied.common) / model.common_sigma**2).sum()
     if model.priors.fixes is not None:
