@@ -21,6 +21,8 @@ def main() -> None:
     """Run the command line and end the process with its exit status."""
     stop_at_signals()
     refuse_small_address_space()
+    # threads wait for each other in a loop, which on busy processors takes longer than the work
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(10_000)  # modules are no garbage, and looking for it is 4 % of a start
     from vopd.cli import cli
     from vopd.cli.console import prepare_streams
@@ -36,10 +38,7 @@ LEAST_ADDRESS_MB = 300  # below, OpenBLAS may try without end to get memory whil
 
 
 def refuse_small_address_space() -> None:
-    """End the process if its address space is too small for numpy and scipy.
-
-    Each thread of OpenBLAS takes 40 MB of a limited one, twice: it gets one thread.
-    """
+    """End the process if its address space is too small for numpy and scipy."""
     try:
         import resource
     except ImportError:  # Windows has no such limit
@@ -47,7 +46,6 @@ def refuse_small_address_space() -> None:
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     if limit == resource.RLIM_INFINITY:
         return
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if limit < LEAST_ADDRESS_MB * 1_000_000:
         needed = f"vopd needs {LEAST_ADDRESS_MB}"
         sys.exit(f"the address space is limited to {limit / 1e6:.0f} MB (ulimit -v): {needed}")

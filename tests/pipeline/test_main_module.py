@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -75,3 +77,17 @@ def test_signals_are_handled_before_anything_else_is_loaded(
     main_module.main()
     assert order == ["signals", "streams", "command"]
     assert main_module.SIGNALS == ("SIGINT", "SIGTERM", "SIGHUP")
+
+
+@pytest.mark.parametrize("own", [None, "3"])
+def test_a_process_takes_one_thread_of_openblas_unless_told_otherwise(own: str | None) -> None:
+    """Its threads wait in a loop: of a flight with free parameters two took four times as long."""
+    name, program = "OPENBLAS_NUM_THREADS", "import os, sys, vopd.__main__ as process\n"
+    program += "sys.argv = ['vopd', '--version']\ntry:\n    process.main()\n"
+    program += f"except SystemExit:\n    print(os.environ[{name!r}])"
+    others = {key: value for key, value in os.environ.items() if key != name}
+    found = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True,
+        env=others | ({} if own is None else {name: own}),
+    )  # fmt: skip
+    assert found.stdout.split()[-1] == (own or "1")
