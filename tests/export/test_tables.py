@@ -47,7 +47,7 @@ from vopd.export import FORMATS, FileRequest
 from vopd.export import tables as csv_table
 from vopd.export import tables as plain_table
 from vopd.export import viewers as kml
-from vopd.export.tables import arrow_column, dataframe, not_a_formula
+from vopd.export.tables import arrow_column, as_text, dataframe, not_a_formula
 from vopd.film import film_estimate
 from vopd.findings import VopdError, strict
 from vopd.pipeline import run
@@ -225,6 +225,23 @@ MATRICES_VALUES = [
     [[None, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]],
     [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("numbers", "expected"),
+    [
+        ([-0.0, 0.0, np.nan, 2.345678], ["-0.000", "0.000", "", "2.346"]),
+        ([-0.0, -0.0], ["-0.000", "-0.000"]),
+        ([np.nan, np.nan, np.nan], ["", "", ""]),
+        ([2.5], ["2.500"]),
+        ([], []),
+    ],
+)
+def test_numbers_of_a_column_as_text(numbers: list[float], expected: list[str]) -> None:
+    """One that is the same in all rows too, to the sign of zero."""
+    values = np.repeat(np.array(numbers, dtype=float)[:, None], 2, axis=1)[:, 1]
+    column = TableColumn("a", "m", 3, "a", "a number")
+    assert as_text({"a": values}, [column]) == {"a": expected}
 
 
 def test_json_lines() -> None:

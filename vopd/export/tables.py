@@ -58,7 +58,13 @@ def _texts_csv(values: NDArray[Any], decimals: int | None) -> list[str]:
     if values.dtype.kind != "f":
         return list(map(str, values.tolist()))
     form = "%.6e" if decimals is None else f"%.{decimals}f"
-    return ["" if one != one else form % one for one in values.tolist()]
+    bits = values.view(f"i{values.itemsize}")
+    alike = bool((bits == bits[:1]).all())  # as the standard deviation of what is exact
+    some = values[:1] if alike else values
+    texts = list(map(form.__mod__, some.tolist()))
+    for row in np.flatnonzero(np.isnan(some)).tolist():
+        texts[row] = ""
+    return texts * len(values) if alike else texts
 
 
 def not_a_formula(text: str) -> str:

@@ -742,13 +742,12 @@ def of_sampled(joint: JointSolution) -> JointSolution:
     if len(joint.model.pick) <= MOST_PICKS:
         return joint
     some = sampled(joint.model.flight)
-    used, start, first = joint.model.used[some.picks], None, None
+    used, start, first = joint.model.used[some.picks], None, joint.solved.part(some)
     if joint.passes:
         fixes, fix_m = joint.model.priors.fixes, joint.state.fix_m
         if fixes is not None:
             fix_m = fix_m[fixes.seen_by(some.frames)]
         start = joint.state._replace(rotation=joint.state.rotation[some.frames], fix_m=fix_m)
-        first = joint.solved.part(some)
     return solve_jointly(some.flight, priors_of(some.flight), used, start, first=first)
 
 
