@@ -543,11 +543,14 @@ class _Displacements:
 
     def gain(self) -> tuple[Floats, Ints]:
         """Calculate the decrease of the weighted sum of squares by a shift, and its directions."""
-        size, axes = np.linalg.eigh(self.normal)
-        along = np.einsum("nij,ni->nj", axes, self.right)
+        gain, directions = np.zeros(len(self.frames)), np.zeros(len(self.frames), np.int64)
+        seen = np.flatnonzero(self.frames)  # of a long list most landmarks are never picked
+        size, axes = np.linalg.eigh(self.normal[seen])
+        along = np.einsum("nij,ni->nj", axes, self.right[seen])
         shown = size > SHOWN * size[:, -1:]
-        gain = np.where(shown, along**2 / np.where(shown, size, 1.0), 0.0).sum(axis=1)
-        return gain, shown.sum(axis=1)
+        gain[seen] = np.where(shown, along**2 / np.where(shown, size, 1.0), 0.0).sum(axis=1)
+        directions[seen] = shown.sum(axis=1)
+        return gain, directions
 
     def shift_m(self) -> Floats:
         """Estimate the shifts that make the landmarks fit, east, north, up, (N, 3)."""

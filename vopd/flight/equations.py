@@ -448,7 +448,9 @@ class Model:
         flight = self.flight
         camera_by = self.camera_by_m(state)
         landmark_by = self.landmark_by_m(state)
-        height_m = geodetic(flight.landmarks.position_m + landmark_by).height_m
+        height_m, seen = np.full(len(landmark_by), np.nan), np.unique(self.landmark)
+        place_m = flight.landmarks.position_m[seen] + landmark_by[seen]
+        height_m[seen] = geodetic(place_m).height_m
         lens = with_parameters(flight.lens, self.names, state.parameter)
         shift_px = None if self.clicks is None else self.clicks.shift_px(state.click_px)
         for frames, picks in self.parts:
