@@ -531,6 +531,7 @@ def settled(
             scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))
             joint = solve_jointly(scaled, priors, ~left_out, start, first=same)
             estimates = estimates_of(joint, flight)
+    assert reading is not None  # there is one round at least
     return estimates.with_reading(reading)
 
 
@@ -556,7 +557,7 @@ def estimates_of(joint: JointSolution, flight: Flight) -> FlightEstimates:
 
 
 def with_named_picks(
-    flight: Flight, clean: FlightEstimates, first: FlightEstimates
+    flight: Flight, clean: FlightEstimates, earlier: FlightEstimates
 ) -> FlightEstimates:
     """Take blunders that are named and used back into their own frames' rotations.
 
@@ -566,13 +567,13 @@ def with_named_picks(
     Args:
         flight: the flight
         clean: solved without the blunders
-        first: solved before that, without gross picks
+        earlier: solved before that, without gross picks
     """
     joint = clean.joint
     assert joint is not None and clean.reading is not None
     if not joint.passes:
         every = flight.landmarks.takes_part[flight.picks.landmark]
-        for known in (clean, first):
+        for known in (clean, earlier):
             if np.array_equal(known.solved.used, every):
                 return known
         return settled(flight, np.zeros(len(every), bool), joint)
