@@ -21,6 +21,7 @@ from vopd.findings import VopdError
 from vopd.flight import joint
 from vopd.flight.adjust import adjust
 from vopd.flight.adjusted_project import adjusted_project
+from vopd.flight.click_tests import without_wrong_clicks
 from vopd.flight.errors import priors_of
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
@@ -193,6 +194,17 @@ def test_a_place_that_is_far_off_beside_a_wrong_click() -> None:
     found = solve_flight_read(with_rows(one.flight, replace(one.rows, pixel=pixel)))
     click, place = messages(found)
     assert click.startswith("frame 9: the click of P3") and place.startswith("frame 20: P2 (")
+
+
+def test_a_lens_that_is_off_costs_no_place() -> None:
+    """Some places are then farther off than the others of their clicks."""
+    one = clicked_flight(np.random.default_rng(3002))
+    centre = one.flight.lens.centre_px
+    rows = replace(one.rows, pixel=centre + 1.03 * (one.rows.pixel - centre))
+    flight, said = without_wrong_clicks(with_rows(one.flight, rows))
+    kept, every = flight.picks.clicks, one.flight.picks.clicks
+    assert kept is not None and every is not None
+    assert len(kept.pick) == len(every.pick) and not said
 
 
 def test_a_landmark_with_wrong_coordinates_is_no_wrong_click() -> None:

@@ -67,7 +67,7 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     joint, far = _without_far_places(solve_jointly(flight, priors_of(flight)))
     flight = joint.model.flight
     if _is_of_all(joint):
-        return flight, _warnings(read, _far_texts(joint, read, far))
+        return read, []
     if joint.stated[0]:  # an error of clock or lens, as large as is stated, is no click's
         joint = solve_jointly(flight, every_prior(flight))
     seems = np.zeros(len(every.frame), bool)  # wrong, and is not
@@ -93,23 +93,25 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     count, gone = (np.bincount(every.landmark[some], minlength=1) for some in (out | True, out))
     gone = np.append(gone, np.zeros(len(count) - len(gone), np.int64))
     stays = (out & ((gone > 1) & (gone == count))[every.landmark]).tolist()
-    more: list[str] = []
+    wrong, more = [click for click in tells if not stays[click]], list[str]()
+    of_wrong = np.isin(every.click, wrong)
+    # beside a mistake of another kind places seem far off, or until a wrong click is left out
+    alone = far & ~_fits(_errors_px(joint, read), read)
+    if any(stays) or seems.any():
+        alone[:] = False
     if any(stays):
-        left_out = [click for click in tells if not stays[click]]
-        flight = without_readings(read, np.isin(every.click, left_out) | far)
+        flight = without_readings(read, of_wrong)
     else:
+        if (far & ~alone & ~of_wrong).any():
+            flight = without_readings(read, of_wrong | alone)
+            joint = solve_jointly(flight, joint.model.priors)
         flight, more = _without_contrary(flight, joint)
-    wrong = [click for click in tells if not stays[click]]
     flight = _with_wrong(flight, read, wrong)
     swapped = _exchanged_texts(joint, read, wrong)
     texts = [text for click, text in tells.items() if not stays[click] and click not in swapped]
     texts += [*dict.fromkeys(swapped.values()), *more]
-    texts += _far_texts(joint, read, far & ~np.isin(every.click, wrong))
-    return flight, _warnings(read, texts)
-
-
-def _warnings(flight: Flight, texts: list[str]) -> list[Finding]:
-    return [Finding(one, flight.source, severity="warning") for one in texts]
+    texts += _far_texts(joint, read, alone & ~of_wrong)
+    return flight, [Finding(one, read.source, severity="warning") for one in texts]
 
 
 def _is_of_all(joint: JointSolution) -> bool:
@@ -179,6 +181,14 @@ def _without_far_places(joint: JointSolution) -> tuple[JointSolution, Bools]:
         if far.sum() > FEW * len(far):
             break
     return first, np.zeros_like(far)
+
+
+def _fits(away_px: Floats, flight: Flight) -> Bools:
+    """Tell whether readings are no farther off than an error of their click may be, (R,)."""
+    clicks = flight.picks.clicks
+    assert clicks is not None
+    squares = (away_px**2).sum(axis=1) / clicks.sigma_px[clicks.click] ** 2
+    return np.asarray(chdtrc(2.0, squares) >= SIGNIFICANCE / len(squares))
 
 
 def _solved_without(read: Flight, out: Bools) -> JointSolution:
