@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.findings import VopdError
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,3 +85,10 @@ class JobScene:
     (n, 4, 2), and the computed places of all landmarks (n, N, 2), NaN behind the camera; mm x to
     the left and y up from the frame's centre; and the axes x, y, z of the camera as rows, z where
     it looks, in components east, north, up (n, 3, 3)."""
+
+    def has_photograph(self, number: int, name: str) -> bool:
+        """Tell whether the photograph of a frame can be read."""
+        try:
+            return self.photograph is not None and self.photograph(number, name) is not None
+        except VopdError:
+            return False

@@ -245,6 +245,19 @@ def _kind(one: Estimate, index: int) -> Hashable:
     )
 
 
+def has_photographs(one: History) -> bool:
+    """Tell whether the photograph of the first frame with an attitude is there.
+
+    Args:
+        one: of a job
+    """
+    e, frames = one.estimate, np.flatnonzero(one.has_attitude).tolist()
+    if e.scene is None or not frames:
+        return False
+    name = e.frame_names[frames[0]] if e.frame_names else ""
+    return e.scene().has_photograph(int(e.frame[frames[0]]), name)
+
+
 def check_rate(max_rate_deg_s: float | None) -> None:
     """Refuse a maximum rate that is not above 0 degrees a second."""
     if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:

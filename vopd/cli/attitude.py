@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from vopd.attitude.history import History
+from vopd.attitude.history import History, has_photographs
 from vopd.attitude.included import errors_texts, largest_component
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.table import chosen_columns, table_blocks
@@ -223,7 +223,9 @@ def _short(
             f"{names} --free focal says "
             'how well the picks hold it, and [solve] free = ["focal"] takes it from them'
         )
-    steps.append(f"vopd report {names} -o report.html draws every frame")
+    few = sum(len(job.head.status) for job in jobs) <= MOST_PHOTOGRAPHS
+    shown = " --photographs" * (few and has_photographs(head))
+    steps.append(f"vopd report {names} -o report.html{shown} draws every frame")
     every = len(chosen_columns([jobs[0].head]))
     table = f"-o FILE.csv writes all frames with {every} columns"
     return text(
@@ -232,6 +234,9 @@ def _short(
         steps={"table": table, "next": "; ".join(steps)},
         printed=0 if quiet else found.warnings,
     )
+
+
+MOST_PHOTOGRAPHS = 60  # of a report that is proposed: each has some .1 MB
 
 
 def _means(jobs: Sequence[HistoryParts]) -> str:

@@ -25,6 +25,7 @@ from vopd.flight.mistakes import other_clock, usual_mistakes
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import picks_outside, solve_flight_read
+from vopd.flight.scene import missing_images
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.video import open_frames
 
@@ -79,6 +80,8 @@ def messages_of_files(flight: Flight) -> Iterator[str]:
         else:
             if frames.missing:
                 yield frames.about
+    if lost := missing_images(flight):
+        yield lost
     picks, names = flight.picks, flight.landmarks.name
     never = sorted(set(range(len(names))) - set(picks.landmark.tolist()))
     if never:

@@ -16,7 +16,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import reason
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, count_text, first_of
 from vopd.flight.coordinates import crs_is_geographic, crs_name, has_height_axis
 from vopd.flight.files import (
     EXACT,
@@ -43,6 +43,7 @@ from vopd.flight.project import (
     toml_text,
     with_common_error,
 )
+from vopd.flight.scene import MOST_NAMED, image_file, other_images
 from vopd.inputs import is_number
 from vopd.video import grey_frames, image_numbers, open_frames, stills_in
 
@@ -61,6 +62,7 @@ class NewProject:
     columns: dict[str, Columns] = field(default_factory=dict)  # of CSV files, by section
     crs: dict[str, str] = field(default_factory=dict)  # that the user gives, by section
     answered: set[tuple[str, str]] = field(default_factory=set)  # keys that options answer
+    picked: tuple[str, ...] = ()  # names of the images that have picks
     track_height: str = ""  # what heights of the track are counted from, where its format says it
     then: str = ""  # the command to go on with, {} for the project; empty for the usual one
 
@@ -181,6 +183,14 @@ def look_at_pictures(new: NewProject, values: KeyValues, folder: Path, images: s
     if not found:
         return
     values.setdefault(("picks", "video"), _named(images, folder))
+    inside = Path(images) if Path(images).is_dir() else Path(images).parent
+    lost = [one for one in new.picked if image_file(inside, one) is None]
+    if lost:
+        new.said.append(
+            f"{images}: {first_of(lost, MOST_NAMED)} {'is' if len(lost) == 1 else 'are'} picked "
+            f"and not there, {other_images([Path(images)])}: figures have a photograph where the "
+            "picks name it as its file is named"
+        )
     size = read_tags(found[0]).size_px
     if ("camera", "image_size_px") not in values and size is not None:
         values["camera", "image_size_px"] = toml_numbers(*size)
@@ -248,6 +258,8 @@ def look_at_picks(
     if frames < of_video * FEW_PICKED:
         values["picks", "tracked"] = toml_text(TRACKED)
         new.said.append(f"vopd track follows them through the {of_video} frames of the video")
+    if isinstance(rows.frame, Names):
+        new.picked = tuple(dict.fromkeys(rows.frame))
     return len(rows.frame) == 0 or not isinstance(rows.frame, Names)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +12,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.files import optional_package
-from vopd.findings import VopdError
+from vopd.findings import VopdError, first_of
 from vopd.flight.flight import Flight
 from vopd.flight.lines_of_sight import sight_lines
 from vopd.flight.readout import row_shifts_px
@@ -247,11 +247,50 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
     if found is None:
         places = dict.fromkeys(os.path.normpath(one) for one in of_video)
         where = " or ".join([*places, "the project's folder"])
-        raise VopdError(
-            f"{name} is not in {where}; [picks] video, or --images of vopd plot, names its folder"
-        )
+        others = other_images(of_video)
+        cure = "[picks] video, or --images of vopd plot, names its folder"
+        if others:
+            cure = f"{others} there: the picks name an image as its file is named"
+        raise VopdError(f"{name} is not in {where}; {cure}")
     (picture,) = open_frames([str(found)]).pictures([0])
     return picture
+
+
+def other_images(folders: Iterable[Path]) -> str:
+    """Name the first images of some folders, and say whether they are one or several."""
+    from vopd.video import stills_in
+
+    names = [one.name for folder in folders for one in stills_in(folder)]
+    if not names:
+        return ""
+    return f"{first_of(names, MOST_NAMED)} {'is' if len(names) == 1 else 'are'}"
+
+
+MOST_NAMED = 3
+
+
+def missing_images(flight: Flight) -> str:
+    """Say which picked images are not where the project has its photographs; empty if all are.
+
+    Args:
+        flight: whose project may name them by `[picks] video`
+    """
+    if not flight.image_name or not flight.video or flight.folder is None:
+        return ""
+    folders = [one if one.is_dir() else one.parent for one in flight.video]
+    lost = [
+        name
+        for name in dict.fromkeys(flight.image_name)
+        if not any(image_file(one, name) for one in (*folders, flight.folder))
+    ]
+    others = other_images(folders)
+    if not lost or not others:
+        return ""
+    return (
+        f"[picks] video: {first_of(lost, MOST_NAMED)} {'is' if len(lost) == 1 else 'are'} picked "
+        f"and not among the images, where {others}: the picks name an image as its file is named, "
+        "or there is no photograph of it"
+    )
 
 
 def image_file(folder: Path, name: str) -> Path | None:

@@ -16,7 +16,7 @@ from vopd.arrays import Floats, Ints
 from vopd.attitude.conventions import conventions, reading_sigma_text
 from vopd.attitude.findings import errata_text, misfits, summary_of
 from vopd.attitude.flags import meanings
-from vopd.attitude.history import History
+from vopd.attitude.history import History, has_photographs
 from vopd.attitude.long_history import frame_landmarks
 from vopd.figures import FIGURES, draw, drawn_jobs, figure_names, left_out_text
 from vopd.figures.adjust import draw_adjusted
@@ -75,6 +75,8 @@ def report(
     pictures, no_photographs = embedded_photographs(histories) if photographs else ([], "")
     if no_photographs:
         on_missing(no_photographs)
+    elif not photographs and any(map(has_photographs, histories)):
+        no_photographs = LEFT_OUT
     page = template.render(
         about=histories[0].about,
         photographs=pictures,
@@ -103,6 +105,9 @@ def report(
         **style_and_script(),
     )
     return page.encode("utf-8", "replace")
+
+
+LEFT_OUT = "Photographs are left out: vopd report --photographs puts them into the images below."
 
 
 def check_ready() -> None:
