@@ -439,7 +439,7 @@ class Figured(NamedTuple):
     small: str = ""  # of a form for narrow screens
 
 
-PHONE_IN = (4.2, 9.5)
+PHONE_IN = {"residuals": (4.2, 9.5), "patches": (4.2, 6.5)}  # width and height
 CAPTIONS = {
     "residuals": "Residuals of all frames: against time, a line for each landmark, and in their "
     "standard deviations; of one image by landmark. The numbers are in the table of landmarks.",
@@ -468,7 +468,7 @@ def embedded_figures(histories: Sequence[History]) -> list[Figured]:
             if name != "patches":
                 raise
             continue  # a video that is elsewhere
-        small = draw(name, histories, size_in=PHONE_IN)
+        small = draw(name, histories, size_in=PHONE_IN[name])
         figures.append(
             Figured(name, kind.title, CAPTIONS[name], _data_uri(drawn), _data_uri(small))
         )
