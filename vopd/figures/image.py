@@ -360,12 +360,14 @@ class FilmView(NamedTuple):
     axes: Floats  # of the cameras as rows x, y, z, in components east, north, up, (..., 3, 3)
     focal_length: Floats | float
 
+    @np.errstate(all="ignore")  # of a damaged film
     def pixel_of(self, direction: Floats) -> Floats:
         """Find the places of directions east, north, up (..., H, 3); NaN behind the camera."""
         seen = direction @ self.axes.swapaxes(-1, -2)
         depth = np.where(seen[..., 2:] > 0.0, seen[..., 2:], np.nan)
         return np.asarray(self.focal_length * seen[..., :2] / depth)
 
+    @np.errstate(all="ignore")  # of a damaged film
     def direction_of(self, place: Floats) -> Floats:
         """Find the directions east, north, up of places (..., H, 2)."""
         focal = np.full((*place.shape[:-1], 1), self.focal_length)
