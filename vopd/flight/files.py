@@ -854,7 +854,8 @@ def header_names(file: InputFile) -> list[str]:
     if isinstance(file.columns, list):
         return file.columns
     line = _first_line(file)
-    return [name.strip().strip('"').strip() for name in line.split(separator(line))] if line else []
+    cells = line.split(separator(line), MOST_COLUMNS) if line else []  # more are refused
+    return [name.strip().strip('"').strip() for name in cells]
 
 
 def separator(line: str) -> str:
