@@ -231,6 +231,10 @@ class FrameEstimate(Rows):
         """Name the image of a frame, or give the frame's number if it has no name."""
         return self.frame_names[index] if self.frame_names else str(int(self.frame[index]))
 
+    def frame_key(self, index: int) -> tuple[int, str]:
+        """Identify a frame by its number and its image's name, which is empty if it has none."""
+        return int(self.frame[index]), self.frame_names[index] if self.frame_names else ""
+
     def without_landmarks(self) -> FrameEstimate:
         """Leave out the arrays by landmark and the equations, which `Estimate` has besides."""
         return FrameEstimate(**{f.name: getattr(self, f.name) for f in fields(FrameEstimate)})

@@ -300,12 +300,10 @@ def deck_scene(estimate: Estimate, job: Job, fixes: Fixes) -> JobScene:
         vehicle_ft = estimate.displacement[indices]
         toward = directions(origin_of(job), fixes, vehicle_ft, thj, phij, rj)
         axes = camera_axes(np.radians(estimate.camera_deg[indices]))
-        seen = toward @ axes.swapaxes(1, 2)
-        depth = np.where(seen[..., 2:] > 0.0, seen[..., 2:], np.nan)
-        place = estimate.focal_length * seen[..., :2] / depth
+        place = FilmView(axes, estimate.focal_length).pixel_of(toward)
         return np.take_along_axis(corner, around[..., None], axis=1), place, axes
 
-    from vopd.scene import JobScene
+    from vopd.scene import FilmView, JobScene
 
     return JobScene(
         tuple(map(str, number)),

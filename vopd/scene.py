@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import VopdError
 
@@ -39,6 +41,27 @@ class Views:
     border: Floats  # (n, B, 3) directions east, north, up, around the image
     middle: Floats  # (n, 3) direction east, north, up of its middle
     pixel_of: Callable[[Floats], Floats]  # pixels of directions east, north, up, (n, H, 3)
+
+
+class FilmView(NamedTuple):
+    """Films, n of them, and directions: lengths are mm, x to the left and y up."""
+
+    axes: Floats  # of the cameras as rows x, y, z, in components east, north, up, (..., 3, 3)
+    focal_length: Floats | float
+
+    @np.errstate(all="ignore")  # of a damaged film
+    def pixel_of(self, direction: Floats) -> Floats:
+        """Find the places of directions east, north, up (..., H, 3); NaN behind the camera."""
+        seen = direction @ self.axes.swapaxes(-1, -2)
+        depth = np.where(seen[..., 2:] > 0.0, seen[..., 2:], np.nan)
+        return np.asarray(self.focal_length * seen[..., :2] / depth)
+
+    @np.errstate(all="ignore")  # of a damaged film
+    def direction_of(self, place: Floats) -> Floats:
+        """Find the directions east, north, up of places (..., H, 2)."""
+        focal = np.full((*place.shape[:-1], 1), self.focal_length)
+        ray = np.concatenate([place, focal], axis=-1)
+        return np.asarray(ray / np.linalg.norm(ray, axis=-1, keepdims=True) @ self.axes)
 
 
 class Change(NamedTuple):

@@ -331,12 +331,12 @@ def test_of_star_photographs_the_one_asked_for_or_with_the_most_stars_is_drawn(
     held = {"a.json": [photograph("one", 3), photograph("two", 7)], "b.json": [photograph("", 5)]}
     monkeypatch.setattr(read_solution, "read_solutions", held.__getitem__)
     monkeypatch.setattr(plot, "draw_star_residuals", lambda picture, size: picture)
-    found = plot.plot_stars(["b.json", "a.json"], None, None)
+    found, _ = plot.plot_stars(["b.json", "a.json"], None, None)
     assert found.title.startswith("a.json, two: svd, 7 stars, ")
-    found = plot.plot_stars(["a.json", "b.json"], None, None)
+    found, _ = plot.plot_stars(["a.json", "b.json"], None, None)
     assert found.title.startswith("a.json, two: svd, 7 stars, ")
-    assert plot.plot_stars(["a.json"], "one", None).title.startswith("a.json, one: svd, 3 st")
-    assert plot.plot_stars(["b.json"], None, None).title.startswith("b.json: svd, 5 stars")
+    assert plot.plot_stars(["a.json"], "one", None)[0].title.startswith("a.json, one: svd, 3 st")
+    assert plot.plot_stars(["b.json"], None, None)[0].title.startswith("b.json: svd, 5 stars")
     with refused(VopdError):
         plot.plot_stars(["a.json", "b.json"], "three", None)
     with refused(VopdError):

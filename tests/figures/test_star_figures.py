@@ -116,7 +116,7 @@ def test_ground_points_are_not_called_stars(tmp_path: Path) -> None:
     options = ("--camera", "0,0,0", "--focal-px", "100", "--centre", "50,50", "--size", "101,101")
     file = tmp_path / "ground.json"
     assert vopd("stars", "solve", points, *options, "-o", file).status == 0
-    title = plot_stars([str(file)], None, None).get_suptitle().partition(": ")[2]
+    title = plot_stars([str(file)], None, None)[0].get_suptitle().partition(": ")[2]
     assert_approved(" ".join(title.split()))  # lines break by the length of the file's path
 
 
@@ -290,7 +290,7 @@ def test_no_number_of_the_sky_is_covered(name: str, tmp_path: Path) -> None:
     """Each line has one at most, and it is off the stars' names, marks and the panel's edge."""
     file = tmp_path / "solved.json"
     vopd("stars", "solve", DECKS / "stars" / name, "--focal", "76", "--reject", "-o", file)
-    figure = plot_stars([str(file)], None, None)
+    figure, _ = plot_stars([str(file)], None, None)
     figure.draw_without_rendering()
     (axis,) = figure.axes
     drawn = [one for one in axis.texts if one.get_text()]

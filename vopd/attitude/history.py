@@ -254,8 +254,7 @@ def has_photographs(one: History) -> bool:
     e, frames = one.estimate, np.flatnonzero(one.has_attitude).tolist()
     if e.scene is None or not frames:
         return False
-    name = e.frame_names[frames[0]] if e.frame_names else ""
-    return e.scene().has_photograph(int(e.frame[frames[0]]), name)
+    return e.scene().has_photograph(*e.frame_key(frames[0]))
 
 
 def check_rate(max_rate_deg_s: float | None) -> None:

@@ -51,7 +51,7 @@ def plot_stars(
     frame: str | None,
     size_in: tuple[float, float] | None,
     images: str | None = None,
-) -> Any:
+) -> tuple[Any, list[str]]:
     """Draw one solution: of the photograph asked for, or of that with the most stars.
 
     Args:
@@ -60,14 +60,12 @@ def plot_stars(
         size_in: width and height, inches
         images: the photograph, or a folder that it is in; None: beside the star file
 
+    Returns:
+        The figure, and warnings of why the solution is doubtful.
+
     Raises:
         VopdError: no such photograph, or a file is not such a file.
     """
-    return draw_star_residuals(_picture(*_chosen_stars(names, frame), images), size_in)
-
-
-def _chosen_stars(names: Sequence[str], frame: str | None) -> tuple[str, ReadSolution]:
-    """Find the solution to draw, and its file."""
     from vopd.stellar.files.table import read_solutions
 
     found = [(name, one) for name in names for one in read_solutions(name)]
@@ -75,7 +73,9 @@ def _chosen_stars(names: Sequence[str], frame: str | None) -> tuple[str, ReadSol
     if not wanted:
         known = ", ".join(dict.fromkeys(one.image for _, one in found if one.image))
         raise VopdError(f"no photograph {frame}" + (f": there are {known}" if known else ""))
-    return max(wanted, key=lambda pair: len(pair[1].images))
+    name, solution = max(wanted, key=lambda pair: len(pair[1].images))
+    figure = draw_star_residuals(_picture(name, solution, images), size_in)
+    return figure, [f"warning: {name}: {text}" for text in solution.doubtful]
 
 
 def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
@@ -342,11 +342,10 @@ def _stars(
         if source == click.core.ParameterSource.COMMANDLINE and parameter.name not in known:
             raise click.UsageError(f"{parameter.opts[0]} is not for star photographs.")
     note = partial(click.echo, err=True)
-    name, solution = _chosen_stars(names, frame)
-    for text in solution.doubtful:
-        note(f"warning: {name}: {text}")
-    figure = draw_star_residuals(_picture(name, solution, images), inches)
-    return save(figure, suffix, dpi, note), 3 if solution.doubtful else 0
+    figure, warnings = plot_stars(names, frame, inches, images)
+    for text in warnings:
+        note(text)
+    return save(figure, suffix, dpi, note), 3 if warnings else 0
 
 
 def _suffix(output: str, form: str | None) -> str:

@@ -96,8 +96,10 @@ def flagged_frames(history: History) -> dict[str, Bools]:
     return found
 
 
-def _raised(histories: Sequence[History], name: str) -> bool:
-    return any(bool((h.flags.raised[name] & h.has_attitude).any()) for h in histories)
+def brought_by(name: str, histories: Sequence[History]) -> list[str]:
+    """List the flags that a flag brings with it, of those that some frame has."""
+    brought = [one for one, by in TOLD_BY.items() if by == name]
+    return [one for one in brought if any(h.flags.raised[one].any() for h in histories)]
 
 
 def draw_flags(axis: Any, histories: Sequence[History]) -> None:
@@ -122,11 +124,8 @@ def draw_flags(axis: Any, histories: Sequence[History]) -> None:
             at, np.full(len(at), float(row)), "|", color=FLAGGED, ms=7, mew=0.8,
             rasterized=len(at) > MANY,
         )  # fmt: skip
-        told = [
-            name,
-            *(one for one, by in TOLD_BY.items() if by == name and _raised(histories, one)),
-        ]
-        texts.append(f"{', '.join(told).replace('_', ' ')}\n{len(at)} of {total}")
+        told = ", ".join([name, *brought_by(name, histories)])
+        texts.append(f"{told.replace('_', ' ')}\n{len(at)} of {total}")
     axis.set_ylim(len(names) - 0.4, -0.6)
     axis.set_yticks(range(len(names)), texts, fontsize="small")
     axis.tick_params(axis="y", length=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from vopd.figures.style import (
 )
 from vopd.findings import VopdError, count_text
 from vopd.geometry.earth import geodetic
+from vopd.scene import FilmView
 
 if TYPE_CHECKING:
     from vopd.scene import ImageScene, JobScene
@@ -71,7 +72,7 @@ ROOM_IN = (0.9, 1.9)  # width and height of a figure that labels, title and lege
 
 def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photograph: Any) -> str:
     e = history.estimate
-    number, name = int(e.frame[k]), e.frame_names[k] if e.frame_names else ""
+    number, name = e.frame_key(k)
     assert scene.image is not None
     view = scene.image(number, name)
     width, height = view.size_px
@@ -102,7 +103,7 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
     unpicked = _inside(view.computed, view.size_px)
     unpicked[view.landmark] = False
     look = {"ls": "", "mfc": "none", "path_effects": halo(3.0)}
-    read_as = "picked" if scene.clicks is None else "clicked or tracked"
+    read_as = reading_word(scene)
     axis.plot(*view.fitted[fits].T, "+", mec="black", ms=14, label="computed", **look)
     for marks, mark, colour, size, text in (
         (view.pixel[view.used], "o", COLOURS[0], 9, read_as),
@@ -146,6 +147,13 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
         f"{caption([history])}\n{'; '.join(told)}\n"
         f"arrows: residuals, picked minus computed, {scale:g} times as long{_misfit(history, k)}"
     )
+
+
+def reading_word(scene: JobScene) -> str:
+    """Choose the word for how landmarks came to their places in an image."""
+    if scene.image is None:
+        return "measured"
+    return "picked" if scene.clicks is None else "clicked or tracked"
 
 
 def _size_in(figure: Any) -> Floats:
@@ -279,7 +287,7 @@ def _between(points: Floats, ends: Floats) -> Bools:
 def camera_index(history: History, k: int, scene: JobScene) -> int:
     """Find a frame of a history among those of its scene."""
     e = history.estimate
-    return scene.index(int(e.frame[k]), e.frame_names[k] if e.frame_names else "")
+    return scene.index(*e.frame_key(k))
 
 
 # The film, as the report of 1974 has it
@@ -318,9 +326,8 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
     axis.plot(0.0, 0.0, "x", color="0.5", ms=8, label=words.centre)
     more = []
     if scene is not None and len(corners):
-        most = np.abs(corners).max(axis=0)
-        ends = np.stack([most, most]) * [[1.0, -1.0], [-1.0, 1.0]]
-        more = _horizon(axis, history, k, scene, FilmView(axes, e.focal_length), ends)
+        view = FilmView(axes, e.focal_length)
+        more = _horizon(axis, history, k, scene, view, film_ends(corners))
     order = np.argsort(~odd, kind="stable")
     numbers = rows.landmark[shown][order].tolist()
     names = [name_text(e.landmark_label(one), NAME_SHOWN) for one in numbers]
@@ -354,25 +361,10 @@ def _draw_film(figure: Any, history: History, k: int) -> str:
 FILM_ROOM_IN = (2.0, 2.2)  # width and height of a figure that labels, title, key and legend take
 
 
-class FilmView(NamedTuple):
-    """Films, n of them, and directions: lengths are mm, x to the left and y up."""
-
-    axes: Floats  # of the cameras as rows x, y, z, in components east, north, up, (..., 3, 3)
-    focal_length: Floats | float
-
-    @np.errstate(all="ignore")  # of a damaged film
-    def pixel_of(self, direction: Floats) -> Floats:
-        """Find the places of directions east, north, up (..., H, 3); NaN behind the camera."""
-        seen = direction @ self.axes.swapaxes(-1, -2)
-        depth = np.where(seen[..., 2:] > 0.0, seen[..., 2:], np.nan)
-        return np.asarray(self.focal_length * seen[..., :2] / depth)
-
-    @np.errstate(all="ignore")  # of a damaged film
-    def direction_of(self, place: Floats) -> Floats:
-        """Find the directions east, north, up of places (..., H, 2)."""
-        focal = np.full((*place.shape[:-1], 1), self.focal_length)
-        ray = np.concatenate([place, focal], axis=-1)
-        return np.asarray(ray / np.linalg.norm(ray, axis=-1, keepdims=True) @ self.axes)
+def film_ends(corners: Floats) -> Floats:
+    """Find the lower left and the upper right end of films (..., 2, 2) by their corners."""
+    most = np.abs(corners).max(axis=-2)
+    return np.asarray(most[..., None, :] * np.array([[1.0, -1.0], [-1.0, 1.0]]))
 
 
 def film_frames(

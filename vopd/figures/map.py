@@ -10,7 +10,14 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.attitude.history import History
 from vopd.attitude.long_history import frame_landmarks
-from vopd.figures.image import FRAME_SHOWN, LABELLED, NAME_SHOWN, camera_index, chosen
+from vopd.figures.image import (
+    FRAME_SHOWN,
+    LABELLED,
+    NAME_SHOWN,
+    camera_index,
+    chosen,
+    reading_word,
+)
 from vopd.figures.style import (
     BEHIND,
     COLOURS,
@@ -55,7 +62,7 @@ def draw_map(
         raise VopdError(NO_MAP)
     scene = history.estimate.scene()
     e = history.estimate
-    number, name = int(e.frame[k]), e.frame_names[k] if e.frame_names else ""
+    number, name = e.frame_key(k)
     camera_m = scene.camera_m[camera_index(history, k, scene)]
     known = scene.camera_m[np.isfinite(scene.camera_m[:, 0])]
     unit_m, unit, axes = 1.0, "m", local_axes(camera_m[None])[0]
@@ -68,7 +75,7 @@ def draw_map(
             return scene.plane(position_m.reshape(-1, 3))[0].reshape(*position_m.shape[:-1], 2)
         return np.asarray((position_m - camera_m) @ axes[:2].T / unit_m)
 
-    read = "measured" if scene.image is None else "clicked or tracked" if scene.clicks else "picked"
+    read = reading_word(scene)
     picked, ray = scene.sight(number, name)
     mark_m = scene.landmark_m[picked]
     along = ((mark_m - camera_m) * ray).sum(axis=1)
@@ -94,7 +101,7 @@ def draw_map(
     shown_m = np.vstack([plan(known), plan(scene.landmark_m), plan(camera_m)[None]])
     above, side = figure.subplots(2, 1, height_ratios=(1.0 - SIDE, SIDE))
     foot, cut_short = _footprint(scene, history, k, camera_m, axes, away_m)
-    looks_up = bool(((scene.landmark_m - camera_m) @ axes[2]).mean() > 0.0)
+    looks_up = rise_m(scene.landmark_m, camera_m, axes) > 0.0
     for axis, to in ((above, plan), (side, beside)):
         if axis is above and foot is not None:
             at = to(foot)
@@ -224,7 +231,7 @@ def _footprint(
     if scene.image is None:
         return None, False
     e = history.estimate
-    view = scene.image(int(e.frame[k]), e.frame_names[k] if e.frame_names else "")
+    view = scene.image(*e.frame_key(k))
     width, height = view.size_px
     edge = np.linspace(0.0, 1.0, 30)[:-1]
     around = [
@@ -257,7 +264,7 @@ def ground(
         The places, None if no line meets the ground; and whether some line does not.
     """
     direction = direction[np.isfinite(direction).all(axis=1)]
-    below_m = float(((landmark_m - camera_m) @ axes[2]).mean())
+    below_m = rise_m(landmark_m, camera_m, axes)
     if below_m > 0.0 and len(direction):  # a plane above the camera is no ground
         return camera_m + _sector(direction) * (BEYOND * away_m) @ axes, False
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -271,6 +278,11 @@ def ground(
     flat = direction[:, :2] * reach[:, None]
     flat = np.hstack([flat, np.full((len(flat), 1), below_m)])
     return camera_m + flat @ axes, bool(endless.any())
+
+
+def rise_m(landmark_m: Floats, camera_m: Floats, axes: Floats) -> float:
+    """Measure how much higher than the camera the landmarks are in the mean, along its vertical."""
+    return float(((landmark_m - camera_m) @ axes[2]).mean())
 
 
 def _sector(direction: Floats) -> Floats:

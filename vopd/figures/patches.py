@@ -162,7 +162,7 @@ def _strips(history: History, scene: JobScene, columns: int) -> dict[int, list[_
     if scene.clicks is None:
         assert scene.image is not None
         for k in spread.tolist():
-            view = scene.image(int(e.frame[k]), e.frame_names[k] if e.frame_names else "")
+            view = scene.image(*e.frame_key(k))
             for mark in view.landmark.tolist():
                 clicks.setdefault(mark, []).append(_Patch(k))
         return dict(sorted(clicks.items()))
@@ -190,21 +190,17 @@ class _Frames:
         self._views: dict[int, ImageScene] = {}
         self._grey: dict[int, Floats] = {}
 
-    def _name(self, k: int) -> tuple[int, str]:
-        e = self._history.estimate
-        return int(e.frame[k]), e.frame_names[k] if e.frame_names else ""
-
     def view(self, k: int) -> ImageScene:
         """Project the landmarks on the image of a frame."""
         if k not in self._views:
             assert self._scene.image is not None
-            self._views[k] = self._scene.image(*self._name(k))
+            self._views[k] = self._scene.image(*self._history.estimate.frame_key(k))
         return self._views[k]
 
     def grey(self, k: int) -> Floats:
         """Read the photograph of a frame, (H, W)."""
         if k not in self._grey:
-            picture = self._read(*self._name(k)).convert("L")
+            picture = self._read(*self._history.estimate.frame_key(k)).convert("L")
             self._grey[k] = np.asarray(picture, dtype=float)
         return self._grey[k]
 

@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.findings import findings_of
 from vopd.attitude.history import HistoryOptions
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, first_of
 from vopd.flight.blunders import ARE_EXCHANGED, WRONG
 from vopd.flight.coordinates import (
     HeightDatum,
@@ -85,9 +85,7 @@ def messages_of_files(flight: Flight) -> Iterator[str]:
     picks, names = flight.picks, flight.landmarks.name
     never = sorted(set(range(len(names))) - set(picks.landmark.tolist()))
     if never:
-        yield f"never picked: {', '.join(names[k] for k in never[:10])}" + (
-            f" and {len(never) - 10} more" if len(never) > 10 else ""
-        )
+        yield f"never picked: {first_of([names[k] for k in never], 10)}"
     yield from (one.message for one in picks_outside(flight))
 
 

@@ -96,9 +96,9 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     wrong, more = [click for click in tells if not stays[click]], list[str]()
     of_wrong = np.isin(every.click, wrong)
     # beside a mistake of another kind places seem far off, or until a wrong click is left out
-    alone = far & ~_fits(_errors_px(joint, read), read)
-    if any(stays) or seems.any():
-        alone[:] = False
+    alone = np.zeros_like(far)
+    if far.any() and not any(stays) and not seems.any():
+        alone = far & ~_fits(_errors_px(joint, read), read)
     if any(stays):
         flight = without_readings(read, of_wrong)
     else:
@@ -399,16 +399,17 @@ def _far_texts(joint: JointSolution, read: Flight, far: Bools) -> list[str]:
     """
     clicks = read.picks.clicks
     assert clicks is not None
+    if not far.any():
+        return []
     away, labels = clicks.by_click @ _errors_px(joint, read)[..., None], list[str]()
     for k in np.flatnonzero(far):
         off_px = np.hypot(*away[k, :, 0])
         off = f" ({off_px:.1f} px off)" if np.isfinite(off_px) else ""
         labels.append(pick_label(read, int(clicks.pick[k])) + off)
-    told = (
+    return [
         f"{first_of(labels, MOST_NAMED)}: tracked far from where the others have the landmark, and "
         "no error of a click explains that: not used; run vopd track again"
-    )
-    return [told] if labels else []
+    ]
 
 
 def _wrong_text(flight: Flight, click: int, away_px: Floats, chance: float) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import reason
-from vopd.findings import VopdError, count_text, first_of
+from vopd.findings import VopdError, count_text
 from vopd.flight.coordinates import crs_is_geographic, crs_name, has_height_axis
 from vopd.flight.files import (
     EXACT,
@@ -43,7 +43,7 @@ from vopd.flight.project import (
     toml_text,
     with_common_error,
 )
-from vopd.flight.scene import MOST_NAMED, image_file, other_images
+from vopd.flight.scene import lost_images, other_images
 from vopd.inputs import is_number
 from vopd.video import grey_frames, image_numbers, open_frames, stills_in
 
@@ -184,12 +184,10 @@ def look_at_pictures(new: NewProject, values: KeyValues, folder: Path, images: s
         return
     values.setdefault(("picks", "video"), _named(images, folder))
     inside = Path(images) if Path(images).is_dir() else Path(images).parent
-    lost = [one for one in new.picked if image_file(inside, one) is None]
-    if lost:
+    if lost := lost_images(new.picked, [inside]):
         new.said.append(
-            f"{images}: {first_of(lost, MOST_NAMED)} {'is' if len(lost) == 1 else 'are'} picked "
-            f"and not there, {other_images([Path(images)])}: figures have a photograph where the "
-            "picks name it as its file is named"
+            f"{images}: {lost} picked and not there, {other_images([Path(images)])}: figures have "
+            "a photograph where the picks name it as its file is named"
         )
     size = read_tags(found[0]).size_px
     if ("camera", "image_size_px") not in values and size is not None:

@@ -13,7 +13,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.estimate import MapGrid
 from vopd.files import reason
-from vopd.findings import Finding, NeededError, count_text
+from vopd.findings import Finding, NeededError, count_text, first_of
 from vopd.flight.adjusted import with_held, with_stated_offset
 from vopd.flight.coordinates import (
     crs_name,
@@ -810,10 +810,7 @@ def frames_uncovered(
     lost = np.flatnonzero(np.isnan(path.position_m[:, 0])).tolist()
     if not lost:
         return []
-    named = ", ".join(map(label, lost[:3])) + (
-        f" and {len(lost) - 3} more" if len(lost) > 3 else ""
-    )
-    message = f"the track has no position for {named}"
+    message = f"the track has no position for {first_of([label(k) for k in lost], 3)}"
     if path.row_s is not None:
         offset_s = project.section("track").number("offset_s")
         message += covering_text(path.row_s, times.time_s, offset_s)

@@ -18,7 +18,7 @@ from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
-from vopd.findings import Finding, VopdError, count_text
+from vopd.findings import Finding, VopdError, count_text, first_of
 from vopd.flight.blunders import (
     NO_EXCHANGE,
     Blunders,
@@ -361,9 +361,8 @@ def solve_flight_read(
         apart = (found.pick | swapped) & few
     if without is None or not np.array_equal(apart, found.left_out | swapped):
         without = settled(flight, apart, estimates.joint)
-    estimates, first_estimates = without, estimates
-    if not flight.options.drop_blunders:
-        estimates = with_named_picks(flight, without, first_estimates)
+    dropped = flight.options.drop_blunders
+    estimates = without if dropped else with_named_picks(flight, without, estimates)
     more = least_held(without.joint)
     if more is not None:
         stated = replace(stated, options=read.options)
@@ -756,6 +755,6 @@ def frames_unsolved(flight: Flight, solved: SolvedFlight) -> list[Finding]:
     for which, why in reasons:
         labels = [frame_label(flight, int(k)) for k in np.flatnonzero(which)]
         if labels:
-            named = ", ".join(labels[:5]) + (f" and {len(labels) - 5} more" * (len(labels) > 5))
-            tell.append(Finding(f"{named}: {why}", flight.source, severity="warning"))
+            told = f"{first_of(labels, 5)}: {why}"
+            tell.append(Finding(told, flight.source, severity="warning"))
     return tell

@@ -260,10 +260,17 @@ def other_images(folders: Iterable[Path]) -> str:
     """Name the first images of some folders, and say whether they are one or several."""
     from vopd.video import stills_in
 
-    names = [one.name for folder in folders for one in stills_in(folder)]
-    if not names:
-        return ""
-    return f"{first_of(names, MOST_NAMED)} {'is' if len(names) == 1 else 'are'}"
+    return _are([one.name for folder in folders for one in stills_in(folder)])
+
+
+def lost_images(names: Iterable[str], folders: Iterable[Path]) -> str:
+    """Name the first images that are in none of some folders; empty if there is none."""
+    places = list(folders)
+    return _are([name for name in names if not any(image_file(one, name) for one in places)])
+
+
+def _are(names: list[str]) -> str:
+    return f"{first_of(names, MOST_NAMED)} {'is' if len(names) == 1 else 'are'}" if names else ""
 
 
 MOST_NAMED = 3
@@ -278,18 +285,13 @@ def missing_images(flight: Flight) -> str:
     if not flight.image_name or not flight.video or flight.folder is None:
         return ""
     folders = [one if one.is_dir() else one.parent for one in flight.video]
-    lost = [
-        name
-        for name in dict.fromkeys(flight.image_name)
-        if not any(image_file(one, name) for one in (*folders, flight.folder))
-    ]
+    lost = lost_images(dict.fromkeys(flight.image_name), (*folders, flight.folder))
     others = other_images(folders)
     if not lost or not others:
         return ""
     return (
-        f"[picks] video: {first_of(lost, MOST_NAMED)} {'is' if len(lost) == 1 else 'are'} picked "
-        f"and not among the images, where {others}: the picks name an image as its file is named, "
-        "or there is no photograph of it"
+        f"[picks] video: {lost} picked and not among the images, where {others}: the picks name an "
+        "image as its file is named, or there is no photograph of it"
     )
 
 

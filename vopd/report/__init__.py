@@ -506,7 +506,7 @@ def embedded_photographs(histories: Sequence[History]) -> tuple[list[tuple[int, 
         if read is None:
             why.append(f"{h.about.label}: the project names no photographs")
             frames = []
-        names = [(int(e.frame[k]), e.frame_names[k] if e.frame_names else "") for k in frames]
+        names = [e.frame_key(k) for k in frames]
         for place, picture in read(names) if read else ():
             if isinstance(picture, VopdError):
                 why.append(f"frame {e.frame_label(frames[place])}: {picture}")

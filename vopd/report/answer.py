@@ -15,6 +15,7 @@ from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
 from vopd.figures.attitude import (
     TOLD_BY,
+    brought_by,
     from_cut,
     in_range,
     interval_of,
@@ -109,13 +110,8 @@ def doubts(histories: Sequence[History]) -> list[Doubt]:
                 frames = frames & ~h.flags.raised[TOLD_BY[name]]
             count += int(frames.sum())
         if count:
-            more = [one for one, by in TOLD_BY.items() if by == name]
-            also = "".join(
-                f"; {words[one][0]}"
-                for one in more
-                if any(h.flags.raised[one].any() for h in histories)
-            )
-            found.append((count, Doubt(f"{count} of {of}: {meaning}{also}", name)))
+            told = "; ".join([meaning, *(words[one][0] for one in brought_by(name, histories))])
+            found.append((count, Doubt(f"{count} of {of}: {told}", name)))
     listed = [one for _, one in sorted(found, key=lambda one: -one[0])]
     none = [
         word

@@ -16,11 +16,11 @@ from vopd.attitude.table import TableColumn, column_name, columns_of, table_valu
 from vopd.estimate import Units
 from vopd.export.tables import as_text
 from vopd.figures.attitude import TOLD_BY, is_turned, shows_attack
-from vopd.figures.image import FilmView, camera_index, film_frames, horizon_dip_deg, toward
-from vopd.figures.map import MISSED, ground
+from vopd.figures.image import camera_index, film_ends, film_frames, horizon_dip_deg, toward
+from vopd.figures.map import MISSED, ground, rise_m
 from vopd.findings import count_text
 from vopd.geometry.earth import geodetic, local_axes
-from vopd.scene import JobScene, Views
+from vopd.scene import FilmView, JobScene, Views
 
 SHOWN = (
     *("job", "frame", "status", "time_s", "flags"),
@@ -428,7 +428,7 @@ def _film_sights(h: History, scene: JobScene, frame: Ints, own: Ints) -> tuple[I
     frame, own = frame[here], own[here]
     ray = np.full((len(frame), 3), np.nan)
     for k in np.unique(frame).tolist():
-        marks, rays = scene.sight(int(e.frame[k]), e.frame_names[k] if e.frame_names else "")
+        marks, rays = scene.sight(*e.frame_key(k))
         of_mark = dict(zip(marks.tolist(), rays, strict=True))
         for n in np.flatnonzero(frame == k).tolist():
             ray[n] = of_mark.get(int(own[n]), ray[n])
@@ -441,8 +441,7 @@ def _film_frames(h: History, scene: JobScene, camera_m: Floats) -> dict[str, Any
     corners, shown, computed, axes = film_frames(h, scene, frames)
     known = np.isfinite(corners).all(axis=(1, 2))
     view = FilmView(axes, h.estimate.focal_length)
-    most = np.abs(corners).max(axis=1)
-    ends = most[:, None] * [[1.0, -1.0], [-1.0, 1.0]]
+    ends = film_ends(corners)
     along = np.linspace(corners, np.roll(corners, 1, axis=1), BORDER, endpoint=False, axis=2)
     border = view.direction_of(along.reshape(len(frames), -1, 2))
     dip_deg = horizon_dip_deg(camera_m, scene.landmark_m)
@@ -488,7 +487,7 @@ class _Plan:
 
     def is_below(self, landmark_m: Floats) -> bool:
         """Tell whether the job's middle is below the landmarks on the whole."""
-        return bool(((landmark_m - self._middle_m) @ self._axes[2]).mean() > 0.0)
+        return rise_m(landmark_m, self._middle_m, self._axes) > 0.0
 
     def missed(
         self, frame: Ints, landmark: Ints, ray: Floats, camera_m: Floats, culprit: Bools

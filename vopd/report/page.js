@@ -660,8 +660,7 @@ function work(data) {
     const name = far > 1 ? "km" : "m";
     const away = list.map((pick) => Math.hypot(places.east_m[pick.landmark] - here[0], places.north_m[pick.landmark] - here[1]));
     const [close, distant] = extent(list.map((pick, n) => Math.hypot(away[n], places.height_m[pick.landmark] - here[2])));
-    const digits2 = (times) => String(Number(times.toPrecision(2)));
-    const digits = (length) => String(Number(length.toPrecision(3)));
+    const digits = (length, count = 3) => String(Number(length.toPrecision(count)));
     const nearFar = known && list.length ? `, landmarks ${digits(close / far)} to ${digits(distant / far)} ${name} away` : "";
     const svg = canvas(box, width, tall + side + 80, `Map of ${described(now)}: ${places.east_m.length} landmarks${nearFar}`);
     const [ex, nx] = job.origin;
@@ -738,14 +737,14 @@ function work(data) {
     const [c, f0] = freest([[left + 10 + (bar * unit) / 2, tall - 14], [width - 20 - (bar * unit) / 2, tall - 14], [left + 10 + (bar * unit) / 2, 22]], [...taken, [a, b]]);
     const from = c - (bar * unit) / 2;
     svg.append(line(from, f0 + 5, from + bar * unit, f0 + 5, "bar"), label(from, f0 - 1, bar >= 1000 ? `${bar / 1000} km` : `${bar} m`, "name"));
-    const drawn = [-2, -1, 0, 1, 2].flatMap((n) => [[a + n * p, b + n * q], [c + (n * bar * unit) / 4, f0]]);
-    const unnamed = points.length <= 200 ? names(svg, points, width, tall, drawn) : points.length;
+    const signs = [-2, -1, 0, 1, 2].flatMap((n) => [[a + n * p, b + n * q], [c + (n * bar * unit) / 4, f0]]);
+    const unnamed = points.length <= 200 ? names(svg, points, width, tall, signs) : points.length;
     const below = node("g", { transform: `translate(0 ${round(base)})` });
     svg.append(below);
     const unseen = names(below, sides, width, side);
     const more = unnamed + unseen ? `; ${unnamed + unseen} names left out for want of room` : "";
     const foot = job.footprint?.count[k] ? (job.up ? ", shaded: the azimuths in the image, which looks up" : ", shaded: what the image shows of the ground") : "";
-    of("map-text").textContent = `Map of ${described(now)}${nearFar}. N: true north; ● camera, filled △ picked, open △ not picked, □ does not fit; lines: the camera's track, and lines of sight, dashed where one passes its landmark by more than 1 % of the distance${foot}${more}. Below, from the side, heights ${stretched > 1.05 ? `drawn ${digits2(stretched)} times as large as distances` : "to scale"}.`;
+    of("map-text").textContent = `Map of ${described(now)}${nearFar}. N: true north; ● camera, filled △ picked, open △ not picked, □ does not fit; lines: the camera's track, and lines of sight, dashed where one passes its landmark by more than 1 % of the distance${foot}${more}. Below, from the side, heights ${stretched > 1.05 ? `drawn ${digits(stretched, 2)} times as large as distances` : "to scale"}.`;
   }
 
   // What the user does

@@ -15,7 +15,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.files import whole_file
-from vopd.findings import Finding, VopdError, count_text
+from vopd.findings import Finding, VopdError, count_text, first_of
 from vopd.flight.adjusted import with_stated_offset
 from vopd.flight.exchanged import exchanged_places
 from vopd.flight.flight import CameraPath, Flight
@@ -570,11 +570,10 @@ def _summary(
             )
     stretches = _stretches(footage.number[np.array(sorted(lost), int)], footage)
     if stretches:
-        told = ", ".join(f"{a} to {b}" if a != b else str(a) for a, b in stretches[:SHOWN])
-        more = f" and {len(stretches) - SHOWN} more" if len(stretches) > SHOWN else ""
+        told = first_of([f"{a} to {b}" if a != b else str(a) for a, b in stretches], SHOWN)
         longest = max(stretches, key=lambda one: one[1] - one[0])
         lines.append(
-            f"fewer than two landmarks in {count_text(len(lost), 'frame')}: {told}{more}; "
+            f"fewer than two landmarks in {count_text(len(lost), 'frame')}: {told}; "
             f"click two in frame {(longest[0] + longest[1]) // 2}"
         )
     return lines, elsewhere

@@ -13,7 +13,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.files import optional_package
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, first_of
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions, has_height_axis
 from vopd.flight.flight import LandmarkSet
 from vopd.flight.project import Project, Section
@@ -113,7 +113,9 @@ class Terrain:
             raise self._section.error("terrain", self._elsewhere(position_m))
         warned = []
         if not known.all():
-            some = _named([name for name, one in zip(names, known, strict=True) if not one])
+            some = first_of(
+                [name for name, one in zip(names, known, strict=True) if not one], NAMED
+            )
             warned.append(
                 f"[landmarks] terrain: {self.name} has no height at {some}: the ground there is "
                 "taken as level"
@@ -137,7 +139,7 @@ class Terrain:
         own = [name for name, one in zip(names, known, strict=True) if one]
         high = np.flatnonzero(off > ABOVE_M)
         if len(high) and not warned:
-            some = _named([f"{own[k]} ({above[k] - usual:+.0f} m)" for k in high])
+            some = first_of([f"{own[k]} ({above[k] - usual:+.0f} m)" for k in high], NAMED)
             lines.append(
                 f"  not on the ground: {some}; for masts patch_px = 13 in the file of landmarks"
             )
@@ -201,11 +203,6 @@ def relief_text(landmark_m: Floats) -> list[str]:
 
 def _extent(place_m: Floats) -> float:
     return float(np.hypot(*np.ptp(place_m, axis=0)))
-
-
-def _named(names: list[str]) -> str:
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + more
 
 
 def _bilinear(grid: Floats, column: Floats, row: Floats) -> Floats:

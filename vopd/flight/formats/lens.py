@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from vopd.files import optional_package, reason
-from vopd.findings import count_text
+from vopd.findings import count_text, first_of
 from vopd.flight.files import (
     UNEXPECTED,
     InputFile,
@@ -292,7 +292,7 @@ def _chosen(file: InputFile, names: Sequence[str], question: LensQuestion, how: 
             raise file.error(f"{len(names)} cameras: {how} with [camera] camera")
         return names[0]
     if names.count(question.camera) != 1:
-        known = ", ".join(map(shown, names[:MOST_NAMED])) + ", ..." * (len(names) > MOST_NAMED)
+        known = first_of([shown(name) for name in names], MOST_NAMED)
         raise file.error(f"no camera {shown(question.camera)}: it has {known}")
     return question.camera
 
