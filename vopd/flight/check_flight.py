@@ -46,12 +46,12 @@ def check_flight(name: str) -> list[Finding]:
         return [Finding(str(error).removeprefix(f"{name}: ") + hint, name)]
     far = list(far_landmarks(flight))
     found = [*flight.findings, *_warned(name, [*messages_of_files(flight), *far])]
-    if far:
-        return found  # a solve can tell no more
     try:
-        result = solve_flight_read(flight, project=lambda: project)
+        result = solve_flight_read(flight, project=None if far else lambda: project)
     except VopdError as error:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
+    if far:
+        return found  # a solution can tell no more
     if not result.solved.any():
         found.append(Finding("no frame has an attitude", name))
     found += [f for f in result.findings if f not in found]

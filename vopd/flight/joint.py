@@ -22,6 +22,7 @@ from vopd.flight.flight import Flight
 from vopd.flight.free import free_parameters
 from vopd.flight.normal import NARROW, Factored, Normal, RightSide, frames_by_block, pairs
 from vopd.flight.solve import LOSSES, NOISE_AT_MOST_RAD, SolvedFlight, solve
+from vopd.flight.track import LEAPS
 
 # Gauss and Newton with Levenberg's damping
 
@@ -248,8 +249,9 @@ def solvable(flight: Flight) -> Iterator[None]:
 
 
 def no_solution(flight: Flight) -> VopdError:
-    """Make the error of a flight whose equations have no solution, naming a far landmark."""
-    far = _far_landmark(flight) or "is a coordinate far off?"
+    """Make the error of a flight whose equations have no solution, naming what is far off."""
+    leaps = [one.message for one in flight.findings if one.message.endswith(LEAPS)]
+    far = leaps[0] if leaps else _far_landmark(flight) or "is a coordinate far off?"
     return VopdError(
         f"{flight.source}: the equations of its positions and landmarks have no solution within "
         f'rounding: {far} [solve] position = "fixed" holds both where they are stated, and warns '
