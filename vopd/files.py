@@ -8,7 +8,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
@@ -234,6 +234,18 @@ def written_by_vopd(start: str) -> tuple[str, str] | None:
     start = start.lstrip()
     known = ((what, advice) for begins, what, advice in _WRITTEN if re.match(begins, start))
     return next(known, None)
+
+
+STARS = {"ra", "ra_deg", "ra_hours", "star", "hip"}
+"""Columns that only a file of stars has."""
+TAKES_STARS = "vopd stars solve"
+"""The command that takes such a file."""
+
+
+def names_stars(columns: Iterable[str]) -> bool:
+    """Tell from the columns that a header names whether a file is one of stars."""
+    names = {column.strip(' "').lower() for column in columns}
+    return bool(names & STARS) or {"x_mm", "y_mm"} <= names
 
 
 def not_utf8(start: bytes, at: int) -> str:

@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 
 from vopd.arrays import Bools
 from vopd.cards.text import COLUMNS, NUMBERS, CardText
-from vopd.files import A_VIDEO, kind_by_first_bytes, written_by_vopd
+from vopd.files import (
+    A_VIDEO,
+    TAKES_STARS,
+    kind_by_first_bytes,
+    names_stars,
+    written_by_vopd,
+)
 from vopd.findings import Finding, InputError, Report, Severity, VopdError, count_text
 
 # Consecutive cards as an array of bytes
@@ -338,7 +344,7 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
 _OF_A_FLIGHT = "a file of a flight is named in its project: vopd new DIR --{} {}"
 _PICTURE = "vopd pick {1} -o pick.html makes a page to pick landmarks on"
 ADVICE = {
-    "a CSV file of stars": "vopd stars solve takes it",
+    "a CSV file of stars": f"{TAKES_STARS} takes it",
     "a listing": "vopd diff compares listings",
     "a CSV file": f"{_OF_A_FLIGHT} (or --landmarks, --track, --wind)",
     "a JSON file": f"{_OF_A_FLIGHT} (or --picks, --landmarks)",
@@ -353,7 +359,6 @@ _EXAMPLE = "vopd demo writes an example of a deck"
 _OPTION = {"a CSV file": "picks", "a JSON file": "lens", "an XML file": "picks"}
 
 _COMMA_SEPARATED = r"[^,;]*[,;][^,;]*[,;]|[A-Za-z_]\w*\s*[,;]"
-_STAR_COLUMNS = r"\s*x_mm\s*,\s*y_mm\b"
 _TOML = r"\[+[\w.\"' -]+\]+\s*(#.*)?$|[\w.\"'-]+\s*=\s*\S"
 _JSON = r"[\[{]\s*($|[{\"\d-]|\[(?![A-Za-z_])|\]|\})"  # [[table]] is TOML
 _MARKUP = r"(?i)<(!doctype html|html|head|body)\b"
@@ -403,6 +408,6 @@ def _kind_of_text(line: str) -> str | None:
         return "a JSON file"
     if re.match(_TOML, line):
         return "a TOML file"
-    if re.match(_STAR_COLUMNS, line):
-        return "a CSV file of stars"
-    return "a CSV file" if re.match(_COMMA_SEPARATED, line) else None
+    if re.match(_COMMA_SEPARATED, line) is None:
+        return None
+    return "a CSV file of stars" if names_stars(re.split("[,;]", line)) else "a CSV file"

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vopd.findings import VopdError
-from vopd.flight.new import NAME, OWN_HEAD, Answer
+from vopd.flight.new import NAME, OWN_HEAD, SAYS_EXAMPLE, Answer
 from vopd.flight.project import ROWS, VIDEO, KeyValues, toml_text, written_keys
 from vopd.video import stills_in
 
@@ -141,7 +141,8 @@ def _lines_to_edit(
         is_file = ROWS[section, key].kind in ("file", "files")
         if (section, key) in sure or is_file or f"\n[{section}]" in text:
             lines.append(f"  under [{section}]: {key} = {value}")
+    state = "is the example" if SAYS_EXAMPLE in text else "is not as vopd new wrote it"
     return (
-        f"{folder / NAME}: is there already and is not as vopd new wrote it: edit it, or name "
+        f"{folder / NAME}: is there already and {state}: edit it, or name "
         "another folder. The options stand for these lines:\n" + "\n".join(lines)
     )

@@ -22,7 +22,14 @@ from typing import Any, Generic, NamedTuple, TextIO, TypeVar
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.files import A_VIDEO, kind_by_first_bytes, not_utf8, reason
+from vopd.files import (
+    A_VIDEO,
+    TAKES_STARS,
+    kind_by_first_bytes,
+    names_stars,
+    not_utf8,
+    reason,
+)
 from vopd.findings import VopdError, count_text
 from vopd.inputs import (
     LEAST_SIGMA,
@@ -411,6 +418,9 @@ def _time_name(cell: str, own: str) -> str:
     return "t_s" if value < LATE or MILLISECONDS.search(own) else "t_unix_s"
 
 
+OF_STARS = f"; if these are stars, {TAKES_STARS} takes them"
+
+
 def _mapped(name: str, own: str) -> str:
     """Write the line of a project that maps a column."""
     return f'columns = {{ {name} = "{own}" }}'
@@ -425,6 +435,8 @@ def _unnamed(file: InputFile) -> str:
         return '; a CSV without a header needs columns = ["...", "..."], the names of all of them'
     if not {*header} - {*SYNONYMS, *TIME}:
         return ""  # a table of another kind
+    if names_stars(header):
+        return OF_STARS
     names = ", ".join(header[:MANY_NAMED])
     return f"; its columns are {names}: rename them, or map them, {_mapped('...', '...')}"
 
@@ -496,6 +508,8 @@ class CsvTable:
 
     def _instead_of(self, name: str) -> str:
         """Say which column may be one that is missing: those that have no other use here."""
+        if names_stars(self.header):
+            return OF_STARS
         free = self._free()
         near = get_close_matches(name[:LONG_WORD], free[:MANY_WORDS], 1, 0.6)
         if not self.known:
@@ -519,6 +533,8 @@ class CsvTable:
         """
         lacking = [name for name in names if name not in self.header]
         free = self._free() if len(lacking) > 1 else []
+        if free and names_stars(self.header):
+            raise self.file.error(f"no columns {', '.join(lacking)}{OF_STARS}", 1)
         if free:
             near = {name: get_close_matches(name, free[:MANY_WORDS], 1, 0.6) for name in lacking}
             pairs = ", ".join(f'{name} = "{(near[name] or ["..."])[0]}"' for name in lacking)

@@ -545,10 +545,11 @@ EXAMPLE_VALUES: KeyValues = {
     ("wind", "file"): '"wind.csv"',
 }
 HEAD = "A flight project: vopd check, attitude, plot and report take this file.\n"
+SAYS_EXAMPLE = "The example: the video of a drone over fields, with clicks of six landmarks in its first"
 EXAMPLE_HEAD = (
     HEAD
-    + """\
-The example: the video of a drone over fields, with clicks of six landmarks in its first
+    + f"""\
+{SAYS_EXAMPLE}
 frame: of pond and yard the lowest corner in the picture, of barn and hall the lower right one,
 of court and pitch the lower left one. The frames are rendered, the clicks have errors of half a
 pixel, and truth.csv has the true angles. vopd track follows the clicks through the video, vopd

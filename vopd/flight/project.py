@@ -164,7 +164,7 @@ KEYS: tuple[Key, ...] = (
         "`frame` or `image`, and `t_s` or `t_utc`; or the folder of the images, whose EXIF tags "
         "have the times; or `video`: those at which the frames of `video` are shown, after "
         "`first_frame_t_s`", option="--images"),
-    Key("picks", "video", "files", '"flight.mp4"', "the video that was picked in",
+    Key("picks", "video", "files", '"flight.mp4"', "the video or images that were picked in",
         "the video that was picked in, for `times = \"video\"` and for `vopd pick`; the list of "
         "its files where the camera began a new one: `[\"GH010042.MP4\", \"GH020042.MP4\"]`, "
         "whose frames are counted on. A `frame_rate_hz` that is not its own is an error"),
