@@ -545,7 +545,9 @@ EXAMPLE_VALUES: KeyValues = {
     ("wind", "file"): '"wind.csv"',
 }
 HEAD = "A flight project: vopd check, attitude, plot and report take this file.\n"
-SAYS_EXAMPLE = "The example: the video of a drone over fields, with clicks of six landmarks in its first"
+SAYS_EXAMPLE = (
+    "The example: the video of a drone over fields, with clicks of six landmarks in its first"
+)
 EXAMPLE_HEAD = (
     HEAD
     + f"""\
