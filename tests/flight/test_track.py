@@ -165,6 +165,10 @@ def test_a_position_that_the_track_leaps_to_is_named() -> None:
         said = doubts_of_leaps(rows, moved, None, "t.csv")
         assert len(said) == named
     assert_approved(said)
+    longer = np.array([START + k * SPEED for k in range(30)])
+    eight = 60.0 * np.eye(3)[1] * (np.arange(30) % 4 == 1)[:, None]
+    of_many = replace(rows, time_s=np.arange(30.0), line=range(2, 32))
+    assert_approved(doubts_of_leaps(of_many, longer + eight, None, "t.csv"))
     noisy = position + 5.0 * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
     quick = replace(rows, time_s=np.arange(5.0) / 100.0)
     assert doubts_of_leaps(quick, noisy, None, "t.csv") == []

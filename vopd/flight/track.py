@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, count_text, first_of
 from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positions
 from vopd.flight.files import TIME, InputFile, frames_of_column, read_csv
 from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
@@ -717,14 +717,15 @@ def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPat
 
 
 MOST_BENT_M_S2, LEAST_LEAP_M = 100.0, 10.0  # beyond both a path is no vehicle's
-LEAPS = "is this position right, and its time?"
+LEAPS = "are position and time right?"
+MANY = 5  # of which more are counted
 NOISY_LEAP = 12.0  # standard deviations of a fix: five of the leaps that their errors make
 
 
 def doubts_of_leaps(
     rows: TrackRows, position: Floats, fixes: TrackFixes | None, name: str
 ) -> list[str]:
-    """Warn of a position to and from which no vehicle moves.
+    """Warn of positions to and from which no vehicle moves.
 
     Such a path, taken for one that bends so between its positions, would be uncertain by as much.
 
@@ -744,11 +745,18 @@ def doubts_of_leaps(
     before_s, after_s = step_s[:-1, 0], step_s[1:, 0]
     leap = turned * np.minimum(before_s, after_s) > least_m
     bent = np.where(leap, 2.0 * turned / (before_s + after_s), 0.0)
-    if not bent.max(initial=0.0) > MOST_BENT_M_S2:
+    most = bent.max(initial=0.0)
+    if not most > MOST_BENT_M_S2:
         return []
-    row = int(bent.argmax()) + 1
-    line = f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
-    return [f"{name}: {line}: the path bends by {bent[row - 1]:.3g} m/s^2 there: {LEAPS}"]
+    # a position that is off bends the path half as much at those before and behind it
+    about = np.pad(bent, 1)
+    far = (bent > MOST_BENT_M_S2) & (bent >= about[:-2]) & (bent >= about[2:])
+    labels = [
+        f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
+        for row in np.flatnonzero(far) + 1
+    ]
+    bend = f"{'up to ' * (len(labels) > 1)}{most:.3g} m/s^2"
+    return [f"{name}: {first_of(labels, MANY)}: the path bends by {bend} there: {LEAPS}"]
 
 
 def _interpolated(way: str, time_s: Floats, position: Floats, at: Floats) -> Floats:
