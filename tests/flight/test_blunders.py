@@ -197,10 +197,37 @@ def test_the_flight_is_solved_until_nothing_changes(flight: Flight) -> None:
 
 def test_gross_picks_are_found_before_any_other_test(flight: Flight) -> None:
     """By their frames alone; a hundred millions of pixels hide nothing either."""
-    assert not gross_picks(solve(flight)).any()
-    assert np.flatnonzero(gross_picks(solve(picked(flight, GROSS)))).tolist() == sorted(GROSS)
+    found, lost = gross_picks(solve(flight))
+    assert not found.any() and not lost.any()
+    assert np.flatnonzero(gross_picks(solve(picked(flight, GROSS)))[0]).tolist() == sorted(GROSS)
     absurd = picked(flight, {13: (2e8, -1e8)})
-    assert np.flatnonzero(gross_picks(solve(absurd))).tolist() == [13]
+    assert np.flatnonzero(gross_picks(solve(absurd))[0]).tolist() == [13]
+
+
+OTHER_HEMISPHERE, NEXT_VILLAGE = (0.0, 0.0, -2.0), (0.0, 0.0, 0.0004)
+"""By which part of its geocentric coordinates a position is off: 9,400 km and 1.9 km; landmarks are
+.5 km away."""
+
+
+@pytest.mark.parametrize("sigma_m", [0.0, 2.0])
+@pytest.mark.parametrize("off", [OTHER_HEMISPHERE, NEXT_VILLAGE])
+def test_a_frame_whose_position_is_far_away_costs_no_other(
+    flight: Flight, sigma_m: float, off: tuple[float, float, float]
+) -> None:
+    """The others are as if it had no position."""
+    marks = replace(flight.landmarks, sigma_m=np.full((COUNT, 3), sigma_m))
+    flight = replace(flight, landmarks=marks)
+    position_m, frame = flight.path.position_m, np.arange(FRAMES) == 2
+    away = np.where(frame[:, None], position_m * (1.0 + np.array(off)), position_m)
+    nowhere = np.where(frame[:, None], np.nan, position_m)
+    result, without = (
+        solve_flight_read(replace(flight, path=replace(flight.path, position_m=one)))
+        for one in (away, nowhere)
+    )
+    assert_approved(messages(result))
+    assert result.misfits and not without.misfits
+    assert result.solved.tolist() == (~frame).tolist()
+    np.testing.assert_array_equal(result.camera_deg, without.camera_deg)
 
 
 @pytest.mark.parametrize("sigma_m", [0.0, 2.0])

@@ -155,6 +155,17 @@ def test_a_large_error_is_named_with_its_value(
     assert abs(found - value) < within("clock offset" if key == "offset_s" else limit)
 
 
+def test_a_focal_length_is_named_above_zero(tmp_path: Path) -> None:
+    """From infinity the solve comes to it turned by half a turn, where its sign is the other."""
+    text = TOML.replace('"ellipsoid"\nsigma_m = "exact"', '"ellipsoid"\nsigma_m = 0.05')
+    for focal in (1500.0, 1490.0):
+        text = text.replace(f"_px = {focal}", f"_px = {focal * 1e6}")
+    found = said(vopd.solve_flight(write_project(tmp_path, text, noise_px=0.3)))
+    (text,) = (one for one in found if SPEAK_FOR in one)
+    value = float(text.partition("a focal length of ")[2].split()[0])
+    assert abs(value - 1495.0) < within("focal length of a mirrored lens")
+
+
 def test_values_are_those_of_freeing_the_error(tmp_path: Path) -> None:
     """A dense weighted least squares of all columns, turns and places among them, by numpy."""
     one = joint(solved(tmp_path, "focal length"))

@@ -33,7 +33,7 @@ from vopd.findings import Finding, count_text, first_of
 from vopd.flight.errors import priors_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, FrameSlots, frame_label, pick_label
-from vopd.flight.joint import solve_jointly, widened
+from vopd.flight.joint import ranges_m, solve_jointly, widened
 from vopd.flight.solve import FlightBlocks, SolvedFlight, solve
 from vopd.geometry.lenses import project
 from vopd.geometry.linear import norm
@@ -47,6 +47,7 @@ FEWEST_FRAMES = 3  # of a landmark with wrong coordinates
 LANDMARK_SIGNIFICANCE = 0.0005  # the probability of a false alarm in a flight, by all landmarks
 DETERMINED = 5.0  # standard deviations of a shift that is told
 SHOWN_BY = 0.5  # of a landmark's shift, by the median of its frames
+AWAY = 3.0  # times as far from all landmarks as usual: a position may be wrong
 LARGE = 0.1  # of the focal length: what wrong positions and lenses may do in an image
 NOT_ZERO = 1e-300  # a chance: 0 stands for a pick that is not exchanged
 SHOWN = 1e-6  # of the best direction of a shift: what is known less is not known
@@ -173,8 +174,8 @@ def suspected_frames(solved: SolvedFlight) -> Bools:
 
 
 @np.errstate(all="ignore")
-def gross_picks(solved: SolvedFlight, suspected: Bools | None = None) -> Bools:
-    """Find picks so far off that a flight solved with them tells nothing of the others, (P,).
+def gross_picks(solved: SolvedFlight, suspected: Bools | None = None) -> tuple[Bools, Bools]:
+    """Find picks, and whole frames, so far off that a flight solved with them tells nothing.
 
     Suspected frames are solved by a robust loss, each by itself, and tested by their own residuals
     alone.
@@ -182,12 +183,16 @@ def gross_picks(solved: SolvedFlight, suspected: Bools | None = None) -> Bools:
     Args:
         solved: the flight, solved with all picks at its stated places
         suspected: `suspected_frames`, if they are known, (F,)
+
+    Returns:
+        The picks, (P,), and the frames of which hardly a pick fits, as their position is far
+        away, (F,).
     """
     flight = solved.flight
-    found = np.zeros(len(flight.picks.frame), bool)
+    found, lost = np.zeros(len(flight.picks.frame), bool), np.zeros(len(flight.frame), bool)
     frames = np.flatnonzero(suspected_frames(solved) if suspected is None else suspected)
     if not len(frames):
-        return found
+        return found, lost
     part = FlightBlocks(flight).part(frames)
     robust = replace(part.flight, options=replace(flight.options, loss="cauchy"))
     alone = solve(widened(robust, priors_of(robust)))
@@ -198,7 +203,26 @@ def gross_picks(solved: SolvedFlight, suspected: Bools | None = None) -> Bools:
     landmarks = np.zeros(len(flight.landmarks.name), bool)
     known = np.zeros(len(part.picks), bool)
     found[part.picks], _ = _test_picks(estimates, reading, landmarks, known, alone=True)
-    return found
+    lost[frames] = _frames_far_off(alone, float(np.nanmedian(ranges_m(flight))))
+    return found, lost
+
+
+def _frames_far_off(alone: SolvedFlight, usual_m: float) -> Bools:
+    """Mark frames far from all landmarks, of which half the picks or more are far off, (F,).
+
+    Args:
+        alone: these frames, each solved by itself with a robust loss
+        usual_m: how far landmarks usually are
+    """
+    flight, used = alone.flight, alone.used
+    focal_px = flight.lens.of(flight.picks.frame).by_rows("focal_px").mean(axis=-1)
+    fits = pick_distances_px(alone) < LARGE * focal_px
+    near = ranges_m(flight) < AWAY * usual_m
+    count, good, here = (
+        np.bincount(flight.picks.frame[some], minlength=len(flight.frame))
+        for some in (used, used & fits, used & near)
+    )
+    return np.asarray((count > 2) & (2 * good <= count) & (here == 0))
 
 
 def _reading(estimates: FlightEstimates) -> JobReadingSigma:

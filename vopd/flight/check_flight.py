@@ -50,10 +50,10 @@ def check_flight(name: str) -> list[Finding]:
         result = solve_flight_read(flight, project=None if far else lambda: project)
     except VopdError as error:
         return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
-    if far:
-        return found  # a solution can tell no more
     if not result.solved.any():
         found.append(Finding("no frame has an attitude", name))
+    if far:
+        return found  # a solution can tell no more
     found += [f for f in result.findings if f not in found]
     if result.solved.any():
         history = result.history_parts(HistoryOptions())

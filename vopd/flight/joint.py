@@ -251,29 +251,42 @@ def solvable(flight: Flight) -> Iterator[None]:
 def no_solution(flight: Flight) -> VopdError:
     """Make the error of a flight whose equations have no solution, naming what is far off."""
     leaps = [one.message for one in flight.findings if one.message.endswith(LEAPS)]
-    far = leaps[0] if leaps else _far_landmark(flight) or "is a coordinate far off?"
+    far = leaps[0] if leaps else _far_landmark(flight) or FAR_OFF
+    advice = HOLD if flight.options.solve_position else ""
     return VopdError(
         f"{flight.source}: the equations of its positions and landmarks have no solution within "
-        f'rounding: {far} [solve] position = "fixed" holds both where they are stated, and warns '
-        "of those that do not fit"
+        f"rounding: {far}{advice}"
     )
+
+
+FAR_OFF = "is a coordinate far off, or a number of the lens?"
+HOLD = (
+    ' [solve] position = "fixed" holds both where they are stated, and warns of those that do not '
+    "fit"
+)
 
 
 FAR_TIMES = 30.0  # as far away as most landmarks: where its coordinates may be wrong
 
 
-def _far_landmark(flight: Flight) -> str:
-    """Say of the farthest landmark how far it is, if most are much nearer; else empty."""
+def ranges_m(flight: Flight) -> Floats:
+    """Measure how far from the camera the landmark of each pick is, (P,); NaN: no position."""
     picks, marks = flight.picks, flight.landmarks
     away_m = marks.position_m[picks.landmark] - flight.path.position_m[picks.frame]
-    distance_m = np.linalg.norm(away_m, axis=1)
+    return np.asarray(np.linalg.norm(away_m, axis=1))
+
+
+def _far_landmark(flight: Flight) -> str:
+    """Say of the farthest landmark how far it is, if most are much nearer; else empty."""
+    distance_m = ranges_m(flight)
     known = np.isfinite(distance_m)
     if not known.any():
         return ""
     farthest, usual_m = int(np.nanargmax(distance_m)), float(np.median(distance_m[known]))
     if not distance_m[farthest] > FAR_TIMES * usual_m:
         return ""
-    name, far_km = marks.name[picks.landmark[farthest]], distance_m[farthest] / 1000.0
+    name = flight.landmarks.name[flight.picks.landmark[farthest]]
+    far_km = distance_m[farthest] / 1000.0
     return (
         f"landmark {name} is {far_km:,.4g} km from the camera, most are {usual_m / 1000.0:.2g} km: "
         "correct its coordinates, or leave it out."

@@ -63,7 +63,7 @@ MISFITS = "the flight misfits"
 SPEAK_FOR = "the residuals speak for"
 SHIFTED = f"{SPEAK_FOR} a picture that is shifted from frame to frame"
 UNTRIED = "what explains them is not known: with the errors that were tried there is no solution"
-TYPICAL = "px in a typical frame"
+TYPICAL = "in a typical frame"
 OF_LANDMARK = "are its coordinates and its name right?"
 UNEXPLAINED = (
     "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
@@ -538,11 +538,13 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
     if "focal" in names:
         focal_px = float(lens.focal_px.mean())
         focal = keyed("focal", focal_px, "[camera] lens: a focal length of ")
-        yield TriedError(
-            at("focal"),
-            lambda v, s: focal(v, s) + _other_size_text((focal_px + v[0]) / focal_px),
-            ("focal",),
-        )
+
+        def focal_text(value: Floats, sigma: Floats) -> str:
+            """Name it above 0: with the other sign the image is the same, turned by half a turn."""
+            value = np.abs(focal_px + value) - focal_px
+            return focal(value, sigma) + _other_size_text((focal_px + value[0]) / focal_px)
+
+        yield TriedError(at("focal"), focal_text, ("focal",))
     if "k1" in names:
         yield TriedError(at("k1"), keyed("", float(lens.k[0]), "[camera] lens: k1 = "), ("k1",))
     if "refraction" in names:

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Floats, Ints
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.estimate import flight_estimate
@@ -69,13 +69,13 @@ def usual_mistakes(project: Project, result: FlightResult, named: bool = False) 
         axes, found = (explanations(table, trial_px, project, flight, estimate) for table in tables)
         # a number that is fitted never fits worse than the mistake that has its value
         below = DOUBTED * sigma if named and not far else np.inf
-        text = _best_text(before, axes, found, below)
+        text = _best_text(_size_text(flight, estimate), before, axes, found, below)
         if text or named:
             return [text] * bool(text)
     if before > MISFIT * sigma:
         if joint is not None and (text := within_stated_text(joint, sigma)):
             return [text]
-        return [f"residuals are {before:.1f} {TYPICAL}: {UNEXPLAINED}"]
+        return [f"{_size_text(flight, estimate)}: {UNEXPLAINED}"]
     return []
 
 
@@ -90,22 +90,27 @@ def exchanges(flight: Flight, expected_px: float) -> list[str]:
         explanations(table, trial_px, None, flight, estimate)
         for table in (AXES_MISTAKES, (*LEVEL_MISTAKES, *LABEL_MISTAKES))
     )
-    text = _best_text(before, axes, labels)
+    text = _best_text(_size_text(flight, estimate), before, axes, labels)
     return [text] * bool(text)
 
 
 def _best_text(
-    before: float, axes: list[Explanation], others: list[Explanation], below: float = np.inf
+    size: str,
+    before: float,
+    axes: list[Explanation],
+    others: list[Explanation],
+    below: float = np.inf,
 ) -> str:
     """Describe the likeliest mistake that makes residuals `BETTER`; empty if there is none."""
-    best = likeliest([*axes, *others], ALIKE, below=min(before / BETTER, below))
+    below = min(before / BETTER, below, UNSEEN_PX / 2.0)
+    best = likeliest([*axes, *others], ALIKE, below=below)
     if best is None:
         return ""
     advice = best.advice
     if best in axes:  # both mirror the image: they differ by a quarter turn about its centre
         alike = [one for one in axes if one.residual <= ALIKE * best.residual]
         advice = " or ".join(one.advice for one in alike)
-    return f"residuals are {before:.1f} {TYPICAL}, and {best.residual:.1f} px {advice}"
+    return f"{size}, and {best.residual:.1f} px {advice}"
 
 
 # Residuals without a mistake
@@ -135,18 +140,30 @@ def freedom(estimate: Estimate) -> int:
     return int(2 * used.sum() - 3 * len(used))
 
 
+def _size_text(flight: Flight, estimate: Estimate) -> str:
+    """Say how large residuals are, or that most landmarks have no image."""
+    count, missing = _picks_missing(flight, estimate)
+    if 2 * missing.sum() > count.sum():
+        return f"most landmarks have no image {TYPICAL}"
+    return f"residuals are {typical_px(flight, estimate):.1f} px {TYPICAL}"
+
+
+def _picks_missing(flight: Flight, estimate: Estimate) -> tuple[Ints, Ints]:
+    """Count the picks of each frame that should take part, and those without an image, (F,)."""
+    used = flight.landmarks.takes_part
+    frame = flight.picks.frame
+    here = used[flight.picks.landmark] & np.isfinite(flight.path.position_m[frame, 0])
+    count = np.bincount(frame[here], minlength=len(flight.frame))
+    return count, count - estimate.used.sum(axis=1)
+
+
 def typical_px(flight: Flight, estimate: Estimate) -> float:
     """Find the root mean square residual of the median frame, which one wrong pick does not move.
 
     Picks that should take part and have no image count `UNSEEN_PX`. Frames without a
     position, or with one pick, have no attitude whatever is mistaken, and do not count.
     """
-    frames = len(flight.frame)
-    used = flight.landmarks.takes_part
-    frame = flight.picks.frame
-    here = used[flight.picks.landmark] & np.isfinite(flight.path.position_m[frame, 0])
-    count = np.bincount(frame[here], minlength=frames)
-    missing = count - estimate.used.sum(axis=1)
+    count, missing = _picks_missing(flight, estimate)
     squares = (estimate.residual**2).sum(axis=1) + missing * UNSEEN_PX**2
     several = count >= 2
     if not several.any():

@@ -45,7 +45,7 @@ from vopd.flight.free import (
     without_parameter,
 )
 from vopd.flight.held import least_held, solved_findings, undetermined
-from vopd.flight.joint import JointSolution, solve_jointly, widened
+from vopd.flight.joint import JointSolution, ranges_m, solve_jointly, widened
 from vopd.flight.misfit import OF_LANDMARK, SPEAK_FOR, flight_findings
 from vopd.flight.project import Project, read_project
 from vopd.flight.read import NO_LANDMARK, flight_of, read_flight
@@ -83,7 +83,7 @@ class FlightResult(Shown):
         estimates: the result of the solve, from which `estimate` is made
         findings: the warnings about files and solution
         misfits: whether the residuals are larger than all that is stated explains, or speak for
-            a stabilised video
+            a stabilised video, or the picks of a frame do not fit its position
     """
 
     estimates: FlightEstimates
@@ -317,9 +317,13 @@ def solve_flight_read(
     by_themselves = replace(flight, picks=flight.picks.with_clicks_as_own)
     first = solve(by_themselves)
     suspected = suspected_frames(first)
-    gross = gross_picks(first, suspected)
+    gross, lost = gross_picks(first, suspected)
     swaps = _gross_exchanges(first, suspected, gross)
     swapped = swaps.marked(len(gross))
+    lost[flight.picks.frame[swapped]] = False
+    if lost.any() and 2 * lost.sum() < len(lost):  # of most it is a mistake of the flight
+        rest = solve_flight_read(without_places(stated, lost), tell, project)
+        return replace(rest, misfits=True)
     read, out = flight, gross | swapped
     robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
     same = None if robust else solve(by_themselves, out, before=first)
@@ -402,6 +406,23 @@ def solve_flight_read(
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
     told = (*flight.findings, *outside, *of_clicks, *findings)
     return FlightResult(estimates, told, doubts.misfits)
+
+
+def without_places(flight: Flight, lost: Bools) -> Flight:
+    """Take the places of frames whose camera is far from all landmarks, (F,), and say so.
+
+    Such a frame has no attitude; one that were solved for would carry away the whole flight.
+    """
+    position_m = np.where(lost[:, None], np.nan, flight.path.position_m)
+    labels = [frame_label(flight, int(k)) for k in np.flatnonzero(lost)]
+    away_km = float(np.nanmax(ranges_m(flight)[lost[flight.picks.frame]])) / 1000.0
+    told = (
+        f"{first_of(labels, 5)}: the camera is {away_km:,.4g} km from the landmarks there, and "
+        "hardly one fits: no attitude; look at the position, and at the times of frames and track"
+    )
+    found = Finding(told, flight.source, severity="warning")
+    path = replace(flight.path, position_m=position_m)
+    return replace(flight, path=path, findings=(*flight.findings, found))
 
 
 ROUNDS_OF_LABELS = 3  # of solving without exchanged labels, and testing all frames again

@@ -105,7 +105,7 @@ def tested_flight(result: FlightResult) -> TestedFlight:
     """
     flight, estimates = result.read, result.estimates
     used = estimates.solved.used
-    out = gross_picks(solve(flight)) & used
+    out = gross_picks(solve(flight))[0] & used
     out &= out.sum() < MOST_GONE * used.sum()  # more are no gross picks: the flight misfits
     if estimates.joint is not None and estimates.joint.passes and not out.any():
         # blunders that are named turn their frames alone there: tests are of a least cost
