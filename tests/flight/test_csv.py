@@ -234,8 +234,8 @@ def told_of(folder: Path, kind: str, text: str) -> str:
 @pytest.mark.parametrize(("kind", "first"), [("landmarks", "landmark"), ("track", "t_s")])
 def test_a_latitude_is_90_degrees_at_most(kind: str, first: str, tmp_path: Path) -> None:
     head = f"{first},h_m,lon_deg,lat_deg\n1,5,181,90\n"
-    rows = read(tmp_path, kind, head + "2,6,-361,-90\n")
-    assert rows.coordinate.tolist() == [[181.0, 90.0, 5.0], [-361.0, -90.0, 6.0]]
+    rows = read(tmp_path, kind, head + "2,6,-360,-90\n")
+    assert rows.coordinate.tolist() == [[181.0, 90.0, 5.0], [-360.0, -90.0, 6.0]]
     for latitude in ("91", "-91"):
         said = told_of(tmp_path, kind, f"{head}# no row\n2,6,3,{latitude}\n")
         assert_approved(said, parts=[latitude])

@@ -157,15 +157,19 @@ def test_the_first_of_a_feature_s_names_counts() -> None:
 
 
 def test_latitudes_of_a_table_are_looked_at_in_their_row() -> None:
-    text = "lat_deg,lon_deg,h_m,landmark,sigma_m\n90,361,3,a,0.5\n-90,-361,3,b c,\n"
+    text = "lat_deg,lon_deg,h_m,landmark,sigma_m\n90,360,3,a,0.5\n-90,-360,3,b c,\n"
     marks = read(text)
-    assert marks.coordinate.tolist() == [[361.0, 90.0, 3.0], [-361.0, -90.0, 3.0]]
+    assert marks.coordinate.tolist() == [[360.0, 90.0, 3.0], [-360.0, -90.0, 3.0]]
     assert marks.name == ["a", "b c"] and [*marks.line] == [2, 3] and marks.geodetic
     assert marks.sigma_m[0].tolist() == [0.5] * 3 and np.isnan(marks.sigma_m[1]).all()
     assert marks.sigma_by == "column sigma_m"
     assert (marks.crs, marks.said) == (None, "CSV")
     for wrong in ("90.5", "-90.5", "-120"):
         assert_approved(told(f"{text}\n{wrong},2,3,c,\n91,2,3,d,\n"), parts=[wrong])
+    for wrong in ("360.5", "-360.5"):
+        assert_approved(told(f"{text}\n2,{wrong},3,c,\n2,361,3,d,\n"), parts=[wrong])
+    exchanged = "lat_deg,lon_deg,h_m,landmark\n106.2,33,3,a\n89,33,3,b\n106.4,33,3,c\n"
+    assert_approved(told(exchanged))
     plane = read("landmark,x_m,y_m,z_m\na,100,200,300\n")
     assert plane.coordinate.tolist() == [[100.0, 200.0, 300.0]] and not plane.geodetic
     assert plane.sigma_m is None

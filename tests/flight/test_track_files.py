@@ -192,8 +192,8 @@ def test_points_of_gpx_at_their_limits() -> None:
 
 def test_what_a_table_says_besides_positions() -> None:
     text = "# x\nt_utc,image,lat_deg,lon_deg,h_m,x_m,y_m,sigma_m\n1970-01-01T00:00:09Z,a,2,3,4,5,6,"
-    rows = read(text + "\n\n1970-01-01T00:00:10Z,b,-90,361,4,5,6,0.5\n")
-    assert rows.coordinate.tolist() == [[3.0, 2.0, 4.0], [361.0, -90.0, 4.0]] and rows.geodetic
+    rows = read(text + "\n\n1970-01-01T00:00:10Z,b,-90,360,4,5,6,0.5\n")
+    assert rows.coordinate.tolist() == [[3.0, 2.0, 4.0], [360.0, -90.0, 4.0]] and rows.geodetic
     assert (rows.clock, rows.time_s.tolist(), rows.image) == ("utc-column", [9.0, 10.0], ["a", "b"])
     assert np.isnan(rows.sigma_m[0]).all() and rows.sigma_m[1].tolist() == [0.5] * 3
     assert [*rows.line] == [3, 5]

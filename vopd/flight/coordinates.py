@@ -89,7 +89,7 @@ def earth_centred_positions(
         vertical = name == ELLIPSOIDAL
     else:
         if geodetic and not crs_is_geographic(name, where):
-            raise VopdError(f"{where}: latitude and longitude with the projected CRS {name}")
+            raise VopdError(f"{where}: latitude and longitude with {name}, a CRS that has none")
         vertical = has_height_axis(name, where)
         target = ELLIPSOIDAL if vertical else "EPSG:4326"
         longitude, latitude, h = _transform(name, target, coordinate, where)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 import re
+import unicodedata
 import zlib
 from array import array
 from collections import Counter
@@ -277,7 +278,16 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
     near = near or get_close_matches(word[:LONG_WORD], some, 1, 0.6)
     more = f" and {len(known) - MANY_NAMED} more" if len(known) > MANY_NAMED else ""
     several = ", ".join(known[:MANY_NAMED])
-    return f"; did you mean {near[0]}?" if near else f"; known are {several}{more}"
+    if not near:
+        return f"; known are {several}{more}"
+    unseen = " (they differ by characters that are not seen)"
+    return f"; did you mean {near[0]}?{unseen * (_seen(near[0]) == _seen(word))}"
+
+
+def _seen(word: str) -> str:
+    """Leave out of a word what is not seen, such as blanks without width."""
+    shown_part = (one for one in unicodedata.normalize("NFKC", word) if one.isprintable())
+    return "".join(shown_part)
 
 
 MANY_NAMED = 40  # words that are listed
@@ -482,6 +492,22 @@ class CsvTable:
         unit = ", the time in milliseconds" if self.in_ms(TIME[0]) else ""
         unit += ", the height in feet" if any(map(self.in_feet, HEIGHTS)) else ""
         return f" ({own} read as {here}{unit})" if there else ""
+
+    def check_degrees(self, degrees: Floats) -> None:
+        """Refuse a longitude or latitude that is none, (n, 2).
+
+        Raises:
+            VopdError: naming its row
+        """
+        size = np.abs(degrees)
+        for row in np.flatnonzero(size[:, 1] > 90.0)[:1].tolist():
+            turned = (size[:, 0] <= 90.0).all() and (size[:, 1] <= 360.0).all()
+            turned &= 2 * (size[:, 1] > 90.0).sum() > len(size)
+            hint = "are lat_deg and lon_deg exchanged?" if turned else "it is -90 to 90"
+            raise self.error(f"{degrees[row, 1]:g} is no latitude: {hint}", row, "lat_deg")
+        for row in np.flatnonzero(size[:, 0] > 360.0)[:1].tolist():
+            message = f"{degrees[row, 0]:g} is no longitude: it is -180 to 360"
+            raise self.error(message, row, "lon_deg")
 
     def has(self, name: str) -> bool:
         """Tell whether there is such a column."""
@@ -726,6 +752,8 @@ def frames_of_column(table: CsvTable) -> Ints | list[str]:
         message = f"{shown(cells[row])} is not the number of a frame, and other rows have numbers"
     else:
         message = f"{cells[row]} is not the number of a frame, a whole number from 0"
+        if _is_whole(cells[row], len(cells[row]) + 1):
+            message += f" of {DIGITS - 1} digits at most"
     raise table.error(message, row, "frame")
 
 

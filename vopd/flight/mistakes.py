@@ -141,10 +141,10 @@ def freedom(estimate: Estimate) -> int:
 
 
 def _size_text(flight: Flight, estimate: Estimate) -> str:
-    """Say how large residuals are, or that most landmarks have no image."""
+    """Say how large residuals are, or that most landmarks cannot be used."""
     count, missing = _picks_missing(flight, estimate)
     if 2 * missing.sum() > count.sum():
-        return f"most landmarks have no image {TYPICAL}"
+        return f"most landmarks cannot be used {TYPICAL}"
     return f"residuals are {typical_px(flight, estimate):.1f} px {TYPICAL}"
 
 

@@ -732,7 +732,10 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
     _refuse_long(file, rows.name)
     doubled = [name for name, count in Counter(rows.name).items() if count > 1]
     if doubled:
-        raise file.error(f"{sorted(doubled)[0]} has two positions")
+        name = sorted(doubled)[0]
+        at = [rows.line[k] for k, one in enumerate(rows.name) if one == name]
+        where = f", in lines {at[0]} and {at[1]}" if at[0] else ""
+        raise file.error(f"{name} has two positions{where}")
     crs = landmark_crs(section, rows)
     datum = height_datum(section)
     where = f"{section.project}: [landmarks]"

@@ -145,9 +145,7 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
     names = table.column("landmark")
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
     if geodetic:
-        for row in np.flatnonzero(np.abs(coordinate[:, 1]) > 90.0)[:1].tolist():
-            message = f"{coordinate[row, 1]:g} is no latitude: are lat_deg and lon_deg exchanged?"
-            raise table.error(message, row, "lat_deg")
+        table.check_degrees(coordinate)
     sigma = table.sigmas_of_axes(SIGMAS, SIGMA)
     return LandmarkRows(
         names,

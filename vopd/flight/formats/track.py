@@ -124,9 +124,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
             message = "latitude 0, longitude 0: a receiver without a fix writes that; remove "
             message += "the line" if no_fix.sum() == 1 else f"all {more}"
             raise table.error(message, int(np.argmax(no_fix)))
-        for row, latitude in enumerate(coordinate[:, 1]):
-            if abs(latitude) > 90.0:
-                raise table.error(f"{latitude:g} is no latitude", row, "lat_deg")
+        table.check_degrees(coordinate)
     return TrackRows(
         coordinate,
         geodetic,
