@@ -531,6 +531,17 @@ def test_a_calibration_at_another_size_is_named(
     assert_approved(found)
 
 
+def test_picks_in_smaller_pictures_are_named(tmp_path: Path) -> None:
+    """They seemed to be of a camera 300 m away; so far from the middle no lens has these."""
+    path = hill_with(tmp_path, ("cx_px = 962.3, cy_px = 534.8, ", ""))
+    changed(
+        path, "picks.csv", lambda r: [*r[:2], *(str((float(x) + 0.5) / 2 - 0.5) for x in r[2:])]
+    )
+    found = cause(path)
+    assert "960 x 540" in found
+    assert_approved(found)
+
+
 @pytest.mark.parametrize(("first_s", "off"), [("1.9", "1 too low"), ("2.2", "2 too high")])
 def test_numbers_of_frames_that_are_off_are_named(first_s: str, off: str, tmp_path: Path) -> None:
     """At 10 a second .1 s is one frame; .04 s are none."""

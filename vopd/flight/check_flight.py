@@ -54,7 +54,7 @@ def check_flight(name: str) -> list[Finding]:
         found.append(Finding("no frame has an attitude", name))
     if far:
         return found  # a solution can tell no more
-    found += [f for f in result.findings if f not in found]
+    found = [*dict.fromkeys([*found, *result.findings])]  # each once
     if result.solved.any():
         history = result.history_parts(HistoryOptions())
         told = history.summary.without_outlier  # by the finding on its pick

@@ -290,6 +290,18 @@ def _at_another_size(project: Project, flight: Flight, estimate: Estimate) -> Co
             yield scaled, tuple(size)
 
 
+def _picked_in_smaller_pictures(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Take the picks for those in the same pictures made smaller."""
+    size_px = np.array(flight.lens.size_px)
+    for times in [one for one in LENS_SIZES if one > 1.0]:
+        pixel = (flight.picks.pixel + 0.5) * times - 0.5  # (0, 0) is the first pixel's centre
+        if (pixel > size_px).any():
+            continue
+        scaled = replace(flight, picks=replace(flight.picks, pixel=pixel))
+        if trial_px(scaled) < MISFIT * float(np.median(flight.picks.sigma_px)):  # the very size
+            yield scaled, (*np.rint(size_px / times).astype(int).tolist(), times)
+
+
 def _exchanged_labels(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
     """Exchange the labels of each two of the worst landmarks in all frames."""
     squares = np.zeros(len(flight.landmarks.name) + 1)
@@ -371,6 +383,12 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
         _at_another_size,
         "with a lens of pictures of {0} x {1} px: was it calibrated at that size? [camera] "
         "lens_size_px = [{0}, {1}]",
+    ),
+    Mistake(
+        "picks in smaller pictures",
+        _picked_in_smaller_pictures,
+        "with picks in pictures of {0} x {1} px: were they clicked in these? Multiply u and v by "
+        "{2:.4g}",
     ),
 )
 """Units, clocks and sizes that a fitted number may stand for."""
