@@ -209,6 +209,21 @@ OTHER_HEMISPHERE, NEXT_VILLAGE = (0.0, 0.0, -2.0), (0.0, 0.0, 0.0004)
 .5 km away."""
 
 
+def test_a_pick_that_is_in_no_image_is_not_used(tmp_path: Path) -> None:
+    """100,000,000,000 px away; angles are those without its row."""
+    project = write_project(tmp_path, noise_px=0.3)
+    file = tmp_path / "picks.csv"
+    head, *rows = file.read_text().splitlines()
+    frame, name, _, v = rows[COUNT].split(",")
+    found = []
+    for own in ([f"{frame},{name},1e11,{v}"], []):
+        file.write_text("\n".join([head, *rows[:COUNT], *own, *rows[COUNT + 1 :], ""]))
+        found.append(solve_flight_read(read_flight(str(project))))
+    np.testing.assert_array_equal(found[0].camera_deg, found[1].camera_deg)
+    assert not messages(found[1])
+    assert_approved(messages(found[0]), parts=[frame, name])
+
+
 @pytest.mark.parametrize("sigma_m", [0.0, 2.0])
 @pytest.mark.parametrize("off", [OTHER_HEMISPHERE, NEXT_VILLAGE])
 def test_a_frame_whose_position_is_far_away_costs_no_other(

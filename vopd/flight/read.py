@@ -463,10 +463,15 @@ def join_picks(
     followed = None
     if read.interpolated is not None:
         followed = np.logical_or.reduceat(read.interpolated[rows], first[:-1])
+    absurd = np.flatnonzero((np.abs(mean) > MOST_PX).any(axis=1))
+    for k in absurd.tolist():
+        label, (u, v) = frame_label(int(frame[k])), mean[k]
+        message = f"{label}: {landmarks[own[k]]} at {u:g}, {v:g} is in no image; not used"
+        findings.append(Finding(message, project, severity="warning"))
     kept: Bools | slice = slice(None)
-    if contrary.any():
+    if contrary.any() or len(absurd):
         kept = np.ones(len(count), bool)
-        kept[several[contrary]] = False
+        kept[several[contrary]], kept[absurd] = False, False
     picks = Picks(
         frame=frame[kept],
         landmark=own[kept],
@@ -502,6 +507,8 @@ def known_landmarks(
             findings.append(Finding(message, project, severity="warning"))
     return in_four_bytes(np.array([index.get(name, -1) for name in names.known])), findings
 
+
+MOST_PX = 1e6  # from the image's middle: squares of such a pick would hide all others
 
 NO_LANDMARK = "no landmark"
 """How a warning about picks of an unknown landmark begins."""
