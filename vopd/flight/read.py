@@ -470,8 +470,7 @@ def join_picks(
         findings.append(Finding(message, project, severity="warning"))
     kept: Bools | slice = slice(None)
     if contrary.any() or len(absurd):
-        kept = np.ones(len(count), bool)
-        kept[several[contrary]], kept[absurd] = False, False
+        kept = ~np.isin(np.arange(len(count)), [*several[contrary], *absurd])
     picks = Picks(
         frame=frame[kept],
         landmark=own[kept],
