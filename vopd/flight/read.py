@@ -464,9 +464,9 @@ def join_picks(
     if read.interpolated is not None:
         followed = np.logical_or.reduceat(read.interpolated[rows], first[:-1])
     absurd = np.flatnonzero((np.abs(mean) > MOST_PX).any(axis=1))
-    for k in absurd.tolist():
-        label, (u, v) = frame_label(int(frame[k])), mean[k]
-        message = f"{label}: {landmarks[own[k]]} at {u:g}, {v:g} is in no image; not used"
+    for point in absurd:
+        label, (u, v) = frame_label(int(frame[point])), mean[point]
+        message = f"{label}: {landmarks[own[point]]} at {u:g}, {v:g} is in no image; not used"
         findings.append(Finding(message, project, severity="warning"))
     kept: Bools | slice = slice(None)
     if contrary.any() or len(absurd):
