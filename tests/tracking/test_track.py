@@ -480,6 +480,8 @@ def test_terrains(flight: Path) -> None:
     said.append(told(Affine(1e-300, 0.0, east, 0.0, -1e-300, north)))
     said.append(told(Affine(0.001, 0.0, 1e300, 0.0, -0.0005, 1e300)))
     said.append(told(crs=None))
+    for crs in ('LOCAL_CS["local",UNIT["metre",1]]', "+proj=ortho +lat_0=-40 +lon_0=-170"):
+        said.append(told(Affine(1e3, 0.0, 0.0, 0.0, -1e3, 0.0), crs=crs))
     said.append(told(heights=np.stack([level, level])))
     told()
     whole = (flight / "terrain.tif").read_bytes()

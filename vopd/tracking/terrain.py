@@ -42,7 +42,8 @@ class Terrain:
     def __init__(self, name: str, dataset: Any, section: Section) -> None:
         self.name, self._dataset, self._section = name, dataset, section
         self._rasterio = optional_package("rasterio", "terrain")
-        self._to_crs = optional_package("rasterio.warp", "terrain").transform
+        self._transform = optional_package("rasterio.warp", "terrain").transform
+        self._refused = optional_package("rasterio._err", "terrain")  # GDAL's own, not public
 
     def heights_m(self, position_m: Floats) -> Floats:
         """Read heights, as the file counts them, at Earth-centred positions, (n,).
@@ -58,12 +59,10 @@ class Terrain:
         """
         found = np.full(len(position_m), np.nan)
         here, data = geodetic(position_m), self._dataset
-        x, y = self._to_crs(
-            "EPSG:4326", data.crs, here.longitude_deg.tolist(), here.latitude_deg.tolist()
-        )[:2]
+        x, y = self._converted("EPSG:4326", data.crs, here.longitude_deg, here.latitude_deg)
         grid = ~data.transform
-        across = grid.a * np.array(x) + grid.b * np.array(y) + grid.c
-        down = grid.d * np.array(x) + grid.e * np.array(y) + grid.f
+        across = grid.a * x + grid.b * y + grid.c
+        down = grid.d * x + grid.e * y + grid.f
         u, v = across - 0.5, down - 0.5
         inside = (across >= 0.0) & (down >= 0.0) & (across <= data.width) & (down <= data.height)
         if not inside.any():
@@ -158,14 +157,33 @@ class Terrain:
             name = "EPSG:4326"
             x, y = here.longitude_deg, here.latitude_deg
         else:
-            x, y = (
-                np.array(one) for one in self._to_crs(
-                    "EPSG:4326", self._dataset.crs, here.longitude_deg.tolist(),
-                    here.latitude_deg.tolist())[:2]
-            )  # fmt: skip
+            own = self._dataset.crs
+            x, y = self._converted("EPSG:4326", own, here.longitude_deg, here.latitude_deg)
         ground = np.stack([x, y, raw_m], axis=1)
         on_it = earth_centred_positions(ground, datum is not None, name, datum, self.name)
         return np.asarray(here.height_m - geodetic(on_it).height_m)
+
+    def _converted(self, source: Any, target: Any, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Convert coordinates; NaN of places that a projection does not show.
+
+        Raises:
+            VopdError: where the terrain's coordinate reference system is not one of the Earth's
+        """
+        try:
+            found = self._transform(source, target, x.tolist(), y.tolist())
+            return np.array(found[0]), np.array(found[1])
+        except self._refused.CPLE_NotSupportedError as error:
+            kind = self._dataset.crs.to_wkt().partition(",")[0]
+            raise self._section.error(
+                "terrain", f"{self.name}: its coordinate reference system, {kind}, ...], is not "
+                "one that coordinates on the Earth can be converted to: export it in another, such "
+                "as UTM"
+            ) from error  # fmt: skip
+        except self._refused.CPLE_BaseError:
+            if len(x) == 1:  # of more, one place would cost the others
+                return np.full(1, np.nan), np.full(1, np.nan)
+        each = [self._converted(source, target, x[k : k + 1], y[k : k + 1]) for k in range(len(x))]
+        return np.concatenate([one for one, _ in each]), np.concatenate([one for _, one in each])
 
     def _told(self, warned: list[str]) -> list[Finding]:
         return [Finding(one, self._section.project, severity="warning") for one in warned]
@@ -173,16 +191,16 @@ class Terrain:
     def _elsewhere(self, position_m: Floats) -> str:
         here = geodetic(position_m)
         bounds = self._dataset.bounds
-        x, y = [bounds.left, bounds.right], [bounds.bottom, bounds.top]
-        longitude, latitude = self._to_crs(self._dataset.crs, "EPSG:4326", x, y)[:2]
+        x, y = np.array([[bounds.left, bounds.right], [bounds.bottom, bounds.top]])
+        longitude, latitude = self._converted(self._dataset.crs, "EPSG:4326", x, y)
         place = f"latitude {here.latitude_deg.mean():.4f}, "
         place += f"longitude {here.longitude_deg.mean():.4f}"
         if not (np.abs([*longitude, *latitude]) <= 360.0).all():
             return f"{self.name} has no height at the landmarks, {place}: is it of this place?"
         return (
             f"{self.name} has no height at the landmarks, {place}: it is of latitude "
-            f"{min(latitude):.4f} to {max(latitude):.4f}, longitude {min(longitude):.4f} to "
-            f"{max(longitude):.4f}"
+            f"{latitude.min():.4f} to {latitude.max():.4f}, longitude {longitude.min():.4f} to "
+            f"{longitude.max():.4f}"
         )
 
 
