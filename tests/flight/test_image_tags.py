@@ -171,6 +171,20 @@ def test_positions_of_exif(tags: dict[int, Any], expected: tuple[float, ...]) ->
     assert_close("ratio", np.array(found)[known], np.array(expected)[known])
 
 
+@pytest.mark.parametrize(
+    "angles",
+    [
+        {"latitude": (99, 0, 0)}, {"latitude": (47, 99, 0)}, {"longitude": (16, 0, 61)},
+        {"longitude": (361, 0, 0)}, {"references": "XE"}, {"references": "NX"},
+    ],
+)  # fmt: skip
+def test_no_place_on_the_earth_is_a_damaged_tag(angles: dict[str, Any], tmp_path: Path) -> None:
+    given = {"latitude": (47, 30, 0), "longitude": (16, 30, 0), "references": "NE"} | angles
+    tagged_image(tmp_path / "a.jpg", *given.values(), 500.0)
+    with refused(VopdError):
+        read_tags(tmp_path / "a.jpg")
+
+
 TAKEN, PART, ZONE, OTHER_ZONE = 0x9003, 0x9291, 0x9011, 0x9010
 NOON = datetime(2026, 5, 1, 12, tzinfo=UTC).timestamp()
 AT_NOON = {TAKEN: "2026:05:01 12:00:00"}
@@ -241,6 +255,7 @@ def test_positions_of_xmp_stand_before_those_of_exif(tmp_path: Path) -> None:
     zero = 'd:GpsLatitude="0" d:GpsLongitude="{}">'
     assert position(zero.format(0)) == (*exif, 500.0) and position(zero.format(3))[:2] == (3.0, 0.0)
     assert position('d:GpsLatitude="4" d:GpsLongitude="0">')[:2] == (0.0, 4.0)
+    assert position(f'd:GpsLatitude="4700" {lon} d:AbsoluteAltitude="1e400">') == (*exif, 500.0)
     for name in ("GpsLongitude", "GpsLongtitude", "Longitude"):
         assert position(f'd:Latitude="1" d:{name}="2">')[:2] == (2.0, 1.0)
     gimbal = 'd:GimbalRollDegree="3" d:GimbalYawDegree="1" d:GimbalPitchDegree="2">'

@@ -11,6 +11,7 @@ import re
 import warnings
 from datetime import UTC, datetime
 from importlib import import_module
+from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -89,9 +90,9 @@ def read_tags(path: Path) -> ImageTags:
             f"{path.name}: the GPS tags are not as EXIF has them: {reason(error)}"
         ) from error
     own = [xmp_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
-    if own[0] == own[0] and own[1] == own[1] and any(own[:2]):
+    if abs(own[0]) <= 360.0 and abs(own[1]) <= 90.0 and any(own[:2]):
         longitude, latitude = own[:2]
-    if own[2] == own[2]:
+    if isfinite(own[2]):
         altitude = own[2]
     sigma_m, sigma_by = sigma_of_tags(gps, xmp)
     yaw, pitch, roll = (xmp_number(xmp, (name,)) for name in GIMBAL)
@@ -127,14 +128,25 @@ def xmp_text(image: Any) -> str:
 
 
 def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
-    """Read longitude, latitude, altitude from the GPS tags; reference 1 is below sea level."""
+    """Read longitude, latitude, altitude from the GPS tags; reference 1 is below sea level.
+
+    Raises:
+        ValueError: where a tag says no place on the Earth
+    """
     angles = []
-    for reference, tag, negative in ((3, 4, "W"), (1, 2, "S")):
+    for axis, reference, tag, signs, most in (
+        ("Longitude", 3, 4, "EW", 360.0), ("Latitude", 1, 2, "NS", 90.0),
+    ):  # fmt: skip
         if tag not in gps:
             return NONE, NONE, NONE
         degrees, minutes, seconds = (float(part) for part in gps[tag])
         size = degrees + minutes / 60.0 + seconds / 3600.0
-        angles.append(-size if _text(gps.get(reference, "")) == negative else size)
+        side = _text(gps.get(reference, ""))
+        if side and side[0] not in signs:
+            raise ValueError(f"GPS{axis}Ref is {side!r}, neither {signs[0]} nor {signs[1]}")
+        if size > most or minutes > 60.0 or seconds > 60.0:
+            raise ValueError(f"GPS{axis} is {degrees:g} degrees {minutes:g}' {seconds:g}\"")
+        angles.append(-size if side.startswith(signs[1]) else size)
     altitude = float(gps[6]) if 6 in gps else NONE
     below = gps.get(5, b"\0")
     if below in (1, b"\x01"):
