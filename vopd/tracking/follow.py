@@ -346,8 +346,8 @@ def follow(
         findings.append(Finding(message, project.name, severity="warning"))
     if seen < last:
         message = (
-            f"{footage.frames.source}: frame {footage.number[seen] + 1} cannot be decoded, and "
-            "none after it: is the file complete?"
+            f"{footage.frames.source}: decoding ends behind frame {footage.number[seen]}, and "
+            "frames after it are not tracked: is the file complete, or a part of it damaged?"
         )
         findings.insert(0, Finding(message, project.name, severity="warning"))
     journal.remove()
