@@ -501,8 +501,7 @@ class CsvTable:
         """
         size = np.abs(degrees)
         for row in np.flatnonzero(size[:, 1] > 90.0)[:1].tolist():
-            turned = (size[:, 0] <= 90.0).all() and (size[:, 1] <= 360.0).all()
-            turned &= 2 * (size[:, 1] > 90.0).sum() > len(size)
+            turned = size[row, 0] <= 90.0 and size[row, 1] <= 360.0
             hint = "are lat_deg and lon_deg exchanged?" if turned else "it is -90 to 90"
             raise self.error(f"{degrees[row, 1]:g} is no latitude: {hint}", row, "lat_deg")
         for row in np.flatnonzero(size[:, 0] > 360.0)[:1].tolist():
