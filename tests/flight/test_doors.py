@@ -112,6 +112,10 @@ def test_places_of_opensfm_and_odm() -> None:
     assert (lenses.image, lenses.file, lenses.camera) == (track.image, ["r.json"] * 2, ["x", "y"])
     shots = read_text(TRACK_FORMATS, "t", json.dumps(SHOTS_GEOJSON))
     assert (shots.image, shots.coordinate.tolist()) == (["a.jpg"], [[15.0, 48.0, 300.0]])
+    crs = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32633"}}
+    plane = SHOTS_GEOJSON | {"crs": crs, "features": [feature("a.jpg", 5e5, 5.3e6, 300.0)]}
+    shots = read_text(TRACK_FORMATS, "t", json.dumps(plane))
+    assert (shots.crs, shots.geodetic) == ("EPSG:32633", False)
 
 
 def test_markers_of_metashape() -> None:

@@ -6,12 +6,18 @@ import json
 from typing import Any
 
 import numpy as np
+import pyproj
 import pytest
 
 from tests.approved.texts import assert_approved
 from tests.kit.flight_project import read_text, text_told
+from tests.tolerances import assert_close
+from vopd.flight.coordinates import HeightDatum, earth_centred_positions
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.picks import PICK_FORMATS
+from vopd.geometry.earth import earth_centred_m
+
+ABOVE = HeightDatum("ellipsoid")
 
 
 def read(text: str) -> Any:
@@ -151,6 +157,71 @@ def test_the_first_of_a_feature_s_names_counts() -> None:
         one = feature(1, 2, 3, properties=given, id="own")
         assert read(collection(one)).name == [names[first]]
     assert read(collection(feature(1, 2, 3, properties={}, id=0))).name == ["0"]
+
+
+def by_name(name: object) -> dict[str, Any]:
+    return {"type": "name", "properties": {"name": name}}
+
+
+def with_crs(crs: object, *features: dict[str, Any]) -> str:
+    """Write GeoJSON of 2008, as ogr2ogr and QGIS write it."""
+    return json.dumps(json.loads(collection(*features)) | {"crs": crs})
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "place"),
+    [
+        ("urn:ogc:def:crs:EPSG::4312", "EPSG:4312", (15.0, 47.0, 300.0)),
+        ("EPSG:4312", "EPSG:4312", (15.0, 47.0, 300.0)),
+        ("urn:ogc:def:crs:EPSG:8.9:32633", "EPSG:32633", (500_100.0, 5_205_000.0, 300.0)),
+        ("urn:ogc:def:crs:EPSG::31467", "EPSG:31467", (3_500_100.0, 5_205_000.0, 300.0)),
+    ],
+)  # fmt: skip
+def test_the_coordinate_system_of_geojson(name: str, code: str, place: tuple[float, ...]) -> None:
+    """x stands first, also where the axes of the system are north and east (EPSG:31467)."""
+    wanted = pyproj.Transformer.from_crs(code, "EPSG:4979", always_xy=True, only_best=True)
+    longitude, latitude, _ = wanted.transform(*place)
+    here = earth_centred_m([latitude], [longitude], place[2:])
+    for text in (
+        with_crs(by_name(name), feature(*place)),
+        json.dumps(feature(*place, crs=by_name(name))),
+        with_crs(None, feature(*place, crs=by_name(name))),
+    ):
+        marks = read(text)
+        assert (marks.crs, marks.geodetic) == (code, code == "EPSG:4312")
+        found = earth_centred_positions(marks.coordinate, marks.geodetic, marks.crs, ABOVE, "m")
+        assert_close("flight position", found, here)
+    if marks.geodetic:
+        away_m = np.linalg.norm(found - earth_centred_m([47.0], [15.0], [300.0]))
+        assert 50.0 < away_m < 150.0
+
+
+@pytest.mark.parametrize(
+    "name", ["urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:OGC::CRS84", "OGC:CRS84"]
+)
+def test_geojson_that_says_wgs_84(name: str) -> None:
+    marks = read(with_crs(by_name(name), feature(15, 47, 300)))
+    assert (marks.crs, marks.geodetic) == ("EPSG:4326", True)
+
+
+@pytest.mark.parametrize(
+    "crs",
+    [
+        None,
+        {"type": "link", "properties": {"href": "http://a.org/4312", "type": "proj4"}},
+        {"type": "EPSG", "properties": {"code": 4312}},
+        by_name(4312),
+        by_name("bogus"),
+        "EPSG:4312",
+    ],
+)  # fmt: skip
+def test_coordinate_systems_of_geojson_that_are_refused(crs: object) -> None:
+    assert_approved(told(with_crs(crs, feature(15, 47, 300))))
+
+
+def test_two_coordinate_systems_in_one_geojson() -> None:
+    other = feature(15, 47, 300, crs=by_name("EPSG:4312"))
+    assert_approved(told(collection(feature(15, 47, 300), other)))
 
 
 # Tables

@@ -28,6 +28,8 @@ WGS84_NAMES = ("EPSG:4326", ELLIPSOIDAL, "WGS84", "WGS 84")
 GEOIDS = {"egm96": "EPSG:5773", "egm2008": "EPSG:3855", "navd88": "EPSG:5703"}
 HEIGHTS = ("ellipsoid", *GEOIDS, "same")
 UTM = re.compile(r"^WGS ?84 ?UTM ?(\d{1,2}) ?([NS])$", re.I)
+CODE = re.compile(r"^(?:urn:ogc:def:crs:EPSG:[\d.]*|EPSG):(\d+)$", re.I)
+CRS84 = re.compile(r"^(?:urn:ogc:def:crs:OGC:[\d.]*|OGC):CRS84$", re.I)
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,6 @@ def earth_centred_positions(
         row, axis = np.unravel_index(np.nanargmax(np.abs(coordinate)), coordinate.shape)
         largest = f"{coordinate[row, axis]:g} is too large for a coordinate"
         raise VopdError(f"{where}: {largest}, that of position {row + 1}")
-    if len(name) > LONGEST_CRS:
-        raise VopdError(f"{where}: crs has more than {LONGEST_CRS} characters: write a code")
     if name in WGS84_NAMES:
         longitude, latitude, h = coordinate.T
         if (np.abs(latitude) > 360.0).any() and (np.abs(longitude) > 360.0).any():
@@ -142,8 +142,12 @@ def _ellipsoidal(
 
 
 def crs_name(text: str) -> str:
-    """Name a CRS as pyproj knows it; `WGS84 UTM 16N` is known to ODM only."""
+    """Name a CRS by its code; `WGS84 UTM 16N` is known to ODM only, and urn:ogc:... of GeoJSON."""
     stripped = text.strip().strip("'\"")
+    if code := CODE.match(stripped):
+        return f"EPSG:{code[1]}"
+    if CRS84.match(stripped):  # the axes of all files are x before y
+        return "EPSG:4326"
     utm = UTM.match(stripped)
     if utm:
         return f"EPSG:{326 if utm[2].upper() == 'N' else 327}{int(utm[1]):02d}"
@@ -152,6 +156,8 @@ def crs_name(text: str) -> str:
 
 @cache
 def _crs(name: str, where: str) -> Any:
+    if len(name) > LONGEST_CRS:
+        raise VopdError(f"{where}: crs has more than {LONGEST_CRS} characters: write a code")
     pyproj = optional_package("pyproj", "geo", f"{where}: the CRS {name}")
     try:
         with warnings.catch_warnings():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -181,7 +182,8 @@ def sigma_columns(table: CsvTable) -> str:
     return f"column {SIGMA}" if table.has(SIGMA) else f"columns {', '.join(SIGMAS)}"
 
 
-# Landmarks as GeoJSON: points with a name, longitude, latitude, height, WGS 84
+# Landmarks as GeoJSON: points with a name, longitude, latitude, height on WGS 84; x before y in
+# a coordinate reference system that the file names, as ogr2ogr and QGIS write it
 
 NAMES = ("landmark", "name", "Name", "NAME", "label", "id")
 
@@ -191,13 +193,46 @@ def recognises_geojson(file: InputFile) -> bool:
     return bool(re.search(r'"type"\s*:\s*"Feature', file.text))
 
 
+WGS84_CRS = {"type": "name", "properties": {"name": "EPSG:4326"}}
+
+
+def geojson_crs(file: InputFile, root: dict[str, Any], features: list[Any]) -> str:
+    """Name the coordinate reference system of GeoJSON: WGS 84 where it has no `crs`.
+
+    A geometry may have its own, or else its feature, or else the file.
+
+    Raises:
+        VopdError: where it has no name, or there are two
+    """
+    usual = root.get("crs", WGS84_CRS)
+    every = [(one.get("geometry") or {}).get("crs", one.get("crs", usual)) for one in features]
+    names = dict[str, None]()
+    for crs in every or [usual]:
+        match crs:
+            case {"type": "name", "properties": {"name": str(name)}}:
+                names[crs_name(name)] = None
+            case _:
+                raise file.error(
+                    f"it is not a name: write {json.dumps(WGS84_CRS)} with the code of the "
+                    "coordinates, or leave crs out for longitude and latitude on WGS 84",
+                    column="crs",
+                )
+    first, *others = names
+    if others:
+        raise file.error(f"{first} and {others[0]}: write all points in one", column="crs")
+    return first
+
+
 def read_geojson(file: InputFile) -> LandmarkRows:
     """Read the points of a GeoJSON file."""
     try:
         root = parse_json(file.text)
     except (ValueError, RecursionError) as error:
         raise file.error(f"not valid JSON: {reason(error)}") from error
-    features = root.get("features", [root]) if isinstance(root, dict) else []
+    root = root if isinstance(root, dict) else {"features": []}
+    features = root.get("features", [root])
+    crs = geojson_crs(file, root, features)
+    geodetic = crs_is_geographic(crs, file.name)
     names, coordinates = [], []
     for k, feature in enumerate(features):
         where = f"feature {k}"
@@ -210,14 +245,14 @@ def read_geojson(file: InputFile) -> LandmarkRows:
         values = geometry.get("coordinates", [])
         if len(values) != 3 or not all(map(_is_number_geojson, values)):
             raise file.error("a landmark needs longitude, latitude and height", column=where)
-        if abs(values[1]) > 90.0:
+        if geodetic and abs(values[1]) > 90.0:
             raise file.error(f"{values[1]:g} is no latitude: longitude comes first", column=where)
         names.append(str(name))
         coordinates.append([float(x) for x in values])
     if not names:
         raise file.error("no point is in the file")
     return LandmarkRows(
-        names, np.array(coordinates), True, "EPSG:4326", None, [0] * len(names), "GeoJSON",
+        names, np.array(coordinates), geodetic, crs, None, [0] * len(names), "GeoJSON",
     )  # fmt: skip
 
 

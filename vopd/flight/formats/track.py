@@ -12,6 +12,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import reason
 from vopd.findings import count_text
+from vopd.flight.coordinates import crs_is_geographic
 from vopd.flight.files import (
     GEODETIC,
     PLANE,
@@ -26,6 +27,7 @@ from vopd.flight.formats.landmarks import (
     LATITUDE_FIRST,
     SIGMA,
     SIGMAS,
+    geojson_crs,
     has_latitudes,
     parse_gpx,
     recognises_geojson,
@@ -346,19 +348,22 @@ def recognises_shots(file: InputFile) -> bool:
 
 
 def read_shots_geojson(file: InputFile) -> TrackRows:
-    """Read the places of a shots.geojson: longitude, latitude, height."""
+    """Read the places of a shots.geojson: longitude, latitude, height, or x, y, z of a `crs`."""
     try:
-        features = parse_json(file.text)["features"]
+        root = parse_json(file.text)
+        features = root["features"]
     except (ValueError, RecursionError) as error:
         raise file.error(f"not valid JSON: {reason(error)}") from error
     images = [str(one["properties"]["filename"]) for one in features]
     coordinate = np.array([one["geometry"]["coordinates"] for one in features], float)
     if not images or coordinate.shape != (len(images), 3) or not np.isfinite(coordinate).all():
         raise file.error("a shot needs longitude, latitude and height")
-    if (abs(coordinate[:, 1]) > 90.0).any():
+    crs = geojson_crs(file, root, features)
+    geodetic = crs_is_geographic(crs, file.name)
+    if geodetic and (abs(coordinate[:, 1]) > 90.0).any():
         raise file.error("a shot has no latitude: longitude comes first")
     said = f"ODM shots, {count_text(len(images), 'shot')}{BUNDLE}"
-    return TrackRows(coordinate, True, "EPSG:4326", None, None, said, images)
+    return TrackRows(coordinate, geodetic, crs, None, None, said, images)
 
 
 # A folder of images as a track: the positions in their tags, and times where they say a zone
