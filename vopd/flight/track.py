@@ -753,7 +753,7 @@ def doubts_of_leaps(
     far = (bent > MOST_BENT_M_S2) & (bent >= about[:-2]) & (bent >= about[2:])
     labels = [
         f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
-        for row in np.flatnonzero(far) + 1
+        for row in (np.flatnonzero(far) + 1).tolist()
     ]
     bend = f"{'up to ' * (len(labels) > 1)}{most:.3g} m/s^2"
     return [f"{name}: {first_of(labels, MANY)}: the path bends by {bend} there: {LEAPS}"]
