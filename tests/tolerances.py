@@ -35,6 +35,7 @@ TOLERANCES = {
     "landmark predicted on a page": Tolerance("px", 1e-5, "1e-8 degree of 1500 px, and rounding"),
     "warp of a patch": Tolerance("px", 2e-5, "the Earth's curvature in 20 m of 1000"),
     "row of a rolling shutter": Tolerance("px", 2e-4, "rows found in two rounds"),
+    "place on the grid": Tolerance("m", 5e-4, "4 decimals; 9 of a degree are .1 mm"),
     "ground on a terrain": Tolerance("m", 0.02, "rays end within a hundredth of a metre"),
     "match of a small patch": Tolerance(
         "px", 0.2, "a tenth of how its rim moves; .4 with equal weights"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -184,6 +185,21 @@ def test_omega_phi_kappa_are_against_the_grid(tmp_path: Path) -> None:
     expected = omega_phi_kappa_deg(camera((grid, -12.0, 2.0)))[0]
     found = [float(row[f"{name}_deg"]) for name in ("omega", "phi", "kappa")]
     assert_close("flight angle", found, expected)
+
+
+def test_the_place_on_the_grid_is_that_which_is_solved(tmp_path: Path) -> None:
+    """The summits' camera stated 20 m farther east, known to 50 m: by pyproj from its longitude."""
+    shutil.copytree("examples/summits", tmp_path / "p")
+    project, out = tmp_path / "p" / "flight.toml", tmp_path / "a.opk.csv"
+    text = project.read_text().replace("x_m = 396167.1", "x_m = 396187.1")
+    project.write_text(text.replace("sigma_m = 0.5", "sigma_m = 50"))
+    assert run("attitude", str(project), "-o", str(out)).status in (0, 3)
+    rows = csv.DictReader(line for line in out.read_text().splitlines() if not line.startswith("#"))
+    to_grid = pyproj.Transformer.from_crs("EPSG:4326", "EPSG:32633", always_xy=True)
+    for row in rows:
+        x, y = to_grid.transform(float(row["longitude_deg"]), float(row["latitude_deg"]))
+        assert abs(float(row["x"]) - 396187.1) > 1.0
+        assert_close("place on the grid", [float(row["x"]), float(row["y"])], [x, y])
 
 
 def test_a_deck_has_these_files_too(tmp_path: Path) -> None:

@@ -20,6 +20,12 @@ LATEST_S = 1e12  # no two dates are this many seconds apart
 FARTHEST_M = 1e15  # a tenth of a light year: nothing that flew
 
 
+NO_TIME = (
+    "; no time is known: [picks] times or frame_rate_hz bring them, and geo.txt, images.txt and "
+    ".opk.csv need none"
+)
+
+
 class TimedAttitude(NamedTuple):
     """The frames of one job that have an attitude, a time and a position, T of them."""
 
@@ -48,7 +54,8 @@ def timed_attitudes(
     found = [timed_attitude(h, epoch, report) for h in histories]
     left = [one for one in found if len(one.frames)]
     if not left:
-        raise VopdError("no frame has an attitude, a time and a position")
+        timeless = not any(np.isfinite(h.estimate.time_s).any() for h in histories)
+        raise VopdError("no frame has an attitude, a time and a position" + NO_TIME * timeless)
     return left
 
 

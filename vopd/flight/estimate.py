@@ -17,6 +17,7 @@ from vopd.estimate import (
     Estimate,
     FrameStatus,
     InputErrors,
+    MapGrid,
     Position,
     Responses,
     StatedSigmas,
@@ -24,6 +25,7 @@ from vopd.estimate import (
     Words,
 )
 from vopd.findings import count_text
+from vopd.flight.coordinates import map_grid
 from vopd.flight.errors import (
     ADJUSTED,
     HeldEffects,
@@ -785,11 +787,20 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         if flight.landmarks.sigma_m.any()
         else None,
         velocity_sigma=flight.path.velocity_sigma_m_s,
-        grid=flight.grid,
+        grid=_grid(solved),
         gimbal_deg=flight.path.gimbal_deg,
         rate_unknown=None if turning is None else np.isnan(turning[:, 0]),
         scene=whole.scene,
     )
+
+
+def _grid(solved: SolvedFlight) -> MapGrid | None:
+    """Project the cameras' places on the map grid: as stated, or where they are solved."""
+    flight = solved.flight
+    grid, stated_m = flight.grid, flight.path.position_m
+    if grid is None or np.array_equal(solved.camera_m, stated_m, equal_nan=True):
+        return grid
+    return map_grid(grid.crs, solved.camera_m)
 
 
 def _of_frames(rotation: Floats, direction: Floats) -> Floats:

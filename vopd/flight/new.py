@@ -625,8 +625,12 @@ def project_of_files(
                     f"{one.option}: [{section}] {key} = {one.value}, and by a file or option it is "
                     f"{other}: leave one out"
                 )
+    said = {key for one in answers if one.at_once for key in one.keys}
     for one in [one for one in answers if not one.at_once]:
         keys = [key for key in one.keys if key in new.needed or key in values]
+        keys = [key for key in keys if key not in said]
+        # it gives what is open; what was given before stays, unless nothing is open
+        keys = [key for key in keys if key not in (before or {})] or keys
         values |= dict.fromkeys(keys, one.value)
         if not keys:
             new.said.append(f"{one.option}: not used, as no file leaves it open")

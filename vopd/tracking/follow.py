@@ -163,7 +163,8 @@ def read_footage(project: Project) -> Footage:
     if missing:
         has = f"{frames.source} has {count_text(len(frames), 'frame')}, {own[0]} to {own[-1]}"
         what = missing[0] if flight.image_name else f"frame {missing[0]}"
-        raise section.error("video", f"{what} is clicked, and {has}")
+        how = ": clicks name an image as its file is named" if flight.image_name else ""
+        raise section.error("video", f"{what} is clicked, and {has}{how}")
     at = np.array([place[one] for one in label])
     clicks = ClickedPixels(
         at[flight.picks.frame], flight.picks.landmark, flight.picks.pixel, flight.picks.sigma_px
