@@ -113,6 +113,7 @@ def test_hints_for_mistyped_words() -> None:
     """Six of ten letters in common are near, the nearest one is named."""
     assert_approved(did_you_mean("wrod", ["world", "word"]))
     assert_approved(did_you_mean("abcde", ["abcxy"]))
+    assert_approved(did_you_mean("ab\u200bc", ["abc"]))
     assert did_you_mean("abcde", ["abxyz", "b"]) == "; known are abxyz, b"  # ratio .4
 
 

@@ -280,8 +280,8 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
     several = ", ".join(known[:MANY_NAMED])
     if not near:
         return f"; known are {several}{more}"
-    unseen = " (they differ by characters that are not seen)"
-    return f"; did you mean {near[0]}?{unseen * (_seen(near[0]) == _seen(word))}"
+    unseen = near[0] != word and _seen(near[0]) == _seen(word)
+    return f"; did you mean {near[0]}?" + " (they differ by characters that are not seen)" * unseen
 
 
 def _seen(word: str) -> str:
