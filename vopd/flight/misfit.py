@@ -683,7 +683,7 @@ def size_spoken_for(first: JointSolution, component: str) -> tuple[float, float]
         The factor, and the gain in twice the log likelihood.
     """
     flight, priors, used = first.model.flight, first.model.priors, first.solved.used
-    solution, factor = first, 1.0
+    solution, factor, settles = first, 1.0, first.settles
     for _ in range(SIZE_ROUNDS):
         squares, left = _squares(solution, component)
         step = float(np.clip(np.sqrt(squares / left), 0.3, 3.0)) if left > 0.0 else 1.0
@@ -693,6 +693,9 @@ def size_spoken_for(first: JointSolution, component: str) -> tuple[float, float]
             own = replace(flight, picks=flight.picks.with_sigma(flight.picks.one_sigma_px * factor))
         start = solution.state if solution.passes else None
         solution = solve_jointly(own, scaled, used, start=start)
+        if not (settles or solution.settles):  # nor will it with a third size
+            return factor, 0.0
+        settles = solution.settles
         if abs(np.log(step)) < SIZE_SETTLED:
             break
     return factor, log_likelihood(solution) - log_likelihood(first)
