@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import tempfile
 import warnings
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -294,6 +295,33 @@ def image_numbers(image: Sequence[str]) -> list[int]:
     """Find the numbers at the ends of images' names, before the suffix; -1 where there is none."""
     found = [ENDING.search(name.rpartition(".")[0] or name) for name in image]
     return [-1 if one is None else int(one[1]) for one in found]
+
+
+def images_without_number(image: Sequence[str]) -> dict[str, str]:
+    """Find the images that have no number of their own at the end of their names, and say why.
+
+    Of several with one number it is that of the image whose name is otherwise as most are.
+    """
+    found, known = dict[str, str](), dict[int, list[str]]()
+    for name, number in zip(image, image_numbers(image), strict=True):
+        known.setdefault(number, []).append(name)
+    for name in known.pop(-1, []):
+        found[name] = f"{name} has no number in its name, as frame_0100.png for frame 100"
+    alike = Counter(map(_without_ending, image))
+    for number, names in known.items():
+        usual = max(alike[_without_ending(name)] for name in names)
+        owner, *others = (name for name in names if alike[_without_ending(name)] == usual)
+        for name in names if others else [name for name in names if name != owner]:
+            other = next(one for one in (owner, *names) if one != name)
+            one = f"{name} and {other} have one number"
+            found[name] = f"{one}, {number}: rename or remove one of them"
+    return found
+
+
+def _without_ending(name: str) -> str:
+    """Take the number off the end of an image's name."""
+    stem = name.rpartition(".")[0] or name
+    return ENDING.sub(lambda found: found[0].removeprefix(found[1]), stem) + name[len(stem) :]
 
 
 def stills_in(folder: Path) -> list[Path]:

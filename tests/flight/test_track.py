@@ -470,12 +470,14 @@ NAMED = Names(["b", "a", "b", "c"])
 @pytest.mark.parametrize("epoch", [None, EPOCH])
 def test_times_by_the_rate_of_the_frames(epoch: Any, tmp_path: Path) -> None:
     """Frame 4 at 20 a second and .5 s is at .7 s."""
-    keys = {"frame_rate_hz": 20, "first_frame_t_s": 0.5}
+    keys = {"frame_rate_hz": 20, "first_frame_t_s": 0.5, "file": "p"}
     number, times, index = frames(tmp_path, NUMBERS, epoch, **keys)
     assert (number.tolist(), index.tolist()) == ([4, 7, 12], [2, 0, 2, 1])
     assert_close("time", times.time_s, [0.7, 0.85, 1.1])
     assert (times.image, times.epoch, times.said, times.whole_seconds) == ((), epoch, "", False)
+    (tmp_path / "p").write_text("image\nb\na\nb\nc\n")
     number, times, index = frames(tmp_path, NAMED, epoch, **keys)
+    assert_approved(times.doubts)
     assert (number.tolist(), index.tolist(), times.image) == (
         [0, 1, 2],
         [1, 0, 1, 2],
@@ -493,6 +495,34 @@ def test_times_by_the_rate_of_the_frames(epoch: Any, tmp_path: Path) -> None:
         assert_approved(said)
     both = {"frame_rate_hz": 20, "times": "t"}
     assert_approved(told(lambda: frames(tmp_path, NAMED, **both)))
+
+
+@pytest.mark.parametrize(
+    ("images", "order", "time_s"),
+    [
+        (["f7.png", "f12.png"], ["f7.png", "f12.png"], [3.5, 6.0]),
+        (["cover.png", "f7.png"], ["f7.png", "cover.png"], [3.5, np.nan]),
+        (["a/f7", "f7", "f8"], ["f7", "f8", "a/f7"], [3.5, 4.0, np.nan]),
+        (["f7.jpg", "f7.png", "f8.png"], ["f7.png", "f8.png", "f7.jpg"], [3.5, 4.0, np.nan]),
+        (["L7", "f1_v8.png", "f7.png", "f8.png"], ["f7.png", "f8.png", "L7", "f1_v8.png"],
+         [3.5, 4.0, np.nan, np.nan]),
+        (["a7.png", "b7.png", "c8.png"], ["c8.png", "a7.png", "b7.png"], [4.0, np.nan, np.nan]),
+        (["f07.png", "f7.png", "f8.png"], ["f8.png", "f07.png", "f7.png"], [4.0, np.nan, np.nan]),
+        (["a7.png", "b7.png"], ["a7.png", "b7.png"], [np.nan, np.nan]),
+    ],
+)  # fmt: skip
+def test_an_image_without_a_number_of_its_own_has_no_time(
+    images: list[str], order: list[str], time_s: list[float], tmp_path: Path
+) -> None:
+    """At 2 a second; the others have theirs, and its first row is named."""
+    rows = [f"{name},m" for name in ["x" + images[0], *images]]
+    (tmp_path / "p.csv").write_text("\n".join(["image,landmark", *rows]))
+    keys = {"frame_rate_hz": 2, "first_frame_t_s": 0.0, "file": "p.csv"}
+    number, times, index = frames(tmp_path, Names(images), **keys)
+    assert times.image == tuple(order) and (np.diff(number) > 0).all()
+    assert [order[k] for k in index] == images
+    np.testing.assert_array_equal(times.time_s, time_s)
+    assert_approved(times.doubts)
 
 
 @pytest.mark.parametrize("epoch", [None, EPOCH])

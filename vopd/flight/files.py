@@ -141,6 +141,12 @@ class InputFile:
             at = _first_wrong_byte(self.path, error)
             raise self.error(not_utf8(self._first_bytes, at)) from error
 
+    def line_of(self, word: str) -> int | None:
+        """Find the first line with a word, such as a cell, counted from 1; None if none has it."""
+        alone = re.compile(rf"(?<![\w./\\-]){re.escape(word)}(?![\w.-])")
+        lines = chain.from_iterable(chunk.splitlines() for chunk in self.chunks())
+        return next((k for k, line in enumerate(lines, 1) if alone.search(line)), None)
+
     def matlab(self, *names: str) -> dict[str, Any]:
         """Read variables of a file of MATLAB's, those of these names that are there.
 

@@ -156,7 +156,8 @@ KEYS: tuple[Key, ...] = (
         "standard deviation of u and of v; a column `sigma_px` has precedence", default=1.0,
         above=0.0),
     Key("picks", "frame_rate_hz", "number", "25.0", "frames a second, for numbered frames",
-        above=0.0, option="--fps"),
+        "frames a second, for numbered frames and for images whose names end in numbers, each in "
+        "another: `f000.png`", above=0.0, option="--fps"),
     Key("picks", "first_frame_t_s", "number", "0.0", "time of frame 0, seconds after the epoch",
         option="--first-frame"),
     Key("picks", "times", "file", '"times.csv"',

@@ -649,7 +649,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         joined, findings = join_picks(picks, label, landmarks.name, name)
     camera, wind_said = add_wind(project, path.path)
     outside = outside_area(landmark_crs(project.section("landmarks"), rows), landmarks.position_m)
-    doubts = [*picks.doubts, *path.doubts, *([f"[landmarks] crs: {outside}"] if outside else [])]
+    doubts = [*picks.doubts, *times.doubts, *path.doubts]
+    doubts += [f"[landmarks] crs: {outside}"] if outside else []
     if camera_lens.table is None:
         doubts += doubts_of_focal(lens.lens)
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]

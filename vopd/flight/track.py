@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import NamedTuple
@@ -48,27 +49,42 @@ class FrameTimes(NamedTuple):
     epoch: datetime | None  # the date of zero, where it is known
     said: str = ""  # where the times come from, for a sentence
     whole_seconds: bool = False  # a camera's clock without parts of a second
+    doubts: tuple[str, ...] = ()  # warnings about images that have no time
 
 
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
     """Number the frames (F,), with their times, and the index of each pick's frame (P,)."""
     number, image, index = number_frames(rows.frame)
-    section = project.section("picks")
-    if image and section.has("frame_rate_hz") and _has_numbers(image):
-        from vopd.video import image_numbers  # of few flights
+    if not image or not project.section("picks").has("frame_rate_hz"):
+        return number, _times(project, number, image), index
+    from vopd.video import image_numbers, images_without_number  # of few flights
 
-        own = np.array(image_numbers(image), dtype=np.int64)
-        order = np.argsort(own)
-        number, image = own[order], tuple(image[k] for k in order)
-        index = in_four_bytes(np.argsort(order)[index])
-    return number, _times(project, number, image), index
+    lost = images_without_number(image)
+    has = np.array([name not in lost for name in image])
+    own = np.where(has, image_numbers(image), -1)
+    own[~has] = own.max() + 1 + np.arange(len(lost))  # behind those that have a number
+    order = np.argsort(own)
+    number, image, has = own[order], tuple(image[k] for k in order), has[order]
+    times = _times(project, number, image)
+    times = times._replace(time_s=np.where(has, times.time_s, np.nan))
+    index = in_four_bytes(np.argsort(order)[index])
+    return number, times._replace(doubts=_doubts_of_images(project, lost)), index
 
 
-def _has_numbers(image: tuple[str, ...]) -> bool:
-    """Tell whether the names of all images end in numbers, each in another."""
-    from vopd.video import image_numbers  # of few flights
+def _doubts_of_images(project: Project, lost: Mapping[str, str]) -> tuple[str, ...]:
+    """Warn of images that have no time.
 
-    return len({*image_numbers(image)} - {-1}) == len(image)
+    Args:
+        project: with the file that names them
+        lost: why, by their names
+    """
+    for name, why in lost.items():
+        section = project.section("picks")
+        tracked = section.has("tracked") and section.text("tracked_from") != "clicks"
+        file = project.open("picks", "tracked" if tracked else "file")
+        message = f"{why}; [picks] frame_rate_hz gives no time to {first_of(list(lost), 3)}"
+        return (str(file.error(message, file.line_of(name))),)
+    return ()
 
 
 def number_frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
@@ -98,7 +114,7 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
     shown_s, said = np.full(len(number), np.nan), ""
     if not image and section.has("video"):
         shown_s, said = _shown(project, number)
-    if section.has("frame_rate_hz") and (not image or _has_numbers(image)):
+    if section.has("frame_rate_hz"):
         rate = section.number("frame_rate_hz")
         time_s = section.number("first_frame_t_s") + number / rate
         off_s = np.ptp(number / rate - shown_s)
@@ -566,7 +582,8 @@ def path_by_time(
     if len(time_s) < 2:
         raise section.error("file", f"{name}: one position is no track: give it as [position]")
     if not np.isfinite(times.time_s).any():
-        raise section.error("file", NO_TIMES)
+        why = "; ".join(times.doubts) or BRING_TIMES
+        raise section.error("file", f"is by time, and the frames have none: {why}")
     way = section.text("interpolate")
     notes.said.append(f"positions between those of the track: {way}")
     sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
@@ -698,9 +715,8 @@ def path_errors(
     return with_gaps(fixes, time_s, bend)
 
 
-NO_TIMES = (
-    "is by time, and the frames have none: give [picks] frame_rate_hz and first_frame_t_s, or "
-    "times, a CSV or the folder of the images"
+BRING_TIMES = (
+    "give [picks] frame_rate_hz and first_frame_t_s, or times, a CSV or the folder of the images"
 )
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
-from statistics import mode
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -54,6 +53,7 @@ from vopd.video import (
     grey_frames,
     grey_frames_backward,
     image_numbers,
+    images_without_number,
     open_frames,
 )
 
@@ -180,18 +180,9 @@ def _numbers(project: Project, frames: VideoFrames) -> Ints:
 
 
 def _image_numbers(project: Project, frames: VideoFrames) -> list[int]:
-    found = image_numbers(frames.image_name)
-    if -1 in found:
-        name = frames.image_name[found.index(-1)]
-        raise project.section("picks").error(
-            "video", f"{name} has no number in its name, as frame_0100.png for frame 100"
-        )
-    if len(set(found)) < len(found):
-        twice = mode(found)
-        one, other, *_ = (n for n, k in zip(frames.image_name, found, strict=True) if k == twice)
-        message = f"{one} and {other} have one number, {twice}: rename or remove one of them"
-        raise project.section("picks").error("video", message)
-    return found
+    for why in images_without_number(frames.image_name).values():
+        raise project.section("picks").error("video", why)
+    return image_numbers(frames.image_name)
 
 
 def _range(footage: Footage, options: TrackOptions) -> tuple[int, int]:
