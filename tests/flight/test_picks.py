@@ -295,6 +295,10 @@ def test_points_of_cvat_videos() -> None:
         cvat(track((1, 'outside="1"'))),
         cvat(image("a"), image("b").replace("mast", "")),
         cvat(image("a"), track((1, ""))),
+        cvat(track((0, ""), (-1, ""))),
+        cvat(track((1, "")).replace("frame=", "f=")),
+        cvat(track((1, "")).replace("frame=", 'frame="1" f=').replace('"1"', '"1.0"')),
+        cvat(track((10**15, ""))),
     ],
 )
 def test_annotations_of_cvat_that_are_refused(text: str) -> None:

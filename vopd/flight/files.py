@@ -756,10 +756,17 @@ def frames_of_column(table: CsvTable) -> Ints | list[str]:
             return cells
         message = f"{shown(cells[row])} is not the number of a frame, and other rows have numbers"
     else:
-        message = f"{cells[row]} is not the number of a frame, a whole number from 0"
-        if _is_whole(cells[row], len(cells[row]) + 1):
-            message += f" of {DIGITS - 1} digits at most"
+        message = no_frame(cells[row])
     raise table.error(message, row, "frame")
+
+
+def no_frame(text: str) -> str:
+    """Say that a text is not the number of a frame; empty if it is one."""
+    if _is_whole(text):
+        return ""
+    own = text if is_number(text) else shown(text)
+    most = f" of {DIGITS - 1} digits at most" if _is_whole(text, len(text) + 1) else ""
+    return f"{own} is not the number of a frame, a whole number from 0{most}"
 
 
 def whole_numbers(table: CsvTable, column: str) -> Ints | None:

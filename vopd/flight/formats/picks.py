@@ -24,6 +24,7 @@ from vopd.flight.files import (
     frames_of_column,
     has_columns,
     header_names,
+    no_frame,
     open_input,
     read_by_content,
     read_csv,
@@ -238,9 +239,11 @@ def read_cvat(file: InputFile) -> PickRows:
         for points in track.findall("points"):
             if points.get("outside") != "1":
                 pixels = _pixels(file, points.get("points", ""))
-                frame = whole_number(points.get("frame", "0"))
+                frame, label = points.get("frame", ""), track.get("label", "")
+                if message := no_frame(frame):
+                    raise file.error(message, column=f"track {shown(label)}, frame")
                 between += [points.get("keyframe") == "0"] * len(pixels)
-                found += [(frame, track.get("label", ""), *xy) for xy in pixels]
+                found += [(int(frame), label, *xy) for xy in pixels]
     if not found:
         raise file.error("no points are in the file: landmarks are drawn as points")
     if not all(one[1] for one in found):

@@ -26,6 +26,7 @@ from vopd.flight.files import (
     csv_blocks,
     did_you_mean,
     has_columns,
+    no_frame,
     shown,
     whole_numbers,
 )
@@ -262,11 +263,9 @@ def _frames(block: CsvTable, column: str) -> Ints:
         return found
     texts = block.column(column)
     empty = column == "from_frame"
-    wrong = [k for k, t in enumerate(texts) if not (t.isascii() and t.isdigit() and len(t) < 16)]
-    wrong = [k for k in wrong if texts[k] or not empty]
-    if wrong:
-        message = f"{shown(texts[wrong[0]])} is not the number of a frame, a whole number from 0"
-        raise block.error(message, wrong[0], column)
+    for k, text in enumerate(texts):
+        if (message := no_frame(text)) and (text or not empty):
+            raise block.error(message, k, column)
     return np.array([int(text) if text else -1 for text in texts], dtype=np.int64)
 
 
