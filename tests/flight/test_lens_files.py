@@ -222,6 +222,19 @@ def test_the_size_in_an_opencv_file_is_the_calibration_s(tmp_path: Path) -> None
             assert numbers(read(tmp_path, other)) == [900, 800, 45, 35]
 
 
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        [[900, 0, 0], [0, 800, 0], [45, 35, 1]],
+        [[900, 0, 45], [0, 800, 35], [0, 0, 2]],
+        [[900, 0, 45], [0, 800, 35], [0, 0, float("nan")]],
+    ],
+)
+def test_a_matrix_that_is_no_camera_matrix(matrix: list[list[float]], tmp_path: Path) -> None:
+    """The first is transposed, as MATLAB's older ones are."""
+    assert_approved(told(tmp_path, json.dumps(OPENCV | {"camera_matrix": matrix})))
+
+
 # A lens in the project itself
 
 

@@ -376,6 +376,11 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     k = _numbers(file, _first(file, values, COEFFICIENTS, "distortion coefficients", needed=False))
     if len(matrix) != 9:
         raise file.error(f"the camera matrix has {len(matrix)} elements, not 9")
+    if matrix[6:] != [0.0, 0.0, 1.0]:
+        third = "{:g} {:g} {:g}".format(*matrix[6:])
+        turned = ", its third column is" * (matrix[2::3] == [0.0, 0.0, 1.0])
+        message = f"the camera matrix's third row is {third}, not 0 0 1{turned}"
+        raise file.error(f"{message}: write its rows as fx 0 cx, 0 fy cy, 0 0 1")
     model = _model(file, values, question, k)
     if model == "fisheye" and len(k) != 4:
         raise file.error(f"a fisheye has 4 coefficients, not {len(k)}")
