@@ -39,15 +39,18 @@ def from_direction(direction_deg: Floats, speed_m_s: Floats) -> Floats:
 
 
 def upward(file: InputFile, height_m: Floats, toward_m_s: Floats, said: str) -> WindRows:
-    """Sort the levels that are known by height.
+    """Sort the levels that are known by height; of several at one height the first is taken.
 
     Raises:
-        VopdError: where fewer than two are
+        VopdError: where fewer than two are, or all are at one height
     """
     known = np.isfinite(height_m) & np.isfinite(toward_m_s).all(axis=1)
     height, index = np.unique(height_m[known], return_index=True)
     if len(height) < 2:
-        raise file.error("fewer than two levels have height and wind")
+        message = "fewer than two levels have height and wind"
+        if known.sum() > 1:
+            message = f"{known.sum()} levels are at one height, {height[0]:g} m: two are needed"
+        raise file.error(message)
     return WindRows(height, toward_m_s[known][index], f"{file.name}: {said}, {len(height)} levels")
 
 
