@@ -244,6 +244,20 @@ def whole_number(text: str) -> int:
     return int(text)
 
 
+def leap_second(text: str) -> str:
+    """Say of a date and time in a leap second, which datetime does not have, what to write instead.
+
+    Args:
+        text: any that is not read as a date and time
+
+    Returns:
+        Empty for others.
+    """
+    if not re.search(r"[T ]\d\d:?59:?60(?!\d)", text):
+        return ""
+    return f"{text!r} is in a leap second, which is not read: write the second before or after it"
+
+
 def beyond_sigmas(values: Iterable[float]) -> str:
     """Describe the first standard deviation that is too small or too large to be meant.
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from vopd.files import optional_package
 from vopd.findings import Report, VopdError, strict
+from vopd.inputs import leap_second
 
 if TYPE_CHECKING:  # a command that offers the formats does not wait for what makes them
     from vopd.attitude.history import History
@@ -278,9 +279,8 @@ def parse_epoch(text: str) -> datetime:
         return moment.astimezone(UTC)
     except (ValueError, OverflowError) as error:
         example = "1974-08-27T17:30:00Z"
-        raise VopdError(
-            f"{text!r} is not an ISO 8601 date and time, for instance {example}"
-        ) from error
+        message = f"{text!r} is not an ISO 8601 date and time, for instance {example}"
+        raise VopdError(leap_second(text) or message) from error
 
 
 def utc(epoch: datetime, microseconds: int) -> str:

@@ -42,6 +42,7 @@ from vopd.inputs import (
     MOST_SIGMA,
     beyond_sigmas,
     is_number,
+    leap_second,
     no_file,
     plain_digits,
     plain_number,
@@ -721,9 +722,8 @@ class CsvTable:
                 return moment.astimezone(UTC).timestamp()
         except (ValueError, OverflowError) as error:
             example = "2026-05-01T11:58:42.25Z"
-            raise self.error(
-                f"{shown(text)} is not a date and time as {example}", row, name
-            ) from error
+            message = leap_second(text) or f"{shown(text)} is not a date and time as {example}"
+            raise self.error(message, row, name) from error
         rename = f", or rename a column: {columns.split()[-1]}_utc" if columns else ""
         raise self.error(f"{text} does not say its zone: add Z for UTC{rename}", row, name)
 

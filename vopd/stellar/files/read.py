@@ -20,7 +20,14 @@ from vopd.files import kind_by_first_bytes, reason
 from vopd.findings import Finding, InputError, Report, count_text, input_error, strict
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
-from vopd.inputs import MOST_COLUMNS, is_number, no_file, plain_digits, read_limited
+from vopd.inputs import (
+    MOST_COLUMNS,
+    is_number,
+    leap_second,
+    no_file,
+    plain_digits,
+    read_limited,
+)
 from vopd.stellar.field import ground_directions, star_directions
 
 # Columns, and their cells
@@ -547,8 +554,8 @@ def _moment(stars: Sequence[Star], source: str) -> datetime | None:
             found = datetime.fromisoformat(text)
             found = found.replace(tzinfo=found.tzinfo or UTC).astimezone(UTC)
         except (ValueError, OverflowError):
-            text = f"utc: {text!r} is not an ISO 8601 date and time"
-            raise input_error(f"line {number}: {text}", source) from None
+            message = leap_second(text) or f"{text!r} is not an ISO 8601 date and time"
+            raise input_error(f"line {number}: utc: {message}", source) from None
         if moment not in (None, found):
             raise input_error(f"line {number}: utc: one photograph has two dates", source)
         moment = found
