@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -178,6 +179,18 @@ def test_dates_in_cells(text: str) -> None:
     assert_approved(told(lambda: table.times("t")))
     good = read_csv(of("t\n1970-01-01T00:00:10.25Z\n1970-01-01T02:00:01+02:00\n"))
     assert good.times("t").tolist() == [10.25, 1.0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["t\n1970-01-01T00:00:10.25\n1970-01-01T00:00:11Z\n", "utc\n1970-01-01 00:00:10.25\n",
+     "day,t\n1970/01/01,00:00:10.25\n"],
+)  # fmt: skip
+def test_gps_time_has_no_zone(text: str) -> None:
+    file = replace(of(text), clock="gps")
+    name = read_csv(file).header[-1]
+    assert read_csv(file).times(name)[0] == 10.25
+    assert_approved(told(lambda: read_csv(of(text.replace("utc", "t"))).times("t")))
 
 
 def frames(cells: list[str]) -> CsvTable:

@@ -17,7 +17,7 @@ from tests.kit.flight_project import write_project
 from tests.kit.tagged_images import tagged_image
 from tests.tolerances import within
 from vopd.findings import VopdError
-from vopd.flight.formats.track import TrackRows
+from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 from vopd.flight.new import (
     EXAMPLE_VALUES,
     NewProject,
@@ -26,6 +26,7 @@ from vopd.flight.new import (
     project_of_files,
 )
 from vopd.flight.project import KEYS, read_project
+from vopd.flight.track import track_clock
 from vopd.video import open_frames
 
 
@@ -104,6 +105,21 @@ def test_files_are_recognised_and_what_they_leave_open_is_asked(tmp_path: Path) 
                     .replace("first_frame_t_s = 0.0", "first_frame_t_s = 2.0"))  # fmt: skip
     assert read_project(str(path)).section("camera").values["image_size_px"] == [1920, 1080]
     assert vopd.solve_flight(path).solved.all()
+
+
+def test_a_track_in_gps_time_needs_no_zone(tmp_path: Path) -> None:
+    """Also where a second call of the command says more."""
+    for clock, zone in (("gps", ""), ("gps", "Z"), ("utc", "Z")):
+        rows = [f"2026-05-01T12:00:0{k}{zone},47,16,540" for k in range(3)]
+        track = tmp_path / "track.csv"
+        track.write_text("\n".join(["t_utc,lat_deg,lon_deg,h_m", *rows, ""]))
+        folder = tmp_path / (clock + zone)
+        assert run("new", folder, "--track", track, "--clock", clock).status == 0
+        assert run("new", folder, "--height", "ellipsoid").status == 0
+        project = read_project(str(folder / "flight.toml"))
+        rows_read = project.read("track", project.open("track"), TRACK_FORMATS)
+        seconds = track_clock(project.section("track"), rows_read) - 1777636800.0
+        assert seconds.tolist() == [k - 18.0 * (clock == "gps") for k in range(3)]
 
 
 def test_a_gcp_list_is_picks_and_landmarks(tmp_path: Path) -> None:

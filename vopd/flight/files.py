@@ -80,6 +80,7 @@ class InputFile:
         columns: of a CSV, its own header names by the names here, or the names of all its columns
             where it has no header
         crs: that the project gives its coordinates
+        clock: that it gives its times, utc or gps
     """
 
     name: str
@@ -87,6 +88,7 @@ class InputFile:
     given: str | None = None
     columns: Columns | None = None
     crs: str | None = None
+    clock: str | None = None
 
     @cached_property
     def text(self) -> str:
@@ -186,7 +188,11 @@ class InputFile:
 
 
 def open_input(
-    name: str, folder: Path, columns: Columns | None = None, crs: str | None = None
+    name: str,
+    folder: Path,
+    columns: Columns | None = None,
+    crs: str | None = None,
+    clock: str | None = None,
 ) -> InputFile:
     """Find a file of a project.
 
@@ -195,6 +201,7 @@ def open_input(
         folder: the project's
         columns: what the project says of the columns of a CSV
         crs: that it gives the file's coordinates
+        clock: that it gives the file's times
 
     Raises:
         VopdError: where it cannot be read, or is not text
@@ -205,7 +212,7 @@ def open_input(
             raise VopdError("the name of a file is needed")
         if kind := no_file(path):
             raise VopdError(f"{name}: {kind}")
-        file = InputFile(name, path, columns=columns, crs=crs)
+        file = InputFile(name, path, columns=columns, crs=crs, clock=clock)
         _ = file.head
         return file
     except ValueError as error:  # a name that no file can have
@@ -699,7 +706,10 @@ class CsvTable:
         return plain_name(own)
 
     def times(self, name: str) -> Floats:
-        """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset."""
+        """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset.
+
+        Those of GPS time, which has no zones, need none.
+        """
         texts, names = self.column(name), self.own or self.header
         own = names[self.header.index(name)]
         date = [k for k, one in enumerate(self.header) if plain_name(one) in DATES]
@@ -709,9 +719,8 @@ class CsvTable:
             texts = [
                 f"{day.replace('/', '-')}T{'0' * (text[1:2] == ':')}{text}" for day, text in pairs
             ]
-        if own == name:  # a column of this package states the zone in each row
-            own = ""
-        elif "utc" in plain_name(own):  # as loggers call it that write no zone
+        own = "" if own == name else own  # a column of this package states the zone in each row
+        if self.file.clock == "gps" or "utc" in plain_name(own):  # as loggers write no zone
             texts = [f"{text}Z" if NO_ZONE.search(text) else text for text in texts]
         return np.array([self._time(name, k, text, own) for k, text in enumerate(texts)])
 

@@ -61,6 +61,7 @@ class NewProject:
     needed: dict[tuple[str, str], str] = field(default_factory=dict)  # keys, and why
     columns: dict[str, Columns] = field(default_factory=dict)  # of CSV files, by section
     crs: dict[str, str] = field(default_factory=dict)  # that the user gives, by section
+    clock: str | None = None  # that the user gives the track's times
     answered: set[tuple[str, str]] = field(default_factory=set)  # keys that options answer
     picked: tuple[str, ...] = ()  # names of the images that have picks
     track_height: str = ""  # what heights of the track are counted from, where its format says it
@@ -82,7 +83,8 @@ def _read(
     formats: Sequence[InputFormat[R]],
 ) -> tuple[InputFile, R]:  # fmt: skip
     """Read a user's file by its content, and name it in the project."""
-    file = open_input(name, Path(), new.columns.get(section), new.crs.get(section))
+    clock = new.clock if section == "track" else None
+    file = open_input(name, Path(), new.columns.get(section), new.crs.get(section), clock)
     try:
         rows = read_by_content(formats, file)
     except VopdError as error:
@@ -616,6 +618,9 @@ def project_of_files(
     for one in answers:
         given_crs = [section for section, key in one.keys if key == "crs"]
         new.crs |= dict.fromkeys(given_crs, str(tomllib.loads(f"x = {one.value}")["x"]))
+    own = "track", "clock"
+    for clock in [(before or {}).get(own), *(one.value for one in answers if own in one.keys)]:
+        new.clock = tomllib.loads(f"x = {clock}")["x"] if clock else new.clock
     new.answered = {key for one in answers for key in one.keys}
     look_at_files(new, values, folder, given, video)
     for one in [one for one in answers if one.at_once]:

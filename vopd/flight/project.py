@@ -205,8 +205,8 @@ KEYS: tuple[Key, ...] = (
         option="--height"),
     Key("track.height", "undulation_m", "number", "", _UNDULATION),
     Key("track", "clock", "text", '"utc"', "utc, or gps, which is 18 s ahead",
-        "for a column `t_utc`: utc, or gps, which is 18 s ahead since 2017. Files that say it "
-        "themselves need none; `seconds` is the clock of a column `t_s`",
+        "for a column `t_utc`: utc, or gps, which is 18 s ahead since 2017 and needs no zone. "
+        "Files that say it themselves need none; `seconds` is the clock of a column `t_s`",
         choices=("utc", "gps", "seconds"), option="--clock"),
     Key("track", "offset_s", "number", "0.0", "added to the track's times", default=0.0),
     Key("track", "sigma_m", "sigma", "[1.0, 1.0, 2.0]",
@@ -577,9 +577,12 @@ class Project:
         where = self.section(section)
         try:
             columns = where.columns() if key == "file" else None
-            crs = where.values.get("crs") if key == "file" else None
-            crs = crs if isinstance(crs, str) else None
-            return open_input(where.text(key), self.folder, columns, crs)
+            known = where.values if key == "file" else {}
+            crs, clock = (
+                one if isinstance(one := known.get(name), str) else None
+                for name in ("crs", "clock")
+            )
+            return open_input(where.text(key), self.folder, columns, crs, clock)
         except VopdError as error:
             raise error if where.project in str(error) else where.error(key, str(error)) from error
 
