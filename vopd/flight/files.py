@@ -245,6 +245,10 @@ class InputFormat(NamedTuple, Generic[R]):
     read: Callable[..., R]
 
 
+NMEA = re.compile(r"\s*\$[A-Z]{4,6}\d*,")
+"""The first sentence of a receiver's output, such as $GPGGA."""
+
+
 def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: Any) -> R:
     """Read a file by the first format that recognises it.
 
@@ -256,6 +260,9 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
     Raises:
         VopdError: where none does
     """
+    if NMEA.match(file.head):  # its rows have commas, as those of a CSV
+        how = "gpsbabel -i nmea -f FILE -o gpx -F track.gpx makes GPX of it"
+        raise file.error(f"is NMEA of a receiver, which is not read: {how}")
     for one in formats:
         if one.recognises(file):
             if file.columns and not one.name.startswith("CSV"):
