@@ -17,6 +17,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight import track as track_module
+from vopd.flight.coordinates import HeightDatum
 from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import TrackRows, photo_number
@@ -335,6 +336,9 @@ def test_heights_of_a_track_are_the_format_s_or_the_project_s() -> None:
     found = read("track", {}, track_rows(height="ellipsoid"), times())
     assert_close("flight position", found.path.position_m[1], earth_centred_m(45, 15, 130))
     assert height_datum(Section("p.toml", "track", {})) is None
+    ground = Section("p.toml", "track", {"height": {"ground_m": 20.0}})
+    on_a_geoid = HeightDatum("undulation", 40.0, ground_m=20.0)
+    assert height_datum(ground, Section("p.toml", "landmarks", above)) == on_a_geoid
     said = refusal("track", {"height": "geoid"}, track_rows())
     assert_approved(said)
 

@@ -38,6 +38,7 @@ _FILES = (
 
 _ANSWERS = (
     ("--height", "NAME", "ellipsoid, egm96, egm2008, navd88, same, or metres of the geoid."),
+    ("--ground", "METRES", "Height of the ground or pad, of a track whose heights count from it."),
     ("--crs", "CODE", "Coordinate reference system of x and y, such as EPSG:32633."),
     ("--clock", "NAME", "Clock of the track's dates: utc or gps."),
     ("--fps", "HZ", "Frames a second; with --epoch, the moment of frame 0."),
@@ -177,7 +178,7 @@ def _answers(
         click.UsageError: where one is not a value of its key
     """
     from vopd.flight.files import did_you_mean
-    from vopd.flight.new import Answer, answer_value
+    from vopd.flight.new import GROUND, Answer, answer_value
     from vopd.flight.project import KEYS, ROWS
 
     found = []
@@ -186,7 +187,10 @@ def _answers(
             text = given[option[2:].replace("-", "_")]
             if text is not None:
                 targets = [(row.section, row.name) for row in KEYS if row.option == option]
-                found.append(Answer(option, targets, answer_value(option, targets[0], text)))
+                targets = targets or [("track", "height")]  # from the ground
+                at_once = option == GROUND
+                value = answer_value(option, targets[0], text)
+                found.append(Answer(option, targets, value, at_once))
         if position is not None:
             found += _position(position, given["crs"])
         found += [_columns(one) for one in columns]
@@ -267,16 +271,16 @@ def _ask(new: NewProject, values: KeyValues) -> None:
         row = ROWS[section, key]
         choices = f" ({', '.join(row.choices)})" if row.choices else f", such as {row.example}"
         about = row.comment + (choices if key != "height" else "")
-        click.echo(
-            f"[{section}] {key}: {new.needed[section, key] if row.kind == 'sigma' else about}"
-        )
+        own = new.options.get((section, key), "")
+        why = new.needed[section, key]
+        click.echo(f"[{section}] {key}: {why if own or row.kind == 'sigma' else about}")
         while (section, key) not in values:
-            usual = height if key == "height" else ""
+            usual = height if key == "height" and not own else ""
             text = click.prompt("  " + key, usual, show_default=bool(usual), prompt_suffix=" = ")
             if not text.strip():
                 break
             try:
-                values[section, key] = answer_value("answer", (section, key), text)
+                values[section, key] = answer_value(own or "answer", (section, key), text)
                 height = text if key == "height" else height
             except VopdError as error:
                 click.echo(f"  {error}")
@@ -347,7 +351,7 @@ def write_project(
     said += [f"needed: [{section}] {key} ({why})" for (section, key), why in new.needed.items()]
     usual = "check {}" if new.needed else "attitude {}"
     if new.needed:
-        options = dict.fromkeys(ROWS[key].new_option for key in new.needed)
+        options = dict.fromkeys(new.options.get(key, ROWS[key].new_option) for key in new.needed)
         if "--epoch" in options:  # of frame 0, which says when that is
             options.pop("--first-frame", None)
         values = " ".join(one + ("=..." if "." in one else " ...") for one in options)

@@ -226,9 +226,10 @@ def _move_position(changes: Changes, project: Project, joint: JointSolution) -> 
     keys = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
     crs = section.text("crs") if section.has("crs") else None
     where = f"{section.project}: [position]"
+    datum = height_datum(section, project.section("landmarks"))
 
     def positions(coordinate: Floats) -> Floats:
-        return earth_centred_positions(coordinate, geodetic, crs, height_datum(section), where)
+        return earth_centred_positions(coordinate, geodetic, crs, datum, where)
 
     before = np.array([[section.number(key) for key in keys]])
     shift_m = np.array([model.value(joint.state, axis) for axis in SHIFT])

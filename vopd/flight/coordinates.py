@@ -42,6 +42,7 @@ class HeightDatum:
 
     name: str
     undulation_m: float = 0.0
+    ground_m: float = 0.0  # on it, of what heights count from: the ground, a launch pad
 
     @property
     def said(self) -> str:
@@ -133,6 +134,7 @@ NAMED_GRID = re.compile(r"Grid (\S+) is not available")
 def _ellipsoidal(
     longitude: Floats, latitude: Floats, h: Floats, height: HeightDatum, where: str
 ) -> Floats:
+    h = h + height.ground_m
     if height.name in GEOIDS:
         source = f"EPSG:4326+{GEOIDS[height.name].removeprefix('EPSG:')}"
         coordinate = np.stack([longitude, latitude, h], axis=1)

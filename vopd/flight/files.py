@@ -330,10 +330,10 @@ SYNONYMS = {
         "v_px": "v y py y_px pixel_y image_y image_v im_y row",
         "lat_deg": "lat latitude",
         "lon_deg": "lon lng long longitude",
-        "h_m": "h alt altitude height elevation elev ele gps_alt gps_altitude gps_alt_m",
+        "h_m": "h alt altitude height elevation elev ele gps_alt gps_altitude gps_alt_m agl",
         "x_m": "x east easting e",
         "y_m": "y north northing n",
-        "z_m": "z up height elevation elev ele alt altitude h",
+        "z_m": "z up height elevation elev ele alt altitude h agl",
         "from_deg": "direction wind_direction wind_dir dir wdir direction_deg wind_direction_deg",
         "speed_m_s": "speed_ms wind_speed_m_s wind_speed_ms",
         "speed_kt": "speed_knots speed_kts wind_speed_kt wind_speed_knots",
@@ -365,6 +365,10 @@ LEVEL = re.compile(
     r"(^|_)(baro|rel|relative|agl|asl|a?msl|above(_[a-z]+)*?(?=_(m|ft|feet)$|$))(?=_|$)"
 )
 """Those of a height alone: what it is counted from, which the project says."""
+FROM_GROUND = re.compile(
+    r"(^|_)(rel|relative|agl|above_([a-z]+_)?(ground|take_?off|home|launch|pad))(?=_|$)"
+)
+"""Those of them that say the ground, or the place of the take-off."""
 M_PER_FT = 0.3048
 LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
@@ -388,7 +392,7 @@ def _bare_name(name: str, plain: str) -> str:
     """
     of_height = (IN_FEET, LEVEL) if name in HEIGHTS else ()
     for words in (BESIDE, IN_METRES, *of_height):
-        plain = words.sub("", plain).strip("_")
+        plain = words.sub("", plain).strip("_") or plain
     return plain
 
 
@@ -707,6 +711,12 @@ class CsvTable:
     def in_feet(self, name: str) -> bool:
         """Tell whether the file's own name of a column of heights says feet."""
         return name in HEIGHTS and bool(IN_FEET.search(self._own_name(name)))
+
+    @property
+    def from_ground(self) -> str:
+        """The column of heights from the ground, as the file names it; empty if there is none."""
+        there = [name for name in HEIGHTS if FROM_GROUND.search(self._own_name(name))]
+        return self.own[self.header.index(there[0])] if there else ""
 
     def _own_name(self, name: str) -> str:
         own = self.own[self.header.index(name)] if self.own and self.has(name) else ""

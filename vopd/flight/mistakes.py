@@ -202,10 +202,10 @@ def _from_feet(project: Project, flight: Flight, estimate: Estimate) -> Correcte
     """Take the heights of landmarks, of the camera, or of both for feet."""
 
     def lower(section: str, position_m: Floats) -> Floats:
-        datum = height_datum(project.section(section))
-        geoid = 0.0 if datum is None else datum.undulation_m
+        datum = height_datum(project.section(section), project.section("landmarks"))
+        level = 0.0 if datum is None else datum.undulation_m + datum.ground_m
         where = geodetic(position_m)
-        height = (where.height_m - geoid) * M_PER_FT + geoid
+        height = (where.height_m - level) * M_PER_FT + level
         return earth_centred_m(where.latitude_deg, where.longitude_deg, height)
 
     where = "track" if project.has("track") else "position"
@@ -353,8 +353,7 @@ LEVEL_MISTAKES: tuple[Mistake[Flight], ...] = (
         "heights from the pad",
         _from_the_pad,
         "with the camera {:+.0f} m, about the landmarks' height: do its heights count from the pad "
-        'or the take-off? [landmarks] height = "ellipsoid" and [{}] height = {{ undulation_m = '
-        "{:.0f} }} say so",
+        "or the take-off? [{}] height = {{ ground_m = {:.0f} }} says so",
     ),
 )
 """A level of heights that is far from that of the others."""

@@ -64,6 +64,7 @@ class NewProject:
     clock: str | None = None  # that the user gives the track's times
     answered: set[tuple[str, str]] = field(default_factory=set)  # keys that options answer
     picked: tuple[str, ...] = ()  # names of the images that have picks
+    options: dict[tuple[str, str], str] = field(default_factory=dict)  # those that are not usual
     track_height: str = ""  # what heights of the track are counted from, where its format says it
     then: str = ""  # the command to go on with, {} for the project; empty for the usual one
 
@@ -305,6 +306,8 @@ def _sigma(new: NewProject, section: str, key: str) -> None:
     new.needed[section, key] = f'{ROWS[section, key].comment}; or "{EXACT}"'
 
 
+GROUND = "--ground"
+"""The option of `vopd new` for the height of the ground, where a track's heights count from it."""
 POSITION_ERROR = (
     f'metres, or [east, north, up]: 2, 2, 4 by GPS, 0.02, 0.02, 0.04 by RTK; or "{EXACT}"'
 )
@@ -351,6 +354,9 @@ def look_at_track(
     new.track_height = rows.height or ""
     if rows.height is None:
         ask_height(new, "track", rows.crs)
+        if rows.from_ground and ("track", "height") in new.needed:
+            new.options["track", "height"] = GROUND
+            new.needed["track", "height"] = rows.asks_ground
     if not _in_every_row(rows.sigma_m):
         if rows.usual_sigma_m is None:
             new.needed["track", "sigma_m"] = POSITION_ERROR
@@ -380,6 +386,8 @@ CLICKS = "clicks.csv"
 """What `vopd pick` saves."""
 TRACKED = "tracked.csv"
 """What `vopd track` writes."""
+OF_CLICKS = "attitude {0} solves the frames with clicks, and all frames after vopd track {0}"
+"""The commands to go on with where there are clicks to follow."""
 FEW_PICKED = 0.5
 """Part of a video's frames; picks in fewer are to be followed through the others."""
 
@@ -576,7 +584,7 @@ def example_project() -> NewProject:
     new = NewProject({name: (folder / name).read_bytes() for name in EXAMPLE})
     new.contents[NAME] = project_text(EXAMPLE_VALUES, {}, EXAMPLE_HEAD).encode()
     new.said.append("an example: a drone's video, clicks of six landmarks in it, and its truth")
-    new.then = "track {}"
+    new.then = OF_CLICKS
     return new
 
 
@@ -625,6 +633,8 @@ def project_of_files(
     look_at_files(new, values, folder, given, video)
     for one in [one for one in answers if one.at_once]:
         for section, key in one.keys:
+            if section == "track" and any(own == "position" for own, _ in values):
+                new.said.append(f"{one.option}: [track] {key} is not used beside [position]")
             if (other := values[section, key]) != one.value:
                 raise VopdError(
                     f"{one.option}: [{section}] {key} = {one.value}, and by a file or option it is "
@@ -632,8 +642,9 @@ def project_of_files(
                 )
     said = {key for one in answers if one.at_once for key in one.keys}
     for one in [one for one in answers if not one.at_once]:
+        others = {key for key, option in new.options.items() if option != one.option}
         keys = [key for key in one.keys if key in new.needed or key in values]
-        keys = [key for key in keys if key not in said]
+        keys = [key for key in keys if key not in said | others]
         # it gives what is open; what was given before stays, unless nothing is open
         keys = [key for key in keys if key not in (before or {})] or keys
         values |= dict.fromkeys(keys, one.value)
@@ -652,8 +663,9 @@ def project_of_files(
     if ("landmarks", "file") in new.needed:  # nothing to click yet
         new.then = ""
     elif ("picks", "tracked") in values and not new.needed:
-        new.then = new.then or "track {}"
-    new.contents[NAME] = project_text(values, with_common_error(new.needed), OWN_HEAD).encode()
+        new.then = new.then or OF_CLICKS
+    needed = with_common_error(new.needed)
+    new.contents[NAME] = project_text(values, needed, OWN_HEAD, new.options).encode()
     return new
 
 
@@ -849,7 +861,9 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     if key[1].endswith("size_px"):  # 1920x1080
         text = text.replace("x", ", ")
     if row.kind in ("text", "file") and key[1] == "height" and is_number(text):
-        text = f"{{ undulation_m = {text} }}"
+        text = f"{{ {'ground_m' if option == GROUND else 'undulation_m'} = {text} }}"
+    elif option == GROUND:
+        raise VopdError(f"{option}: {text} is not a number of metres")
     elif row.kind in ("text", "file", "files") or text == EXACT:
         text = text if table else toml_text(text.strip("\"'"))
     elif row.kind in ("numbers", "sigma") and "," in text and not table:

@@ -51,6 +51,10 @@ _OF_K = "standard deviation of the coefficient `{}`"
 _CRS = "coordinate reference system of x and y"
 _GRID = "centre: (0, 0) is the first pixel's centre; corner; one-based"
 _UNDULATION = "height of the geoid above the ellipsoid, metres"
+_GROUND = (
+    "height of the ground or launch pad from which heights count, metres, itself counted as the "
+    "landmarks' heights are"
+)
 _GRIDS = tuple(GRID_TO_CENTRE)
 
 
@@ -204,6 +208,7 @@ KEYS: tuple[Key, ...] = (
     Key("track", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS,
         option="--height"),
     Key("track.height", "undulation_m", "number", "", _UNDULATION),
+    Key("track.height", "ground_m", "number", "", _GROUND),
     Key("track", "clock", "text", '"utc"', "utc, or gps, which is 18 s ahead",
         "for a column `t_utc`: utc, or gps, which is 18 s ahead since 2017 and needs no zone. "
         "Files that say it themselves need none; `seconds` is the clock of a column `t_s`",
@@ -244,6 +249,7 @@ KEYS: tuple[Key, ...] = (
     Key("position", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS,
         option="--height"),
     Key("position.height", "undulation_m", "number", "", _UNDULATION),
+    Key("position.height", "ground_m", "number", "", _GROUND),
     Key("position", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 3 by a phone",
         "standard deviations, metres: one number, or east, north, up, or `\"exact\"`. Needed",
         size=3, option="--sigma-position"),
@@ -655,7 +661,15 @@ def toml_numbers(*numbers: float) -> str:
     return "[" + ", ".join(f"{number:.12g}" for number in numbers) + "]"
 
 
-def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head: str) -> str:
+NO_OPTIONS: Mapping[tuple[str, str], str] = {}
+
+
+def project_text(
+    values: KeyValues,
+    needed: Mapping[tuple[str, str], str],
+    head: str,
+    options: Mapping[tuple[str, str], str] = NO_OPTIONS,
+) -> str:
     """Write the text of a project file.
 
     Keys without a value stand as comments with an example; the headers above them do not, so that
@@ -666,6 +680,7 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
         values: the values that are known
         needed: keys that the user must give, and why; they are marked
         head: sentences for the beginning
+        options: those of `vopd new` that give keys, where they are not the usual ones
     """
     fixed = any(section == "position" for section, _ in values)
     either = ("track", "file") in needed
@@ -679,7 +694,7 @@ def project_text(values: KeyValues, needed: Mapping[tuple[str, str], str], head:
         if row.section != section:
             section = row.section
             lines += ["", f"[{section}]"]
-        lines.append(_line(row, values.get((row.section, row.name)), needed))
+        lines.append(_line(row, values.get((row.section, row.name)), needed, options))
     return "\n".join(lines) + "\n"
 
 
@@ -691,22 +706,29 @@ def written_keys(text: str, head: str) -> KeyValues | None:
         head: as for `project_text`
     """
     values, needed, section = KeyValues(), dict[tuple[str, str], str](), ""
+    options = dict[tuple[str, str], str]()
     for line in text.splitlines():
         if header := re.fullmatch(r"\[(\w+)\]", line):
             section = header[1]
         named = re.match(r"(# )?(\w+) = ", line)
         if not named or (row := ROWS.get((section, named[2]))) is None:
             continue
-        if named[1] and " # NEEDED (" in line:
-            needed[section, row.name] = ""
+        if named[1] and (asked := re.search(r" # NEEDED \((.*?)\), ", line)):
+            needed[section, row.name], options[section, row.name] = "", asked[1]
         elif not named[1]:
             values[section, row.name] = line[named.end() :].removesuffix(f"# {row.comment}").strip()
-    return values if project_text(values, needed, head) == text else None
+    return values if project_text(values, needed, head, options) == text else None
 
 
-def _line(row: Key, value: str | None, needed: Mapping[tuple[str, str], str]) -> str:
+def _line(
+    row: Key,
+    value: str | None,
+    needed: Mapping[tuple[str, str], str],
+    options: Mapping[tuple[str, str], str],
+) -> str:
     section = "track" if row.section == "position" else row.section
     asked = (section, row.name) in needed and value is None
-    mark = f"NEEDED ({row.new_option}), " if asked else ""
+    option = options.get((section, row.name), row.new_option)
+    mark = f"NEEDED ({option}), " if asked else ""
     text = f"# {row.name} = {row.example}" if value is None else f"{row.name} = {value}"
     return f"{text:{WIDTH - 1}} # {mark}{row.comment}"

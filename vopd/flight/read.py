@@ -791,8 +791,10 @@ def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...
 def _one_datum(project: Project) -> None:
     """Refuse heights of one unknown datum on one side only."""
     where = "track" if project.has("track") else "position"
-    same = [project.section(name).values.get("height") == "same" for name in ("landmarks", where)]
-    if same[0] != same[1]:
+    given = [project.section(name).values.get("height") for name in ("landmarks", where)]
+    from_ground = isinstance(given[1], dict) and "ground_m" in given[1]
+    same = [height == "same" for height in given]
+    if same[0] != same[1] and not from_ground:
         raise project.section("landmarks" if same[0] else where).error(
             "height", f'"same" must stand in [landmarks] and in [{where}], or in neither'
         )

@@ -479,6 +479,13 @@ LEAST_TWISTED = 0.1  # likewise, of a path whose curvature changes within a gap
 LEAST_TOLD_M = 1e-3  # of noise: less is not told in numbers; of an exact track: less is straight
 
 
+ONE_LEVEL = "ground_m or undulation_m: leave one out"
+NO_LEVEL = (
+    "ground_m counts as the landmarks' heights do, whose height is not given beside their crs: "
+    "give undulation_m, the ground's height above the ellipsoid"
+)
+
+
 class PathRead(NamedTuple):
     """A camera's path, and sentences about what was read and what is doubtful.
 
@@ -492,13 +499,23 @@ class PathRead(NamedTuple):
     missing: dict[tuple[str, str], str]
 
 
-def height_datum(section: Section) -> HeightDatum | None:
-    """Read what a section says of its heights; None if it says nothing."""
+def height_datum(section: Section, landmarks: Section | None = None) -> HeightDatum | None:
+    """Read what a section says of its heights; None if it says nothing.
+
+    Args:
+        section: of landmarks, or of the camera
+        landmarks: theirs, as whose heights that of the ground counts, for the camera's
+    """
     if not section.has("height"):
         return None
     if isinstance(section.values["height"], dict):
         inside = section.section("height")
-        return HeightDatum("undulation", inside.number("undulation_m"))
+        if not inside.has("ground_m"):
+            return HeightDatum("undulation", inside.number("undulation_m"))
+        datum = height_datum(landmarks) if landmarks is not None else None
+        if datum is None or inside.has("undulation_m"):
+            raise section.error("height", ONE_LEVEL if datum is not None else NO_LEVEL)
+        return replace(datum, ground_m=inside.number("ground_m"))
     return HeightDatum(section.text("height"))
 
 
@@ -508,8 +525,9 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     Raises:
         VopdError: where the track has nothing for any frame, or cannot be read
     """
+    landmarks = project.section("landmarks")
     if project.has("position"):
-        return fixed_path(project.section("position"), times)
+        return fixed_path(project.section("position"), times, landmarks)
     section = project.section("track")
     file = project.open("track")
     rows = project.read("track", file, TRACK_FORMATS)
@@ -521,9 +539,9 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         raise section.error("crs", "is needed: the file has x and y")
     where = f"{project.name}: [track]"
     position = earth_centred_positions(
-        rows.coordinate, rows.geodetic, crs, track_height(section, rows), where
+        rows.coordinate, rows.geodetic, crs, track_height(section, rows, landmarks), where
     )
-    notes = Notes([f"{file.name}: {rows.said}"], {})
+    notes = Notes([f"{file.name}: {rows.said}{_above_ground(section)}"], {})
     doubts = []
     if rows.image and (times.image or rows.time_s is None):
         times, time_s = times_of_track(section, rows, times)
@@ -537,17 +555,29 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     return PathRead(path, notes.said, times, doubts, notes.missing)
 
 
-def track_height(section: Section, rows: TrackRows) -> HeightDatum | None:
+def track_height(
+    section: Section, rows: TrackRows, landmarks: Section | None = None
+) -> HeightDatum | None:
     """Choose the datum of a track's heights, by its format or by the project."""
-    given = height_datum(section)
+    given = height_datum(section, landmarks)
+    if given is None and rows.from_ground and not section.has("crs"):
+        raise section.error("height", f"is needed: {rows.asks_ground}")
     if rows.height is None:
         return given
-    if given is not None and given.name not in (rows.height, "same"):
+    if given is not None and (given.name not in (rows.height, "same") or given.ground_m):
         raise section.error("height", f"the file has heights above the {rows.height}: leave it out")
     return HeightDatum(rows.height)
 
 
-def fixed_path(section: Section, times: FrameTimes) -> PathRead:
+def _above_ground(section: Section) -> str:
+    """Say from where a track's heights count, where that is the ground; else nothing."""
+    height = section.values.get("height")
+    if not isinstance(height, dict) or "ground_m" not in height:
+        return ""
+    return f"; heights from the ground at {height['ground_m']:g} m, counted as the landmarks'"
+
+
+def fixed_path(section: Section, times: FrameTimes, landmarks: Section | None = None) -> PathRead:
     """Read the path of a camera that does not move from `[position]`."""
     geodetic = section.has("lat_deg")
     keys = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
@@ -556,7 +586,8 @@ def fixed_path(section: Section, times: FrameTimes) -> PathRead:
     if crs is None and not geodetic:
         raise section.error("crs", "is needed with x_m and y_m")
     where = f"{section.project}: [position]"
-    position = earth_centred_positions(coordinate, geodetic, crs, height_datum(section), where)
+    datum = height_datum(section, landmarks)
+    position = earth_centred_positions(coordinate, geodetic, crs, datum, where)
     notes = Notes(["one fixed position"], {})
     path = CameraPath(
         np.tile(position, (len(times.time_s), 1)),

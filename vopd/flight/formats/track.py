@@ -72,9 +72,18 @@ class TrackRows:
     usual_sigma_m: tuple[float, float, float] | None = None  # where nothing else says it
     velocity_sigma_m_s: Floats | None = None  # (T, 3) north, east, down; NaN where not given
     height: str | None = None  # what heights are counted from, where the format says it
+    from_ground: str = ""  # the heights, for a sentence, where they count from the ground
     whole_seconds: bool = False  # times without parts of a second, though a camera took them
     image_key: Callable[[str], str] = str  # what stands in `image` for the name of an image
     by_video: bool = False  # seconds after the first frame of the video that it came with
+
+    @property
+    def asks_ground(self) -> str:
+        """The question for the height of the ground, where heights count from it."""
+        return (
+            f"{self.from_ground} counts from the ground: {{ ground_m = 1390.0 }} if that is at "
+            "1390 m, counted as the landmarks' heights are"
+        )
 
 
 def row_out_of_order(rows: TrackRows) -> str:
@@ -140,6 +149,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
         sigma_m=sigma,
         sigma_by=sigma_columns(table),
         velocity_sigma_m_s=velocity_sigma,
+        from_ground=table.from_ground,
     )
 
 

@@ -198,12 +198,13 @@ FIELDS = tuple(
 )
 BEFORE = re.compile(r"\bGPS\s*\(\s*(-?[\d.]+)\s*,\s*(-?[\d.]+)\s*,\s*(?:\d+|-?[\d.]+(M))\s*\)")
 ABOVE = re.compile(r"\b(?:BAROMETER:|Hb:|H )\s*(-?[\d.]+)")
+HEIGHTS_ABOVE = "BAROMETER, Hb or H"
 NO_BRACKETS = (
     "no block has [latitude: ..] [longitude: ..] and abs_alt or altitude, or GPS(..) with "
     "BAROMETER or H; other .SRT are not read: make a CSV of it, t_s,lat_deg,lon_deg,h_m"
 )
 TAKE_OFF = (
-    "heights are above the take-off: height = { undulation_m = 412.0 } if that is at 412 m; GPS of "
+    "heights are above the take-off: height = { ground_m = 412.0 } if that is at 412 m; GPS of "
     "four decimals is to 11 m"
 )
 
@@ -267,4 +268,5 @@ def read_srt(file: InputFile) -> TrackRows:
         f"{said}; seconds of the video, behind which a GPS may lag: sigma_t_s",
         line=[lines[k] for k in kept.tolist()],
         by_video=True,
+        from_ground=HEIGHTS_ABOVE if above else "",
     )
