@@ -13,6 +13,7 @@ from pathlib import Path
 from made_page import between, write_or_check
 
 from vopd.flight.project import KEYS, Key, keys_of
+from vopd.inputs import MOST_NUMBER
 
 PAGE = Path(__file__).parents[1] / "docs" / "flight-project.md"
 BEGIN, END = "<!-- keys -->\n", "<!-- end of keys -->"
@@ -23,6 +24,7 @@ VALUES = {
     "files": "file, or list of files",
     "number": "number",
     "numbers": "list of numbers",
+    "size": "list of 2 numbers",
     "sigma": 'number from 0, `"exact"`',
     "date": "date and time",
     "other": "list",
@@ -43,6 +45,8 @@ def value(key: Key) -> str:
         text = f"{text} or list of {key.size}"
     if key.above is not None:
         text = f"{text} above {key.above:g}"
+    if key.within < MOST_NUMBER:
+        text = f"{text}, {-key.within:g} to {key.within:g}"
     return text + _table(key) + (f"; default {default}" if default else "")
 
 

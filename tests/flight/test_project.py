@@ -42,8 +42,8 @@ def test_every_key_is_in_its_section_and_its_example_is_read() -> None:
     ]
     read = {
         "text": Section.text, "file": Section.text, "number": Section.number,
-        "numbers": Section.numbers, "sigma": Section.sigma, "texts": Section.texts,
-        "files": Section.files, "date": Section.date,
+        "numbers": Section.numbers, "size": Section.size, "sigma": Section.sigma,
+        "texts": Section.texts, "files": Section.files, "date": Section.date,
     }  # fmt: skip
     for key in KEYS:
         table, _, name = key.section.partition(".")

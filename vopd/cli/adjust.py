@@ -15,6 +15,7 @@ from vopd.cli.console import Messages, Progress, notes
 from vopd.cli.new import refuse_existing, write_project
 from vopd.cli.options import (
     FILE_NAME,
+    FOLDER_NAME,
     NUMBER,
     SOURCE_NAME,
     WholeRange,
@@ -60,7 +61,7 @@ if TYPE_CHECKING:
 @click.option(
     "-o",
     "--output",
-    type=FILE_NAME,
+    type=FOLDER_NAME,
     metavar="DIR|DECK",
     help="Of a flight: write a project with what was solved for, and its covariance. Of a deck: "
     "write it with the landmark in group 9; with --trials the stacked deck.",

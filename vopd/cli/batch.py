@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from vopd.cli.console import Progress
-from vopd.cli.options import FILE_NAME, SharedOptions, WholeRange, history_options
+from vopd.cli.options import FILE_NAME, FOLDER_NAME, SharedOptions, WholeRange, history_options
 from vopd.export import FORMATS
 from vopd.findings import count_text
 
@@ -47,7 +47,7 @@ def _jobs(ctx: click.Context, option: click.Parameter, jobs: int) -> int:
     "-d",
     "--directory",
     "folder",
-    type=FILE_NAME,
+    type=FOLDER_NAME,
     metavar="OUTDIR",
     required=True,
     help="The folder for all outputs; it is made where it does not exist.",
@@ -139,8 +139,6 @@ def command(
     chosen = tuple(dict.fromkeys(formats)) or ("csv",)
     if not sources and manifest is None:
         raise click.UsageError("name a SOURCE, or a --manifest.")
-    if not folder:
-        raise click.UsageError("--directory needs the name of a folder; . is this one.")
     if dask is not None and jobs > 1:
         raise click.UsageError("--jobs is for this machine, --dask for a cluster: give one.")
     if shared and dask is None:

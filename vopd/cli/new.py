@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from vopd.cli.options import FILE_NAME, WholeRange
+from vopd.cli.options import FILE_NAME, FOLDER_NAME, WholeRange
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError, count_text
+from vopd.inputs import is_number
 
 if TYPE_CHECKING:
     from vopd.flight.new import Answer, NewProject
@@ -59,7 +60,7 @@ _ANSWERS = (
 
 
 @click.command("new")
-@click.argument("folder", type=FILE_NAME, metavar="DIR")
+@click.argument("folder", type=FOLDER_NAME, metavar="DIR")
 @click.option(
     "--video",
     multiple=True,
@@ -219,20 +220,20 @@ def _position(text: str, crs: str | None) -> list[Answer]:
     from vopd.flight.new import Answer, answer_value
 
     parts = [part.strip() for part in text.split(",")]
-    if len(parts) != 3:
+    if len(parts) != 3 or not all(map(is_number, parts)):
         raise click.UsageError(f"--position: {text} is not three numbers with commas.")
     degrees, metres = ("lat_deg", "lon_deg", "h_m"), ("x_m", "y_m", "z_m")
     values = [
         answer_value("--position", ("position", name), part)
-        for name, part in zip(degrees, parts, strict=True)
+        for name, part in zip(metres, parts, strict=True)
     ]
     largest = max(abs(float(one)) for one in values[:2])
     of_a_code = crs is not None and crs.strip().upper().startswith("EPSG:")
     is_degrees = largest <= 360.0 if crs is None or of_a_code else False
-    names = degrees if is_degrees else metres
+    keys = [("position", name) for name in (degrees if is_degrees else metres)]
     return [
-        Answer("--position", [("position", name)], value, at_once=True)
-        for name, value in zip(names, values, strict=True)
+        Answer("--position", [key], answer_value("--position", key, value), at_once=True)
+        for key, value in zip(keys, values, strict=True)
     ]
 
 

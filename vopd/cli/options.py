@@ -301,6 +301,18 @@ def history_options(function: AnyCommand) -> AnyCommand:
 FILE_NAME = click.Path(readable=False)
 """A name of a file, or `-`. Shells complete it; whether it can be read is seen when it is read."""
 
+
+class _FolderName(click.Path):
+    """A name of a folder to be written, which is not empty, as that of a variable without value."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not value:
+            self.fail("the name of a folder is needed; . is this one.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+FOLDER_NAME = _FolderName(readable=False)
+
 decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", nargs=-1, required=True)
 """One deck or several; `-` is standard input."""
 

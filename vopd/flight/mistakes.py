@@ -278,10 +278,11 @@ def _at_another_rate(project: Project, flight: Flight, estimate: Estimate) -> Co
 def _at_another_size(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Take the lens for a calibration of the same pictures in another size."""
     camera = project.section("camera")
-    if camera.has("lens_size_px") or not camera.has("image_size_px"):
+    own = camera.size("image_size_px")
+    if camera.has("lens_size_px") or own is None:
         return
     for times in LENS_SIZES:
-        size = [round(times * side) for side in camera.numbers("image_size_px")]
+        size = [round(times * side) for side in own]
         try:
             scaled = some_frames(flight_of(project.changed("camera", "lens_size_px", size)))
         except VopdError:

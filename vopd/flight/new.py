@@ -856,9 +856,11 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     """
     row, text = ROWS[key], text.strip()
     table = text[:1] in "{[" and text[:1] != ""
-    if row.kind in ("number", "numbers", "sigma") or key[1] == "height":  # TOML knows no .05
+    if (
+        row.kind in ("number", "numbers", "size", "sigma") or key[1] == "height"
+    ):  # TOML knows no .05
         text = re.sub(r"(?<![\w.])\.(?=\d)", "0.", text)
-    if key[1].endswith("size_px"):  # 1920x1080
+    if row.kind == "size":  # 1920x1080
         text = text.replace("x", ", ")
     if row.kind in ("text", "file") and key[1] == "height" and is_number(text):
         text = f"{{ {'ground_m' if option == GROUND else 'undulation_m'} = {text} }}"
@@ -866,7 +868,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
         raise VopdError(f"{option}: {text} is not a number of metres")
     elif row.kind in ("text", "file", "files") or text == EXACT:
         text = text if table else toml_text(text.strip("\"'"))
-    elif row.kind in ("numbers", "sigma") and "," in text and not table:
+    elif row.kind in ("numbers", "size", "sigma") and "," in text and not table:
         text = f"[{text}]"
     elif row.kind == "texts" and not table:
         text = "[" + ", ".join(toml_text(one.strip()) for one in text.split(",")) + "]"
@@ -882,6 +884,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
         "files": section.files,
         "number": section.number,
         "numbers": section.numbers,
+        "size": section.size,
         "sigma": section.sigma,
         "date": section.date,
     }

@@ -68,14 +68,15 @@ class Key(NamedTuple):
     Attributes:
         section: the section, or section.key for a key of an inline table
         name: the key
-        kind: `text`, `texts`, `file`, `files`, `number`, `numbers`, `sigma`, `date`, or `other`
-            for a value that has a reader of its own
+        kind: `text`, `texts`, `file`, `files`, `number`, `numbers`, `size`, `sigma`, `date`, or
+            `other` for a value that has a reader of its own
         example: its value in a new project, in TOML; empty for a key that does not stand there
         comment: what stands beside it in a new project
         about: what the documentation says, in Markdown; empty for the comment
         default: what counts without the key; None if there is no such value
         choices: the texts that are known; empty for any
         above: the limit that a number exceeds
+        within: the largest size of a number, above and below 0
         size: how many numbers there are, 0 for any; one standard deviation stands for all
         option: the option of `vopd new` that gives it; empty for `--set SECTION.NAME=VALUE`
     """
@@ -89,6 +90,7 @@ class Key(NamedTuple):
     default: Any = None
     choices: tuple[str, ...] = ()
     above: float | None = None
+    within: float = MOST_NUMBER
     size: int = 1
     option: str = ""
 
@@ -128,10 +130,10 @@ KEYS: tuple[Key, ...] = (
         "for images of several cameras: a CSV with `image` (or `frame`) and `lens`, a file of "
         "`lens`'s formats, or `camera`, one of the cameras in the file of `lens`; or OpenSfM's "
         "reconstruction.json"),
-    Key("camera", "image_size_px", "numbers", "[1920, 1080]", "width and height of the images",
+    Key("camera", "image_size_px", "size", "[1920, 1080]", "width and height of the images",
         "width and height of the images; needed where the lens file has none, and compared with it "
         "where it has one", size=2, option="--image-size"),
-    Key("camera", "lens_size_px", "numbers", "[3840, 2160]", "of the calibration, if another",
+    Key("camera", "lens_size_px", "size", "[3840, 2160]", "of the calibration, if another",
         "width and height of the images that the calibration was made of, where it was the same "
         "picture in another size: it is scaled to `image_size_px`", size=2),
     Key("camera", "pixel_grid", "text", '"centre"', f"of cx_px, cy_px; {_GRID}",
@@ -238,9 +240,9 @@ KEYS: tuple[Key, ...] = (
         "the position between those of the track", default="linear", choices=("linear", "cubic")),
     Key("position", "lat_deg", "number", "48.0", "or x_m, y_m, z_m with crs",
         "latitude of a camera that does not move; `[position]` stands in the place of `[track]`",
-        option="--position"),
+        within=90.0, option="--position"),
     Key("position", "lon_deg", "number", "15.0", "positive east", "longitude, positive east",
-        option="--position"),
+        within=360.0, option="--position"),
     Key("position", "h_m", "number", "300.0", "height", option="--position"),
     Key("position", "x_m", "number", "", "in the place of latitude and longitude: east"),
     Key("position", "y_m", "number", "", "north"),
@@ -394,7 +396,10 @@ class Section:
         value = self.values.get(key, row.default if default is None else default)
         if value is None:
             raise self.error(key, "is needed")
-        return self._number(key, value, row.above)
+        found = self._number(key, value, row.above)
+        if abs(found) > row.within:
+            raise self.error(key, f"must be {-row.within:g} to {row.within:g}, not {found:g}")
+        return found
 
     def sigma(self, key: str) -> tuple[float, ...] | None:
         """Read standard deviations, none below 0, or one that stands for all; None if not given.
@@ -429,6 +434,16 @@ class Section:
         if not self.has(key):
             raise self.error(key, f"is needed, {count} numbers")
         return self._list(key, self.values[key], count)
+
+    def size(self, key: str) -> tuple[int, int] | None:
+        """Read the width and height of an image, pixels; None if not given."""
+        row = self._row(key, "size")
+        if not self.has(key):
+            return None
+        width, height = self._list(key, self.values[key], row.size)
+        if min(width, height) < 1 or width % 1 or height % 1:
+            raise self.error(key, "is width and height, whole numbers of pixels")
+        return int(width), int(height)
 
     def texts(self, key: str) -> tuple[str, ...]:
         """Read a list of texts; none if the key is not given."""
@@ -500,7 +515,7 @@ class Section:
             kind = ROWS[self.name, key].kind
             if isinstance(value, dict) and keys_of(f"{self.name}.{key}"):
                 self.section(key)
-            elif kind in ("text", "number", "numbers", "sigma", "texts", "files", "date"):
+            elif kind in ("text", "number", "numbers", "size", "sigma", "texts", "files", "date"):
                 getattr(self, kind)(key)
 
     def _row(self, key: str, *kinds: str) -> Key:

@@ -70,23 +70,13 @@ def read_lens(project: Project) -> LensRead:
         VopdError: where it is missing, or its image size is not that of the project
     """
     section = project.section("camera")
-    size = _size_px(section, "image_size_px")
-    made_of = _size_px(section, "lens_size_px")
+    size = section.size("image_size_px")
+    made_of = section.size("lens_size_px")
     if made_of is None:
         return _lens_of(project, section, size)
     if size is None:
         raise section.error("image_size_px", "is needed with lens_size_px")
     return _scaled(section, _lens_of(project, section, made_of), size)
-
-
-def _size_px(section: Section, key: str) -> tuple[int, int] | None:
-    """Read the size of an image; None if it is not given."""
-    if not section.has(key):
-        return None
-    width, height = section.numbers(key)
-    if min(width, height) < 1 or width % 1 or height % 1:
-        raise section.error(key, "is width and height, whole numbers of pixels")
-    return int(width), int(height)
 
 
 def _one_shape(one: tuple[int, int], other: tuple[int, int]) -> bool:
