@@ -66,6 +66,7 @@ class Words:
     repeated: str = "by repeated measurements"  # what it was taken from
     vertical: str = ""  # what the source leaves open about the vertical
     own_position: str = ""  # from where `Position.to_own_m` leads: the end of a sentence
+    altitude: str = "above the ellipsoid"  # what altitudes are counted from
     attack: bool = True  # whether alpha and beta are those of a vehicle, or of a camera in the air
     sigma_keys: Mapping[str, str] = field(default_factory=dict)
     """Where the source states the standard deviation of some components, by their names."""

@@ -764,6 +764,7 @@ DECK_WORDS = Words(
         "whether group 7's X, Y, Z, and with them these angles, refer to one or the other depends "
         "on the deck's maker, and no card says it"
     ),
+    altitude="above sea level, as the deck has them",
     own_position="where the deck's own coordinates put it on WGS 84 (--fix earth puts it there)",
     columns={
         "deck": "the deck's file",

@@ -14,7 +14,7 @@ from vopd.attitude.included import included_text, left_out_text
 from vopd.attitude.reading_sigma import SOURCES
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
-from vopd.estimate import Position, Vertical
+from vopd.estimate import Position, Vertical, Words
 from vopd.findings import Finding, Report, count_text
 from vopd.version import __version__
 
@@ -62,6 +62,7 @@ def farthest_from_own_text(histories: Sequence[History]) -> str:
 
 # Sentences of every output file.
 
+POSITION = "longitude east, geodetic latitude, WGS 84; altitude {altitude}"
 GENERAL = {
     "to frame": "vehicle body: x forward, y right, z down",
     "sequence": (
@@ -81,7 +82,7 @@ GENERAL = {
     "angles of attack": (
         "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w in the body"
     ),
-    "position": "longitude east, geodetic latitude, WGS 84; altitude above the ellipsoid",
+    "position": POSITION.format(altitude=Words.altitude),
     "time": "seconds, of the source's own clock",
 }
 """What is so for every source unless its `Words` say otherwise, a short name and a sentence."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.history import History
+from vopd.estimate import Words
 from vopd.export import FileRequest, printable
 from vopd.export.tables import not_a_formula
 from vopd.findings import Finding, Report, VopdError, count_text
@@ -153,7 +154,7 @@ HEAD_COLMAP = """\
 # {source}
 # Q: Hamilton, scalar first, from site axes to camera axes (right, down, forward)
 # T: metres; the camera is at -R' T. Site axes: east, north, up on WGS 84 at
-# latitude {latitude:.9f}, longitude {longitude:.9f}, height {height:.4f} m above the ellipsoid
+# latitude {latitude:.9f}, longitude {longitude:.9f}, height {height:.4f} m {altitude}
 # Number of images: {count}
 """
 
@@ -176,6 +177,7 @@ def render_colmap(histories: Sequence[History], request: FileRequest, report: Re
         latitude=latitude,
         longitude=longitude,
         height=height,
+        altitude=histories[0].about.words.altitude,
         count=len(lines) // 2,
     )
     return (head + "\n".join(lines) + "\n").encode()
@@ -186,7 +188,7 @@ def render_colmap(histories: Sequence[History], request: FileRequest, report: Re
 HEAD_ODM_GEO = """\
 EPSG:4326
 # {source}
-# image x y z yaw pitch roll: x longitude, y latitude, degrees, z metres above the ellipsoid
+# image x y z yaw pitch roll: x longitude, y latitude, degrees, z metres {altitude}
 # yaw, pitch, roll: of an aircraft whose camera looks down with the top of the picture forward,
 # degrees, yaw from true north: image axes (right, up, backward) in east, north, up are
 # Rz(-yaw) Rx(pitch) Ry(roll). Looking straight down they are 0 0 0 with the top to the north.
@@ -215,7 +217,10 @@ def render_odm_geo(histories: Sequence[History], request: FileRequest, report: R
         looks = count_text(level, "frame looks", "frames look")
         message = f"{looks} nearly level or upward, where yaw and roll are ill defined"
         report(Finding(message, histories[0].about.source, severity="warning"))
-    head = HEAD_ODM_GEO.format(source=source_text(histories), down=histories[0].about.down)
+    about = histories[0].about
+    head = HEAD_ODM_GEO.format(
+        source=source_text(histories), down=about.down, altitude=about.words.altitude
+    )
     return (head + "\n".join(lines) + "\n").encode()
 
 
@@ -233,7 +238,7 @@ HEAD_OMEGA_PHI_KAPPA = """\
 # Rx(omega) Ry(phi) Rz(kappa), right-handed turns of a vector, degrees. Looking straight down
 # they are 0 0 0 with the top of the picture to the north.
 # Down is {down}.
-# x, y: {where}; h_m: metres above the ellipsoid of WGS 84
+# x, y: {where}; h_m: metres {altitude}
 # azimuth of the optical axis, clockwise; grid azimuth is the true one less the convergence
 """
 
@@ -251,10 +256,12 @@ def render_omega_phi_kappa(
     if len(systems) > 1:
         raise VopdError("the sources have different coordinate systems: write a file for each")
     crs = systems.pop()
+    altitude = histories[0].about.words.altitude
     page = io.StringIO()
     page.write(
         HEAD_OMEGA_PHI_KAPPA.format(
             down=histories[0].about.down,
+            altitude=altitude + " of WGS 84" * (altitude == Words.altitude),
             source=source_text(histories),
             axes=f"grid east, grid north, up of {crs}" if crs else "true east, north, up",
             where=f"easting and northing, {crs}" if crs else "longitude and latitude, degrees",

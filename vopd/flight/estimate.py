@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.conventions import POSITION
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.estimate import (
     About,
@@ -217,6 +218,7 @@ ATTACK = (
 )
 
 
+OWN_LEVEL = "as the landmarks' file counts heights"
 SIGMA_KEYS = {
     "position": "[track] or [position] sigma_m",
     "landmark": "[landmarks] sigma_m",
@@ -242,6 +244,7 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         joint: the same, with what was solved for besides the rotations
     """
     flight = solved.flight
+    altitude = OWN_LEVEL if flight.own_level else Words.altitude
     conventions = {
         "input": "; ".join(flight.about),
         "solve": f"{_unknowns(solved).format(flight.options.loss)}; WGS 84; "
@@ -249,6 +252,7 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         "pixels": "u right, v down, (0, 0) the centre of the first pixel",
         "refraction": _refraction(flight.refraction, solved),
         "angles of attack": _attack_words(flight),
+        "position": POSITION.format(altitude=altitude),
         "time": _time(flight),
     }
     if flight.path.gimbal_deg is not None:
@@ -279,6 +283,8 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         if np.isfinite(flight.picks.repeatability_px)
         else "as stated in the project",
         attack=flight.path.wind_m_s is not None or not np.array_equal(flight.mount, FORWARD),
+        altitude=altitude,
+        columns={"altitude_m": altitude},
         sigma_keys=_sigma_keys(solved),
         flags={
             "undetermined": (

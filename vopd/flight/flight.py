@@ -459,6 +459,7 @@ class Flight:
     shutter: Shutter | None = None  # None: all rows are of one time
     frame_rate_hz: float | None = None  # by which frames have times; None: their times are given
     offset_s: float = 0.0  # that the project adds to the track's times
+    own_level: bool = False  # heights count from a level that is not known: height = "same"
     grid: MapGrid | None = None  # of the landmarks' CRS, if that is projected
     about: tuple[
         str, ...

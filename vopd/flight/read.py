@@ -666,6 +666,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         frame_rate_hz=_frame_rate_hz(project, times),
         offset_s=offset_s,
         options=flight_options(project, lens, refraction, camera, landmarks),
+        own_level=project.section("landmarks").values.get("height") == "same",
         grid=landmark_grid(project, rows, camera),
         folder=project.folder,
         video=_video(project),
