@@ -56,6 +56,10 @@ def test_longitude_stands_before_latitude(crs: str | None, geodetic: bool) -> No
     assert_close("flight position", around, HERE)
 
 
+def test_metres_are_no_degrees() -> None:
+    assert_approved(told([610850.0, 5277733.0, 540.0]))
+
+
 def test_systems_with_heights_of_their_own() -> None:
     """EPSG:4979 is WGS 84 with a height; EPSG:4937 is ETRS89 with one."""
     for crs in ("EPSG:4979", "EPSG:4937"):

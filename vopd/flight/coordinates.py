@@ -81,7 +81,7 @@ def earth_centred_positions(
         if (np.abs(latitude) > 360.0).any() and (np.abs(longitude) > 360.0).any():
             raise VopdError(
                 f"{where}: {longitude[0]:g}, {latitude[0]:g} are metres of a grid and no degrees: "
-                "give them as x_m and y_m, and the grid as crs"
+                f"{GIVE_METRES}"
             )
         if (np.abs(latitude) > 90.0).any():
             raise VopdError(f"{where}: latitude {np.abs(latitude).max():g}: x is the longitude")
@@ -118,6 +118,7 @@ def _refuse_degrees(
         )
 
 
+GIVE_METRES = "give them as x_m and y_m, and the grid as crs"
 LONGEST_CRS = 20_000  # characters of a `crs`: a definition as WKT has some thousand
 
 MISSING = (

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from vopd.files import not_utf8, reason
 from vopd.findings import NeededError, VopdError
-from vopd.flight.coordinates import HEIGHTS
+from vopd.flight.coordinates import GIVE_METRES, HEIGHTS
 from vopd.flight.files import (
     EXACT,
     Columns,
@@ -50,6 +50,7 @@ _ROWS = (
 _OF_K = "standard deviation of the coefficient `{}`"
 _CRS = "coordinate reference system of x and y"
 _GRID = "centre: (0, 0) is the first pixel's centre; corner; one-based"
+MOST_DEGREES = 360.0  # of a longitude, east or west
 _UNDULATION = "height of the geoid above the ellipsoid, metres"
 _GROUND = (
     "height of the ground or launch pad from which heights count, metres, itself counted as the "
@@ -242,7 +243,7 @@ KEYS: tuple[Key, ...] = (
         "latitude of a camera that does not move; `[position]` stands in the place of `[track]`",
         within=90.0, option="--position"),
     Key("position", "lon_deg", "number", "15.0", "positive east", "longitude, positive east",
-        within=360.0, option="--position"),
+        within=MOST_DEGREES, option="--position"),
     Key("position", "h_m", "number", "300.0", "height", option="--position"),
     Key("position", "x_m", "number", "", "in the place of latitude and longitude: east"),
     Key("position", "y_m", "number", "", "north"),
@@ -398,7 +399,9 @@ class Section:
             raise self.error(key, "is needed")
         found = self._number(key, value, row.above)
         if abs(found) > row.within:
-            raise self.error(key, f"must be {-row.within:g} to {row.within:g}, not {found:g}")
+            metres = f"; metres of a grid? {GIVE_METRES}" * (abs(found) > MOST_DEGREES)
+            message = f"must be {-row.within:g} to {row.within:g}, not {found:g}{metres}"
+            raise self.error(key, message)
         return found
 
     def sigma(self, key: str) -> tuple[float, ...] | None:
