@@ -642,7 +642,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     doubts = [*picks.doubts, *times.doubts, *path.doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
     if camera_lens.table is None:
-        doubts += doubts_of_focal(lens.lens)
+        doubts += doubts_of_lens(lens.lens)
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, times, label)
     refraction = refraction_of(project.section("atmosphere"))
@@ -708,8 +708,13 @@ def _all_as_one(project: Project) -> bool:
 SHORT = 0.1  # of the longer side: an image without the distortion of a fisheye is 157 degrees wide
 
 
-def doubts_of_focal(lens: Lens) -> Iterator[str]:
-    """Doubt a focal length that is as short as one in millimetres."""
+def doubts_of_lens(lens: Lens) -> Iterator[str]:
+    """Doubt a principal point at pixel 0, 0, and a focal length as short as one in millimetres."""
+    if (np.abs(lens.centre_px) <= 1.0).all():
+        yield (
+            "[camera] lens: the principal point {:g}, {:g} is in the corner of the image: was it "
+            "set? Without cx_px and cy_px a table's is the image's middle"
+        ).format(*lens.centre_px)
     fx_px, side_px = float(lens.focal_px[0]), max(lens.size_px)
     if lens.kind is LensKind.BROWN and fx_px < SHORT * side_px:
         wide = np.rad2deg(2.0 * np.arctan(side_px / 2.0 / fx_px))
