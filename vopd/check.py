@@ -12,7 +12,7 @@ from typing import BinaryIO
 import numpy as np
 
 from vopd.arrays import Floats, Ints, among
-from vopd.cards.deck import CardBlock
+from vopd.cards.deck import A_TAB, CardBlock
 from vopd.cards.format import BASIC_DATA, group_of
 from vopd.cards.miscount import Miscount
 from vopd.cards.read import read_jobs
@@ -73,7 +73,8 @@ def check_deck(
     job = None
     try:
         for job in jobs:
-            found += [_undefined_landmarks(job), []]
+            lost = any(_is_of_a_tab(one, 9) for one in chain.from_iterable(found))
+            found += [[] if lost else _undefined_landmarks(job), []]
         if job is None and not any(one.severity == "error" for one in found[-1]):
             found[-1].append(Finding("the deck ends after group 1: it has no job", name).warned())
     except Miscount as error:
@@ -81,8 +82,19 @@ def check_deck(
     except InputError as error:
         found.append([error.finding])
     earth.end()
-    unique = list(dict.fromkeys(chain.from_iterable(found)))
+    unique = _without_knock_ons(list(dict.fromkeys(chain.from_iterable(found))))
     return sorted(unique, key=lambda finding: (finding.card or 0, finding.columns or (0, 0)))
+
+
+def _is_of_a_tab(finding: Finding, group: int | None = None) -> bool:
+    """Tell whether a finding names a tab, on a card of that group."""
+    return finding.message.startswith(A_TAB) and group in (None, finding.group)
+
+
+def _without_knock_ons(found: list[Finding]) -> list[Finding]:
+    """Leave out what else is found on a card with a tab: nothing on it is in its columns."""
+    cards = {one.card for one in found if _is_of_a_tab(one)}
+    return [one for one in found if one.card not in cards or _is_of_a_tab(one)]
 
 
 def checked_jobs(

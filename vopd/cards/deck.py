@@ -317,6 +317,22 @@ def _image(line: bytes, stand_in: str = " ") -> bytes:
     return bytes(byte if BLANK <= byte <= LAST_PRINTABLE else ord(stand_in) for byte in line)
 
 
+A_TAB = "a tab, which no card has: "
+
+
+def _tab_text(line: bytes, column: int, source: str) -> str:
+    """Say what to write in the place of a tab, and where `expand` brings what is behind it."""
+    before = line[:column].expandtabs()
+    behind = line.expandtabs()[len(before) :]
+    if not behind.strip():
+        return f"{A_TAB}leave it out"
+    brought = len(before) + len(behind) - len(behind.lstrip(b" ")) + 1
+    return (
+        f"{A_TAB}write blanks up to the columns of what is behind it (expand {source} > NEW "
+        f"brings that to column {brought})"
+    )
+
+
 def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
     """Explain why a line is no card: a character that cards do not have, or an 81st column."""
     line = _stripped(line)
@@ -324,10 +340,7 @@ def _not_a_card(line: bytes, number: int, where: Finding) -> Finding | None:
         return None
     for column, byte in enumerate(line, 1):
         if byte == ord("\t"):
-            message = (
-                "a tab; cards have only blanks between their fields: "
-                f"expand {where.source} > NEW writes blanks"
-            )
+            message = _tab_text(line, column, where.source)
         elif not BLANK <= byte <= LAST_PRINTABLE:
             message = f"byte {byte:#04x} is not a printable ASCII character; is this a card deck?"
         elif column > COLUMNS and byte != BLANK:
