@@ -15,6 +15,7 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
 from vopd.flight.project import Section
+from vopd.flight.terrain import Terrain, relief_text
 from vopd.geometry.earth import earth_centred_m
 from vopd.geometry.lenses import Lens, LensKind
 from vopd.tracking.alignment import Alignment, reduced
@@ -29,7 +30,6 @@ from vopd.tracking.patches import (
     warp,
 )
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
-from vopd.tracking.terrain import Terrain, relief_text
 from vopd.tracking.tracker import RESIDUAL_PX, Tracker, agreement
 
 EARTH_M = 6378137.0

@@ -465,6 +465,10 @@ def test_terrains(flight: Path) -> None:
     def ran() -> str:
         done = vopd("track", "flight.toml", "--to", ".05")
         lines = [one for one in done.stderr.splitlines() if "terrain" in one or "ground:" in one]
+        findings = [one for one in lines if one.startswith(("warning: ", "flight.toml: "))]
+        checked = vopd("check", "flight.toml").stdout.splitlines()
+        alike = [one.removeprefix("error: ") for one in checked if "terrain" in one]
+        assert alike == findings
         return "".join(f"{one}\n" for one in lines)
 
     said = [told()]

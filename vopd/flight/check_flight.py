@@ -22,10 +22,11 @@ from vopd.flight.files import M_PER_FT
 from vopd.flight.flight import Flight
 from vopd.flight.misfit import SPEAK_FOR
 from vopd.flight.mistakes import other_clock, usual_mistakes
-from vopd.flight.project import read_project
+from vopd.flight.project import Project, read_project
 from vopd.flight.read import flight_of
 from vopd.flight.result import picks_outside, solve_flight_read
 from vopd.flight.scene import missing_images
+from vopd.flight.terrain import read_terrain
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.video import open_frames
 
@@ -46,6 +47,7 @@ def check_flight(name: str) -> list[Finding]:
         return [Finding(str(error).removeprefix(f"{name}: ") + hint, name)]
     far = list(far_landmarks(flight))
     found = [*flight.findings, *_warned(name, [*messages_of_files(flight), *far])]
+    found += findings_of_terrain(project, flight)
     try:
         result = solve_flight_read(flight, project=None if far else lambda: project)
     except VopdError as error:
@@ -68,6 +70,18 @@ def check_flight(name: str) -> list[Finding]:
 
 def _warned(name: str, messages: Iterable[str]) -> list[Finding]:
     return [Finding(message, name, severity="warning") for message in messages]
+
+
+def findings_of_terrain(project: Project, flight: Flight) -> list[Finding]:
+    """Read the terrain as `vopd track` does, which it may stop."""
+    try:
+        terrain = read_terrain(project)
+        marks = np.unique(flight.picks.landmark)
+        if terrain is None or not len(marks):
+            return []
+        return terrain.about(flight.landmarks, marks)[1]
+    except VopdError as error:
+        return [Finding(str(error).removeprefix(f"{project.name}: "), project.name)]
 
 
 def messages_of_files(flight: Flight) -> Iterator[str]:

@@ -30,12 +30,12 @@ from vopd.flight.mistakes import usual_mistakes
 from vopd.flight.project import Project
 from vopd.flight.read import flight_of, read_camera, read_pick_rows, require_clicks
 from vopd.flight.result import require_two_landmarks, solve_flight_read
+from vopd.flight.terrain import read_terrain, relief_text
 from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
 from vopd.tracking.patches import LEAST_CORRELATION, PATCH_PX, SIGMA_FACTOR
 from vopd.tracking.scene import Scene
-from vopd.tracking.terrain import read_terrain, relief_text
 from vopd.tracking.tracker import (
     AMBIGUOUS,
     CLICKED,

@@ -14,10 +14,10 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
 from vopd.flight.lines_of_sight import sight_lines
+from vopd.flight.terrain import Terrain
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 from vopd.geometry.lenses import Lens, project, ray_of_pixel
 from vopd.geometry.rotations import rotation_matrices
-from vopd.tracking.terrain import Terrain
 
 FLAT = 0.1  # sine of the angle below which a line of sight grazes the ground
 FAR = 1e3  # distances of the landmarks: ground that is farther away does not move
