@@ -82,7 +82,11 @@ _ANSWERS = (
     help="Columns of a CSV: track:h_m=alt,lat_deg=y; all of one without header: picks:frame,...",
 )
 @click.option(
-    "--set", "keys", multiple=True, metavar="KEY=VALUE", help="Any other key: picks.v=up."
+    "--set",
+    "keys",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Any other key: picks.v=up; paths of files are relative to DIR.",
 )
 @click.pass_context
 def command(

@@ -640,6 +640,7 @@ def project_of_files(
                     f"{one.option}: [{section}] {key} = {one.value}, and by a file or option it is "
                     f"{other}: leave one out"
                 )
+    _refuse_lost_files(folder, answers)
     said = {key for one in answers if one.at_once for key in one.keys}
     for one in [one for one in answers if not one.at_once]:
         others = {key for key, option in new.options.items() if option != one.option}
@@ -667,6 +668,26 @@ def project_of_files(
     needed = with_common_error(new.needed)
     new.contents[NAME] = project_text(values, needed, OWN_HEAD, new.options).encode()
     return new
+
+
+WRITTEN_LATER = (("picks", "file"), ("picks", "tracked"))
+
+
+def _refuse_lost_files(folder: Path, answers: Sequence[Answer]) -> None:
+    """Refuse files of `--set` that are not there; they count from the project's folder."""
+    for one in [one for one in answers if one.option == "--set"]:
+        key = one.keys[0]
+        given = tomllib.loads(f"x = {one.value}")["x"]
+        names = given if isinstance(given, list) else [given]
+        if ROWS[key].kind not in ("file", "files") or key in WRITTEN_LATER or VIDEO in names:
+            continue
+        for name in [name for name in names if isinstance(name, str)]:
+            if not Path(os.path.normpath(folder / name)).exists():  # the folder need not be
+                there = f": write {os.path.relpath(name, folder)}" if Path(name).exists() else ""
+                raise VopdError(
+                    f"--set {'.'.join(key)}: {name} is not there, as its path is relative to the "
+                    f"project's folder {folder}{there}"
+                )
 
 
 def name_same_height(new: NewProject, values: KeyValues) -> None:
