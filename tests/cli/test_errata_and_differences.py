@@ -76,6 +76,7 @@ def test_differences_in_json() -> None:
     }  # fmt: skip
     assert {name: found[name] for name in found if name != "differences"} == {
         "pages": 2, "fields_compared": 82, "fields_illegible": 3, "fields_undetermined": 0,
+        "fields_within": 0,
     }  # fmt: skip
 
 

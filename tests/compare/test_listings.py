@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
 
@@ -482,10 +483,18 @@ def test_an_illegible_line_stands_for_any_one(line: int) -> None:
     names = NAMES.get(line, "DEVIATION" if line == 23 else "").split()
     for actual in (PAGE, frame(730, 1)):  # the rows after a heading that is lost are still fields
         result = compare_listings(page({line: "?"}), actual, units=9)
-        assert result == Comparison(1, 81 - len(names), len(names))
+        assert replace(result, fields_within=0) == Comparison(1, 81 - len(names), len(names))
     if line != 18:
         found = only(compare_listings(page({line: "?"}), put(18, " 75.837", " 75.839")))
         assert (found.field, found.frame) == ("PHI", "730")
+
+
+def test_fields_within_the_tolerance_are_counted() -> None:
+    """A unit of the last digit is one; the same number in other characters is none."""
+    near = put(18, " 75.837", " 75.836")
+    assert compare_listings(PAGE, near) == Comparison(1, 81, fields_within=1)
+    assert compare_listings(PAGE, near, units=0).fields_within == 0
+    assert compare_listings(PAGE, PAGE).fields_within == 0
 
 
 def test_only_one_line_for_one() -> None:

@@ -178,9 +178,12 @@ def _write_text(file: Output, found: Iterable[Difference], counts: Comparison) -
     if largest:
         texts = (f"{one.amount()} ({_place(one)})" for one in largest.values())
         file.write(f"largest: {'; '.join(texts)}\n".encode())
-    free = counts.fields_undetermined
+    free, near = counts.fields_undetermined, counts.fields_within
+    beyond = " beyond the tolerances" if near else ""
+    within = count_text(near, "field differs within them", "fields differ within them")
     summary = (
-        f"{_counted(number - free, 'difference')}; "
+        f"{_counted(number - free, 'difference')}{beyond}; "
+        + (f"{within} (--units 0 shows all); " if near else "")
         + (f"{_counted(free, 'field')} not determined; " if free else "")
         + f"{_counted(counts.fields_compared, 'field')} on "
         f"{_counted(counts.pages, 'page')} compared, {counts.fields_illegible} illegible\n"

@@ -341,6 +341,7 @@ class Comparison:
     fields_undetermined: int = 0  # fields that differ in digits that are not determined
     # all differences; empty where they are yielded one by one
     differences: tuple[Difference, ...] = ()
+    fields_within: int = 0  # fields that differ by no more than is allowed
 
 
 def compare_listings(
@@ -499,7 +500,9 @@ def _compare_lines(
             counts.fields_illegible += 1
             continue
         counts.fields_compared += bool(here.strip() or there.strip())
-        if not fields_agree(field, here, there, *allowed):
+        if fields_agree(field, here, there, *allowed):
+            counts.fields_within += bool(here != there and units_apart(field, here, there))
+        else:
             between = undetermined.get((one.number, field.name))
             free = between is not None and all(
                 may_hold(field, text, *between) for text in (here, there)
