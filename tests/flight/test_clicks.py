@@ -15,6 +15,7 @@ from tests.kit.clicked_flights import ClickedFlight, clicked_flight, dense_solut
 from tests.kit.flight_project import TOML, pixels, write_project
 from tests.kit.joint_flights import NED_FROM_ENU, axes, turned_out
 from tests.tolerances import assert_close
+from vopd.arrays import Floats
 from vopd.attitude.included import left_out_text
 from vopd.cli.new import write_project as write_adjusted
 from vopd.findings import VopdError
@@ -23,6 +24,7 @@ from vopd.flight.adjust import adjust
 from vopd.flight.adjusted_project import adjusted_project
 from vopd.flight.click_tests import without_wrong_clicks
 from vopd.flight.errors import priors_of
+from vopd.flight.flight import Flight
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
 from vopd.flight.joint import covariance_of_sums, solve_jointly
@@ -194,6 +196,37 @@ def test_a_place_that_is_far_off_beside_a_wrong_click() -> None:
     found = solve_flight_read(with_rows(one.flight, replace(one.rows, pixel=pixel)))
     click, place = messages(found)
     assert click.startswith("frame 9: the click of P3") and place.startswith("frame 20: P2 (")
+
+
+def guessed(flight: Flight, off_m: Floats) -> Flight:
+    """Place all cameras elsewhere, east, north, up, as one who guesses it to a hundred metres."""
+    path, own = flight.path, axes(flight.path.position_m)
+    shifted = path.position_m + turned_out(own, np.tile(off_m, (len(own), 1)))
+    return replace(flight, path=replace(path, position_m=shifted, bias_sigma_m=np.full(3, 100.0)))
+
+
+@pytest.mark.parametrize(
+    ("wrong_px", "off_m"), [(0.0, [150.0, 0.0, 30.0]), (30.0, [-80.0, -100.0, 30.0])]
+)
+def test_a_position_that_is_guessed_makes_no_click_wrong(wrong_px: float, off_m: Floats) -> None:
+    """Its residuals are thousands of times what matches have; one click may be wrong as well."""
+    one = clicked_flight(np.random.default_rng(3), 12, 6, every=60, reach=60)
+    rows = one.rows
+    pixel, own = rows.pixel.copy(), np.array(rows.landmark) == "P3"
+    pixel[own] += rows.by_click[own] @ [wrong_px, 0.0]
+    flight = with_rows(one.flight, replace(rows, pixel=pixel))
+    near, far = (
+        solve_flight_read(guessed(flight, np.array(off))) for off in ([0.0, 0.0, 0.0], off_m)
+    )
+    joint = far.estimates.joint
+    assert joint is not None and joint.settles
+    assert [said.partition(",")[0] for said in messages(far)] == [
+        said.partition(",")[0] for said in messages(near)
+    ]
+    assert len(messages(far)) == (wrong_px > 0.0)
+    turn = turns(one, far.estimates.solved) - turns(one, near.estimates.solved)
+    sigma = np.sqrt(np.einsum("fii->fi", joint.covariance.turn))
+    assert_close("two starts", turn / sigma, 0.0 * sigma)
 
 
 def test_a_lens_that_is_off_costs_no_place() -> None:

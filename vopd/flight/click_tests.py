@@ -66,7 +66,7 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     tells: dict[int, str] = {}
     joint, far = _without_far_places(solve_jointly(flight, priors_of(flight)))
     flight = joint.model.flight
-    if _is_of_all(joint):
+    if not joint.settles or _is_of_all(joint):  # tests of such a solution tell nothing
         return read, []
     if joint.stated[0]:  # an error of clock or lens, as large as is stated, is no click's
         joint = solve_jointly(flight, every_prior(flight))
@@ -81,10 +81,10 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
         worst, clicks = int(np.nanargmax(squares)), flight.picks.clicks
         assert clicks is not None
         less = without_readings(flight, clicks.click == worst)
-        again = solve_jointly(less, every_prior(less))
+        again = solve_jointly(less, every_prior(less), start=joint.state)
         away_px = _away_px(again, flight, worst)
         size_px = float(every.sigma_px[worst])
-        if chdtrc(2.0, float((away_px**2).sum()) / size_px**2) < limit:
+        if again.settles and chdtrc(2.0, float((away_px**2).sum()) / size_px**2) < limit:
             flight, joint = less, again
             tells[worst] = _wrong_text(read, worst, away_px, float(chance[worst]))
         else:
@@ -104,7 +104,7 @@ def _without(flight: Flight) -> tuple[Flight, list[Finding]]:
     else:
         if (far & ~alone & ~of_wrong).any():
             flight = without_readings(read, of_wrong | alone)
-            joint = solve_jointly(flight, joint.model.priors)
+            joint = solve_jointly(flight, joint.model.priors, start=joint.state)
         flight, more = _without_contrary(flight, joint)
     flight = _with_wrong(flight, read, wrong)
     swapped = _exchanged_texts(joint, read, wrong)
@@ -172,12 +172,12 @@ def _without_far_places(joint: JointSolution) -> tuple[JointSolution, Bools]:
         tried[~far] = _suspected_readings(joint)
         if not tried.any():
             return joint, far
-        again = _solved_without(read, far | tried)
+        again = _solved_without(read, far | tried, joint)
         fits = chdtrc(2.0, _jumps(again, read)) >= SIGNIFICANCE / len(far)
         if not (tried & ~fits).any():
             return joint, far
         far |= tried & ~fits
-        joint = _solved_without(read, far) if (tried & fits).any() else again
+        joint = _solved_without(read, far, joint) if (tried & fits).any() else again
         if far.sum() > FEW * len(far):
             break
     return first, np.zeros_like(far)
@@ -191,10 +191,10 @@ def _fits(away_px: Floats, flight: Flight) -> Bools:
     return np.asarray(chdtrc(2.0, squares) >= SIGNIFICANCE / len(squares))
 
 
-def _solved_without(read: Flight, out: Bools) -> JointSolution:
-    """Solve a flight without some readings, (R,)."""
+def _solved_without(read: Flight, out: Bools, before: JointSolution) -> JointSolution:
+    """Solve a flight without some readings, (R,), given a solution before."""
     less = without_readings(read, out)
-    return solve_jointly(less, priors_of(less))
+    return solve_jointly(less, priors_of(less), start=before.state)
 
 
 def _suspected_readings(joint: JointSolution) -> Bools:

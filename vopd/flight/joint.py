@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -32,6 +33,9 @@ SMALL = 1e-9  # square of a step whose change of the cost is rounding; one that 
 NEAR = 1.0  # square of a step from where on Newton's are tried
 NEARER = 0.1  # of that, where they have led away
 LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e10
+HUNDREDS = 300.0  # standard deviations of the picks that residuals have: the least cost is far
+APPROACH = 20  # passes with wider picks
+NARROWED, LESS = 10.0, 0.5  # times these, the next time; and of that, residuals that are in reach
 SETTLED_RAD = 1e-6  # of a frame's last turn, where the next one is known to be next to nothing
 
 
@@ -188,13 +192,16 @@ def solve_jointly(
     if start is not None:
         # one without a solution before has none to begin with
         begun = solved & (start.rotation != np.eye(3)).any(axis=(1, 2))
-        state = start._replace(rotation=np.where(begun[:, None, None], start.rotation, known))
+        click_px = np.zeros_like(start.click_px)  # 0 for clicks that are left out
+        click_px[model.clicked] = start.click_px[model.clicked]
+        rotation = np.where(begun[:, None, None], start.rotation, known)
+        state = start._replace(rotation=rotation, click_px=click_px)
     with solvable(flight):
         begin = Normal(model, state)
         # a pick that was left out has no image
         if start is not None and not np.isfinite(begin.cost):
             begin = Normal(model, model.start(known))
-        normal, turn, passes, settled = _descend(begin)
+        normal, turn, passes, settled = _descend(_approached(begin))
     weight = np.zeros_like(weight)
     weight[model.pick] = normal.weight * model.scale**2
     attitudes = first.attitudes._replace(
@@ -322,7 +329,7 @@ def widened_by(flight: Flight, variance_m2: Floats) -> Flight:
     return replace(flight, picks=replace(picks, sigma_px=wider))
 
 
-def _descend(normal: Normal) -> tuple[Normal, Floats, int, bool]:
+def _descend(normal: Normal, most: int = PASSES) -> tuple[Normal, Floats, int, bool]:
     """Descend to the least cost: the equations there, last turns, passes, and if it was reached.
 
     Reweighting alone never raises the cost of a robust loss, and closes in slowly; Newton's
@@ -334,7 +341,7 @@ def _descend(normal: Normal) -> tuple[Normal, Floats, int, bool]:
     own, common, before, newton = np.zeros(model.frames), 0.0, np.inf, False
     turn, near = np.zeros((model.frames, 3)), NEAR
     passes = 0
-    while passes < PASSES:
+    while passes < most:
         passes += 1
         worse = np.ones(model.frames, bool)
         try:
@@ -368,6 +375,34 @@ def _descend(normal: Normal) -> tuple[Normal, Floats, int, bool]:
             break
         normal = Normal(model, normal.state, newton, damping=own)
     return normal, turn, passes, False
+
+
+def _approached(begin: Normal) -> Normal:
+    """Approach the least cost with picks whose standard deviations are widened, less each time.
+
+    Where residuals are hundreds of times what is stated, as far from the camera's place, the least
+    cost lies along a narrow curved valley: with wider picks the way is straight. It ends where
+    residuals stay, as with a wrong lens.
+    """
+    model, best, wider = begin.model, begin, _usual_residual(begin)
+    if not HUNDREDS < wider < np.inf:
+        return begin
+    while wider > NARROWED:
+        wide = copy(model)
+        wide.scale = model.scale / wider
+        there = Normal(model, _descend(Normal(wide, best.state), APPROACH)[0].state)
+        if not there.cost < best.cost:
+            break
+        best, left = there, _usual_residual(there)
+        if left > LESS * wider:
+            break
+        wider = min(wider / NARROWED, left)
+    return best
+
+
+def _usual_residual(normal: Normal) -> float:
+    """Estimate the root mean square of the residuals, in standard deviations of the picks."""
+    return float(np.sqrt((normal.residual**2).mean())) if len(normal.residual) else 0.0
 
 
 def _size(normal: Normal, step: tuple[Floats, Floats, Floats]) -> float:

@@ -757,8 +757,8 @@ def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
 
 
 NOT_CONVERGED = (
-    "the solve did not converge, and the angles are those of its last step; look at the picks and "
-    "at the stated standard deviations"
+    "the solve did not converge, and the angles are those of its last step; look at the positions, "
+    "the picks and their stated standard deviations"
 )
 
 
