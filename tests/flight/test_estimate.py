@@ -538,7 +538,7 @@ def test_every_other_sentence_about_a_flight() -> None:
     given = level_flight(about=("one", "two, x", "three"), options=options, path=velocity)
     words = flight_words(solve(given))
     assert [*words.conventions] == [
-        "input", "solve", "pixels", "refraction", "angles of attack", "time",
+        "input", "solve", "pixels", "refraction", "angles of attack", "position", "time",
     ]  # fmt: skip
     assert words.conventions["input"] == "one; two, x; three"
     assert_approved(words.conventions["solve"])

@@ -305,7 +305,7 @@ def test_positions_that_cannot_be_used_name_their_section() -> None:
     xyz = {"x_m": 1.0, "y_m": 2.0, "z_m": 3.0}
     assert_approved(refusal("position", xyz))
     wrong = ELLIPSOID | {"lat_deg": 95.0, "lon_deg": 15.0, "h_m": 100.0}
-    assert refusal("position", wrong).startswith("p.toml: [position]: latitude 95: x is")
+    assert refusal("position", wrong).startswith("p.toml: [position] lat_deg: must be")
     assert_approved(refusal("track", {}, track_rows(geodetic=False)))
     rows = replace(track_rows(), coordinate=PLACE + np.array([0.0, 50.0, 0.0]))
     assert refusal("track", ELLIPSOID, rows).startswith("p.toml: [track]: latitude 95: x is")

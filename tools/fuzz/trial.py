@@ -94,14 +94,15 @@ def failures_of(trial: Trial) -> list[str]:
 
 
 def _failures(trial: Trial) -> list[str]:
+    limit_s = trial.seconds()
     with tempfile.TemporaryDirectory() as place, tempfile.TemporaryFile() as answer:
         for name, data in trial.files.items():
             write(Path(place) / name, data)
         base_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         child = os.fork()
         if child == 0:
-            _judge(trial, place, answer.fileno())
-        status, usage = _wait(child, PATIENCE * trial.seconds())
+            _judge(trial, place, answer.fileno(), limit_s)
+        status, usage = _wait(child, PATIENCE * limit_s)
         answer.seek(0)
         text = answer.read()
     failures: list[str] = json.loads(text) if text else []
@@ -109,7 +110,7 @@ def _failures(trial: Trial) -> list[str]:
     grown_mb = (usage.ru_maxrss - base_kb) / 1000
     if os.WIFSIGNALED(status):
         failures.append(f"{_names(trial)}: ended by signal {os.WTERMSIG(status)}")
-    if used_s > trial.seconds():
+    if used_s > limit_s:
         failures.append(f"{_names(trial)}: {SLOW} [{used_s:.1f} s]")
     if grown_mb > trial.megabytes():
         failures.append(f"{_names(trial)}: more memory than the limit [{grown_mb:.0f} MB]")
@@ -126,10 +127,10 @@ def _names(trial: Trial) -> str:
     return " ".join(sorted({command[0] for command in trial.commands}))
 
 
-def _judge(trial: Trial, place: str, answer: int) -> None:
+def _judge(trial: Trial, place: str, answer: int, limit_s: float) -> None:
     """In the child: run the commands and hand the failures back."""
     os.chdir(place)
-    seconds = int(2 * trial.seconds()) + 1
+    seconds = int(2 * limit_s) + 1
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     resource.setrlimit(resource.RLIMIT_AS, (HARD_MB << 20, HARD_MB << 20))
     status = 70

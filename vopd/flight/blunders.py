@@ -166,8 +166,7 @@ def suspected_frames(solved: SolvedFlight) -> Bools:
     size = np.zeros(len(flight.frame))
     np.maximum.at(size, flight.picks.frame, np.nan_to_num(off_px / flight.picks.sigma_px))
     usual = np.quantile(size[size > 0.0], USUAL) if (size > 0.0).any() else 0.0
-    focal_px = flight.lens.of(flight.picks.frame).by_rows("focal_px")
-    far = off_px > LARGE * focal_px.mean(axis=-1)
+    far = off_px > LARGE * flight.pick_focal_px
     suspected = size > ENLARGED * max(usual, 1.0)
     suspected[flight.picks.frame[far]] = True
     return suspected
@@ -215,8 +214,7 @@ def _frames_far_off(alone: SolvedFlight, usual_m: float) -> Bools:
         usual_m: how far landmarks usually are
     """
     flight, used = alone.flight, alone.used
-    focal_px = flight.lens.of(flight.picks.frame).by_rows("focal_px").mean(axis=-1)
-    fits = pick_distances_px(alone) < LARGE * focal_px
+    fits = pick_distances_px(alone) < LARGE * flight.pick_focal_px
     near = ranges_m(flight) < AWAY * usual_m
     count, good, here = (
         np.bincount(flight.picks.frame[some], minlength=len(flight.frame))

@@ -198,9 +198,10 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     """
     if name in WGS84_NAMES or not _crs(name, "crs").is_projected:
         return None
+    pyproj = optional_package("pyproj", "geo", f"the CRS {name}")
     known = np.isfinite(position_m[:, 0])
     where = geodetic(position_m[known])
-    plane = _projection(name)
+    plane = _projection(pyproj, name)
     columns = np.full((3, len(position_m)), np.nan)
     columns[:2, known] = plane(where.longitude_deg.tolist(), where.latitude_deg.tolist())
     factors = plane.get_factors(where.longitude_deg, where.latitude_deg)
@@ -209,9 +210,9 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
 
 
 @cache
-def _projection(name: str) -> Any:
+def _projection(pyproj: Any, name: str) -> Any:
     """Make the projection of a CRS, which takes milliseconds."""
-    return optional_package("pyproj", "geo", f"the CRS {name}").Proj(_crs(name, "crs"))
+    return pyproj.Proj(_crs(name, "crs"))
 
 
 def _transform(

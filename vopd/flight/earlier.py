@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vopd.findings import VopdError
-from vopd.flight.new import NAME, OWN_HEAD, SAYS_EXAMPLE, Answer
+from vopd.flight.new import NAME, OWN_HEAD, SAYS_EXAMPLE, Answer, sure_keys
 from vopd.flight.project import ROWS, VIDEO, KeyValues, toml_text, written_keys
 from vopd.video import stills_in
 
@@ -90,7 +90,7 @@ def _leave_out(
 ) -> None:
     """Leave out what the options of now take the place of."""
     said = {key for one in answers for key in one.keys}
-    gone = {key for one in answers if one.at_once for key in one.keys}
+    gone = sure_keys(answers)
     if ("track", "sigma_m") in said:  # of which half is each position's own
         gone.add(("track", "sigma_bias_m"))
     if "lens" in files:
@@ -136,7 +136,7 @@ def _lines_to_edit(
         named_key = re.match(r"\s*(?:#\s*)?(\w+)\s*=", line)
         if named_key and (value := wanted.pop((section, named_key[1]), None)) is not None:
             lines.append(f"  line {number}, [{section}]: {named_key[1]} = {value}")
-    sure = {key for one in answers if one.at_once for key in one.keys}
+    sure = sure_keys(answers)
     for (section, key), value in wanted.items():
         is_file = ROWS[section, key].kind in ("file", "files")
         if (section, key) in sure or is_file or f"\n[{section}]" in text:

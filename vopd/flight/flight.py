@@ -471,6 +471,11 @@ class Flight:
     video: tuple[Path, ...] = ()  # the files of the video that was picked in
 
     @property
+    def pick_focal_px(self) -> Floats:
+        """The focal length of each pick's lens, (P,): the mean of both axes."""
+        return np.asarray(self.lens.of(self.picks.frame).by_rows("focal_px").mean(axis=-1))
+
+    @property
     def grid_convergence_deg(self) -> float:
         """True azimuth less grid azimuth at the first position; NaN without a projected CRS."""
         if self.grid is None:

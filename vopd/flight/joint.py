@@ -323,8 +323,7 @@ def widened_by(flight: Flight, variance_m2: Floats) -> Flight:
     """Widen the picks' standard deviations by variances of their landmarks, (N,)."""
     picks, marks = flight.picks, flight.landmarks
     away = marks.position_m[picks.landmark] - flight.path.position_m[picks.frame]
-    focal_px = flight.lens.of(picks.frame).by_rows("focal_px").mean(axis=-1)
-    scale = focal_px / np.linalg.norm(away, axis=1)
+    scale = flight.pick_focal_px / np.linalg.norm(away, axis=1)
     wider = np.sqrt(picks.sigma_px**2 + variance_m2[picks.landmark] * scale**2)
     return replace(flight, picks=replace(picks, sigma_px=wider))
 

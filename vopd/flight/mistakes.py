@@ -69,13 +69,13 @@ def usual_mistakes(project: Project, result: FlightResult, named: bool = False) 
         axes, found = (explanations(table, trial_px, project, flight, estimate) for table in tables)
         # a number that is fitted never fits worse than the mistake that has its value
         below = DOUBTED * sigma if named and not far else np.inf
-        text = _best_text(_size_text(flight, estimate), before, axes, found, below)
+        text = _best_text(_size_text(flight, estimate, before), before, axes, found, below)
         if text or named:
             return [text] * bool(text)
     if before > MISFIT * sigma:
         if joint is not None and (text := within_stated_text(joint, sigma)):
             return [text]
-        return [f"{_size_text(flight, estimate)}: {UNEXPLAINED}"]
+        return [f"{_size_text(flight, estimate, before)}: {UNEXPLAINED}"]
     return []
 
 
@@ -90,7 +90,7 @@ def exchanges(flight: Flight, expected_px: float) -> list[str]:
         explanations(table, trial_px, None, flight, estimate)
         for table in (AXES_MISTAKES, (*LEVEL_MISTAKES, *LABEL_MISTAKES))
     )
-    text = _best_text(_size_text(flight, estimate), before, axes, labels)
+    text = _best_text(_size_text(flight, estimate, before), before, axes, labels)
     return [text] * bool(text)
 
 
@@ -140,12 +140,12 @@ def freedom(estimate: Estimate) -> int:
     return int(2 * used.sum() - 3 * len(used))
 
 
-def _size_text(flight: Flight, estimate: Estimate) -> str:
+def _size_text(flight: Flight, estimate: Estimate, size_px: float) -> str:
     """Say how large residuals are, or that most landmarks cannot be used."""
     count, missing = _picks_missing(flight, estimate)
     if 2 * missing.sum() > count.sum():
         return f"most landmarks cannot be used {TYPICAL}"
-    return f"residuals are {typical_px(flight, estimate):.1f} px {TYPICAL}"
+    return f"residuals are {size_px:.1f} px {TYPICAL}"
 
 
 def _picks_missing(flight: Flight, estimate: Estimate) -> tuple[Ints, Ints]:

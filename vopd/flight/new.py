@@ -641,7 +641,7 @@ def project_of_files(
                     f"{other}: leave one out"
                 )
     _refuse_lost_files(folder, answers)
-    said = {key for one in answers if one.at_once for key in one.keys}
+    said = sure_keys(answers)
     for one in [one for one in answers if not one.at_once]:
         others = {key for key, option in new.options.items() if option != one.option}
         keys = [key for key in one.keys if key in new.needed or key in values]
@@ -862,6 +862,11 @@ class Answer(NamedTuple):
     keys: Sequence[tuple[str, str]]
     value: str  # TOML
     at_once: bool = False
+
+
+def sure_keys(answers: Sequence[Answer]) -> set[tuple[str, str]]:
+    """List the keys that count as they are said, whatever files say of them."""
+    return {key for one in answers if one.at_once for key in one.keys}
 
 
 def answer_value(option: str, key: tuple[str, str], text: str) -> str:

@@ -458,9 +458,8 @@ def join_picks(
         label, (u, v) = frame_label(int(frame[point])), mean[point]
         message = f"{label}: {landmarks[own[point]]} at {u:g}, {v:g} is in no image; not used"
         findings.append(Finding(message, project, severity="warning"))
-    kept: Bools | slice = slice(None)
-    if contrary.any() or len(absurd):
-        kept = ~np.isin(np.arange(len(count)), [*several[contrary], *absurd])
+    kept = np.ones(len(count), bool)
+    kept[several[contrary]] = kept[absurd] = False
     picks = Picks(
         frame=frame[kept],
         landmark=own[kept],
