@@ -310,6 +310,13 @@ def test_a_lost_sign_and_radians_are_named(tmp_path: Path) -> None:
     assert "latitude and longitude of the landmarks in radians" in found
 
 
+def test_a_height_is_named_where_it_may_be_what_is_wrong(tmp_path: Path) -> None:
+    one = read_flight(str(write_project(tmp_path)))
+    where = geodetic(one.landmarks.position_m)
+    (found,) = far(one, marks_m=earth_centred_m(where.latitude_deg, where.longitude_deg, 4e5))
+    assert_approved(found)
+
+
 def test_an_exchanged_position_is_not_the_landmarks(tmp_path: Path) -> None:
     """The landmarks are in the area of their CRS as they stand; exchanged they leave it."""
     shutil.copytree(Path(__file__).parents[2] / "examples" / "summits", tmp_path / "p")

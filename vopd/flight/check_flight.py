@@ -130,11 +130,16 @@ def far_landmarks(flight: Flight) -> Iterator[str]:
     yield f"landmarks are more than 300 km from the camera{why} ({places})"
 
 
+HIGH_KM = 100.0  # from where on a height is named: it may be what is wrong
+
+
 def _place(position_m: Floats) -> str:
-    """Name the first known position by tenths of a degree."""
+    """Name the first known position by tenths of a degree, and its height in kilometres if high."""
     known = position_m[np.isfinite(position_m).all(axis=1)][:1]
     where = geodetic(known)
-    return f"latitude {where.latitude_deg[0]:.1f}, longitude {where.longitude_deg[0]:.1f}"
+    place = f"latitude {where.latitude_deg[0]:.1f}, longitude {where.longitude_deg[0]:.1f}"
+    height_km = float(where.height_m[0]) / 1000.0
+    return place + f", height {height_km:,.5g} km" * (abs(height_km) > HIGH_KM)
 
 
 def _exchanged(flight: Flight, position_m: Floats) -> Floats:
