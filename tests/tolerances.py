@@ -493,6 +493,7 @@ TOLERANCES = {
     "dense minimum": Tolerance("sigma", 1e-6, "of all unknowns at once, 1e-8 is usual"),
     "sigma by differences": Tolerance("sigma", 1e-6, "slopes by differences over .01 sigma"),
     "solve of a micrometre": Tolerance("1", 1e-9, "a micrometre of 100 m, and rounding"),
+    "reading sigma of two starts": Tolerance("px", 0.01, "a prior of 300 m pulls the place"),
     "two starts": Tolerance("sigma", 0.02, "a prior of 100 m pulls; known to decimetres"),
     "place of a solve": Tolerance("m", 1e-6, "6.4E6 m from the Earth's centre; a metre or two"),
     "reading sigma by rounds": Tolerance(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.joint_flights import Scene, drone, flight_of
+from tests.kit.joint_flights import Scene, axes, drone, flight_of, turned_out
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.attitude.history import HistoryOptions
@@ -121,6 +121,19 @@ def test_a_camera_that_stands_has_one_place_in_all_frames() -> None:
     assert_close("place of a solve", one.estimate.moved, np.tile(one.estimate.moved[0], (6, 1)))
     assert "position" in one.uncertainty.common
     assert (np.linalg.eigvalsh(one.uncertainty.covariance_common_deg2) > 0.0).any(axis=1).all()
+
+
+def test_a_place_that_is_guessed_far_off_leaves_the_reading_sigma_as_it_is() -> None:
+    """Residuals at the stated place are longer than the focal length: they are the place's."""
+    flight, _ = drawn(Priors(), frames=1, stated=False)
+    sigma_m, own, found = np.full(3, 300.0), axes(flight.path.position_m), []
+    for off_m in ([0.0, 0.0, 0.0], [250.0, 0.0, 0.0]):
+        moved = flight.path.position_m + turned_out(own, np.array([off_m]))
+        path = replace(flight.path, position_m=moved, bias_sigma_m=sigma_m)
+        found.append(solve_flight_read(replace(flight, path=path)).estimates.reading)
+    near, far = found
+    assert near is not None and far is not None and far.source == near.source == "residuals"
+    assert_close("reading sigma of two starts", far.sigma, near.sigma)
 
 
 def test_what_is_stated_and_not_solved_for_is_propagated() -> None:

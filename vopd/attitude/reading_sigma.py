@@ -500,11 +500,13 @@ def _block(
     own = [one for one in components if not solved_for(one, numbers)]
     marginal = equations_of(estimate, components, frames)
     apart = equations_of(estimate, own, frames) if len(own) < len(components) else marginal
+    # of the solution: at a stated place that is far off they are that place's
+    own_residual, used = estimate.residual[frames], np.tile(estimate.used[frames], 2)
     return FrameBlock(
         frames,
         marginal,
         JobFrames(job[frames], apart, common_errors(estimate, components, frames, numbers)),
-        np.asarray(np.abs(marginal.residual).max(axis=1, initial=0.0) <= focal),
+        np.asarray(np.where(used, np.abs(own_residual), 0.0).max(axis=1, initial=0.0) <= focal),
     )
 
 
