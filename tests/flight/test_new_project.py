@@ -364,15 +364,18 @@ def test_images_that_are_the_track_give_no_times_besides(
 
 
 @pytest.mark.parametrize(
-    ("sigma", "own", "common"),
-    [("3", 1.5, 3.0), ("2,2,4", [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]), ("0.02", 0.02, None),
-     ("exact", "exact", None)],
+    ("option", "own", "common"),
+    [("--sigma-position=3", 1.5, 3.0),
+     ("--sigma-position=2,2,4", [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]),
+     ("--sigma-position=0.02", 0.02, None), ("--sigma-position=exact", "exact", None),
+     ("--set=track.sigma_m=3", 3, None)],
 )  # fmt: skip
 def test_the_error_of_a_receiver_without_a_base_is_common(
-    sigma: str, own: object, common: object, tmp_path: Path
+    option: str, own: object, common: object, tmp_path: Path
 ) -> None:
+    """A key that is named itself is meant as it is."""
     (tmp_path / "track.csv").write_text("t_s,lat,lon,alt\n0,48,15,300\n1,48,15,301\n")
-    arguments = ("--track", tmp_path / "track.csv", "--sigma-position", sigma)
+    arguments = ("--track", tmp_path / "track.csv", option)
     assert run("new", tmp_path / "here", *arguments).status == 0
     track = read_project(tmp_path / "here" / "flight.toml").sections["track"].values
     assert (track["sigma_m"], track.get("sigma_bias_m")) == (own, common)

@@ -660,7 +660,8 @@ def project_of_files(
     ask(new, values)
     new.needed = {key: why for key, why in new.needed.items() if key not in values}
     name_same_height(new, values)
-    share_receiver_error(new, values)
+    if ("track", "sigma_m") not in said:  # which is meant as it is
+        share_receiver_error(new, values)
     if ("landmarks", "file") in new.needed:  # nothing to click yet
         new.then = ""
     elif ("picks", "tracked") in values and not new.needed:
