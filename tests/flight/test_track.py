@@ -28,6 +28,7 @@ from vopd.flight.track import (
     PathRead,
     covering_text,
     doubts_of_leaps,
+    doubts_of_scatter,
     first_whole_second,
     frames_of,
     height_datum,
@@ -183,6 +184,32 @@ def test_a_leap_is_more_than_the_errors_of_fixes_make() -> None:
     for sigma_m, named in ((6.0, False), (0.1, True)):
         fixes = TrackFixes(np.zeros(1, np.int64), np.ones((1, 1)), np.full((5, 3), sigma_m))
         assert bool(doubts_of_leaps(rows, position, fixes, "t.csv")) == named
+
+
+@pytest.mark.parametrize(
+    ("noise_m", "alike", "stated_m", "jitter_s", "said"),
+    [(3.0, 0.0, 3.0, 0.0, 0), (3.0, 0.0, 1.5, 0.0, 20), (3.0, 0.98, 1.5, 0.0, 0),
+     (0.1, 0.0, 0.02, 0.0, 0), (3.0, 0.0, 1.5, 0.05, 0)],
+)  # fmt: skip
+def test_positions_that_scatter_by_more_than_is_stated_are_told(
+    noise_m: float, alike: float, stated_m: float, jitter_s: float, said: int
+) -> None:
+    """Twenty climbs of a minute, ten positions a second; errors alike as of a usual receiver."""
+    found = list[str]()
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        time_s = np.arange(600) / 10.0 + rng.uniform(-jitter_s, jitter_s, 600)
+        path = [20.0 * np.sin(time_s / 3.0), 5.0 * time_s, 10.0 * np.abs(time_s) ** 1.5]
+        error_m = rng.normal(0.0, noise_m, (600, 3))
+        for k in range(1, 600):
+            error_m[k] = alike * error_m[k - 1] + np.sqrt(1.0 - alike**2) * error_m[k]
+        position = START + (np.stack(path, axis=1) + error_m)[:, [2, 0, 1]]
+        rows = TrackRows(position, False, None, "seconds", time_s, "CSV")
+        fixes = TrackFixes(np.zeros(1, np.int64), np.ones((1, 1)), np.full((600, 3), stated_m))
+        found += doubts_of_scatter(rows, position, fixes, "t.csv")
+    assert len(found) == said
+    if said:
+        assert_approved(found[0])
 
 
 def test_some_frames_keep_the_fixes_on_which_they_depend() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
+from math import comb
 from typing import NamedTuple
 
 import numpy as np
@@ -550,6 +551,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         path = path_by_time(section, rows, position, times, notes, file.name)
         doubts = doubts_of_rounded_times(section, times, path)
         doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
+        doubts += doubts_of_scatter(rows, position, path.fixes, file.name)
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
     return PathRead(path, notes.said, times, doubts, notes.missing)
@@ -804,6 +806,46 @@ def doubts_of_leaps(
     ]
     bend = f"{'up to ' * (len(labels) > 1)}{most:.3g} m/s^2"
     return [f"{name}: {first_of(labels, MANY)}: the path bends by {bend} there: {LEAPS}"]
+
+
+ORDERS = (3, 4, 5, 6)  # of differences: those of a smooth path become less from one to the next
+FEWEST_ROWS = 120  # of which the scatter is known to a sixth
+SCATTER, LEAST_SCATTER_M = 1.75, 0.5  # times what is stated, and as much, from where on it is told
+NORMAL_MEDIAN = 0.6745  # median size of a normal error of standard deviation 1
+EVEN = 0.1  # of the usual step between positions, to which most steps are that
+
+
+def doubts_of_scatter(
+    rows: TrackRows, position: Floats, fixes: TrackFixes | None, name: str
+) -> list[str]:
+    """Warn of positions that scatter about a smooth path by more than is stated.
+
+    Args:
+        rows: of a track by time
+        position: its positions, Earth-centred, (T, 3)
+        fixes: their errors; None where they are exact
+        name: of its file
+    """
+    assert rows.time_s is not None
+    if fixes is None or fixes.exact or len(position) < FEWEST_ROWS:
+        return []
+    step_s = np.diff(rows.time_s)
+    usual_s = np.median(step_s)
+    if np.quantile(np.abs(step_s - usual_s), 0.9) > EVEN * usual_s:
+        return []
+    place_m, each = east_north_up(position), []
+    for order in ORDERS:
+        usual_m = np.median(np.abs(np.diff(place_m, order, axis=0)), axis=0)
+        each.append(usual_m / (NORMAL_MEDIAN * np.sqrt(comb(2 * order, order))))
+    scatter_m, own = np.min(each, axis=0), fixes.sigma_m
+    sigma_m = np.median(own if fixes.between is None else own[~fixes.between], axis=0)
+    if not ((scatter_m > SCATTER * sigma_m) & (scatter_m > LEAST_SCATTER_M)).any():
+        return []
+    found, said = ("{:.2g}, {:.2g} and {:.2g} m".format(*one) for one in (scatter_m, sigma_m))
+    return [
+        f"{name}: positions scatter by {found} east, north and up about a smooth path, and {said} "
+        "are stated for each by itself ([track] sigma_m): the angles are less certain than is said"
+    ]
 
 
 def _interpolated(way: str, time_s: Floats, position: Floats, at: Floats) -> Floats:
