@@ -418,6 +418,21 @@ def test_a_click_on_another_point(flight: Path) -> None:
     assert_approved("".join(line + "\n" for line in done.stderr.splitlines() if "warning" in line))
 
 
+def test_clicks_that_are_not_used_are_told_as_check_tells_them(flight: Path) -> None:
+    """A second click of a landmark far from the first, and one of a name that is not known."""
+    true = truth()
+    marks = [m for m in ("L1", "L2", "L3", "L4", "L5", "L6") if (0, m) in true]
+    u, v = true[0, marks[0]]
+    odd = [(0, marks[0], u + 150.0, v), (0, "XX", 5.0, 5.0)]
+    clicks(*((0, m, *true[0, m]) for m in marks), *odd)
+    checked = vopd("check", "flight.toml").stdout.splitlines()
+    told = [line for line in checked if " times, up to " in line or " XX " in line]
+    done = vopd("track", "flight.toml", "--every", "20")
+    assert done.status == 3 and len(told) == 2
+    assert all(line in done.stderr.splitlines() for line in told)
+    assert_approved("\n".join(told))
+
+
 def test_exchanged_clicks_and_an_edited_file(flight: Path) -> None:
     """L1 and L2 of frame 10 are named as exchanged; one edited row does not pass in silence."""
     true = truth()

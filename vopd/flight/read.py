@@ -440,7 +440,7 @@ def join_picks(
         apart = 2.0 * np.hypot(*away[inverse == k].T).max()
         message = (
             f"{label}: {name} is picked {count[point]} times, up to {apart:.0f} px apart; "
-            "none of these picks is used"
+            f"{NONE_USED}"
         )
         findings.append(Finding(message, project, severity="warning"))
     freedom = 2.0 * (count[several[~contrary]] - 1).sum()
@@ -496,6 +496,7 @@ def known_landmarks(
     return in_four_bytes(np.array([index.get(name, -1) for name in names.known])), findings
 
 
+NONE_USED = "none of these picks is used"
 MOST_PX = 1e6  # from the image's middle: squares of such a pick would hide all others
 
 NO_LANDMARK = "no landmark"

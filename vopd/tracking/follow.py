@@ -28,7 +28,14 @@ from vopd.flight.formats.tracked import (
 from vopd.flight.misfit import MISFITS, SPEAK_FOR, TYPICAL
 from vopd.flight.mistakes import usual_mistakes
 from vopd.flight.project import Project
-from vopd.flight.read import flight_of, read_camera, read_pick_rows, require_clicks
+from vopd.flight.read import (
+    NO_LANDMARK,
+    NONE_USED,
+    flight_of,
+    read_camera,
+    read_pick_rows,
+    require_clicks,
+)
 from vopd.flight.result import require_two_landmarks, solve_flight_read
 from vopd.flight.terrain import read_terrain, relief_text
 from vopd.flight.track import frames_of, read_path
@@ -347,15 +354,19 @@ def follow(
 
 
 def _misfit_of_clicks(footage: Footage) -> list[Finding]:
-    """Solve a flight by its clicks; if it misfits, or they speak for an error, warn of that."""
+    """Warn of clicks that are not used, and solve a flight by them; of misfits and errors, too."""
+    unused = [
+        one for one in footage.flight.findings
+        if one.message.startswith(NO_LANDMARK) or one.message.endswith(NONE_USED)
+    ]  # fmt: skip
     try:
         solved = solve_flight_read(footage.flight, project=lambda: footage.project)
     except VopdError:  # the clicks that a solve needs may be in other frames than tracking's
-        return []
+        return unused
     words, name = (MISFITS, SPEAK_FOR, TYPICAL), footage.project.name
     found = [one for one in solved.findings if any(some in one.message for some in words)]
     more = [] if solved.misfits or found else usual_mistakes(footage.project, solved)
-    return found + [Finding(message, name, severity="warning") for message in more]
+    return [*unused, *found, *(Finding(text, name, severity="warning") for text in more)]
 
 
 def _forward(run: Tracker, journal: Journal, pictures: Iterator[tuple[int, Any]]) -> int:
