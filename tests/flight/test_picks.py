@@ -74,6 +74,18 @@ def test_the_repeatability_is_of_all_points_picked_several_times() -> None:
     assert picks.frame.tolist() == [0, 1, 2]
 
 
+@pytest.mark.parametrize(("apart", "told"), [(19.9, 0), (20.1, 1)])
+def test_picks_that_spread_by_ten_pixels_are_of_several_frames(apart: float, told: int) -> None:
+    """Of two picks that are d apart, d / 2 by two degrees of freedom."""
+    _, findings = joined(
+        (0, "mast", 0, 5, 1.0), (0, "mast", apart, 5, 1.0),
+        (0, "well", 50, 5, 1.0), (0, "well", 50, 5 + apart, 1.0), stated=False,
+    )  # fmt: skip
+    assert len(findings) == told
+    if told:
+        assert_approved(findings[0].message)
+
+
 @pytest.mark.parametrize(
     ("sigma", "apart", "told"),
     [(1.0, 19.98, False), (1.0, 20.02, True), (2.0, 39.9, False), (2.0, 40.1, True)],

@@ -447,6 +447,12 @@ def join_picks(
     squares = (away[~contrary[inverse]] ** 2).sum()
     repeatability = float(np.sqrt(squares / freedom)) if freedom else float("nan")
     usual = _usual(read)
+    if by_spread and repeatability > LARGE_SPREAD_PX:
+        message = (
+            f"picks of one landmark in one frame differ by {repeatability:.0f} px, root mean "
+            "square: are several frames under one name, or has the camera turned between them?"
+        )
+        findings.append(Finding(message, project, severity="warning"))
     if by_spread and repeatability > 0.0:
         sigma *= repeatability / usual["one_sigma_px"]
         usual["one_sigma_px"] = repeatability
@@ -496,6 +502,7 @@ def known_landmarks(
     return in_four_bytes(np.array([index.get(name, -1) for name in names.known])), findings
 
 
+LARGE_SPREAD_PX = 10.0  # of picks of one landmark in one frame: no hand is so unsure
 NONE_USED = "none of these picks is used"
 MOST_PX = 1e6  # from the image's middle: squares of such a pick would hide all others
 
