@@ -67,8 +67,8 @@ TYPICAL = "in a typical frame"
 OF_LANDMARK = "are its coordinates and its name right?"
 UNEXPLAINED = (
     "no usual mistake explains them; look at the coordinates and names of the landmarks, at the "
-    "camera's positions, at the lens (of this camera, at this image size?), and at what the frames' "
-    "numbers and times mean"
+    "camera's positions, at the lens (of this camera, at this image size?), and at what the "
+    "frames' numbers and times mean"
 )
 
 
