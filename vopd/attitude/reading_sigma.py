@@ -270,6 +270,7 @@ def _score(parts: Sequence[JobFrames], sigma: Floats) -> tuple[Floats, Floats]:
 
 # Frames that agree with the reading sigma.
 
+STATED = 20.0  # times what stated errors of positions do: larger residuals are not of these
 ROUNDS = 6  # of leaving out frames that do not agree
 
 
@@ -500,13 +501,13 @@ def _block(
     own = [one for one in components if not solved_for(one, numbers)]
     marginal = equations_of(estimate, components, frames)
     apart = equations_of(estimate, own, frames) if len(own) < len(components) else marginal
-    # of the solution: at a stated place that is far off they are that place's
-    own_residual, used = estimate.residual[frames], np.tile(estimate.used[frames], 2)
+    # a place that is guessed to a hundred metres has as large residuals where it is stated
+    stated = STATED * np.sqrt((marginal.shared**2).sum(axis=2)).max(axis=1, initial=0.0)
     return FrameBlock(
         frames,
         marginal,
         JobFrames(job[frames], apart, common_errors(estimate, components, frames, numbers)),
-        np.asarray(np.where(used, np.abs(own_residual), 0.0).max(axis=1, initial=0.0) <= focal),
+        np.asarray(np.abs(marginal.residual).max(axis=1, initial=0.0) <= np.maximum(focal, stated)),
     )
 
 
