@@ -195,6 +195,11 @@ class TrackFixes:
     between: Bools | None = None
     slopes: TrackSlopes | None = None  # of a short track without velocities; None: of any other
 
+    @property
+    def of_positions_m(self) -> Floats:
+        """The standard deviations of the positions themselves, east, north, up, (K, 3)."""
+        return self.sigma_m if self.between is None else self.sigma_m[~self.between]
+
     def later(self, late_s: Floats) -> TrackFixes:
         """Write the parts of frames that are later than the stated positions.
 

@@ -660,8 +660,7 @@ def _metres(joint: JointSolution, alike: list[str], found: dict[str, tuple[float
     """Say the size in metres of positions or landmarks, where they alone are spoken for."""
     priors = joint.model.priors
     if alike == ["position"] and priors.fixes is not None:
-        own = priors.fixes.sigma_m
-        own = own if priors.fixes.between is None else own[~priors.fixes.between]
+        own = priors.fixes.of_positions_m
     elif alike == ["position"]:
         place = [priors.parameter.get(name, np.inf) for name in SHIFT]
         own = np.array([[one for one in place if np.isfinite(one)]])

@@ -787,8 +787,7 @@ def doubts_of_leaps(
     assert rows.time_s is not None
     least_m = LEAST_LEAP_M
     if fixes is not None:
-        own = slice(None) if fixes.between is None else ~fixes.between
-        least_m += NOISY_LEAP * float(np.linalg.norm(fixes.sigma_m[own], axis=1).max())
+        least_m += NOISY_LEAP * float(np.linalg.norm(fixes.of_positions_m, axis=1).max())
     step_s = np.diff(rows.time_s)[:, None]
     turned = np.linalg.norm(np.diff(np.diff(position, axis=0) / step_s, axis=0), axis=1)
     before_s, after_s = step_s[:-1, 0], step_s[1:, 0]
@@ -837,8 +836,7 @@ def doubts_of_scatter(
     for order in ORDERS:
         usual_m = np.median(np.abs(np.diff(place_m, order, axis=0)), axis=0)
         each.append(usual_m / (NORMAL_MEDIAN * np.sqrt(comb(2 * order, order))))
-    scatter_m, own = np.min(each, axis=0), fixes.sigma_m
-    sigma_m = np.median(own if fixes.between is None else own[~fixes.between], axis=0)
+    scatter_m, sigma_m = np.min(each, axis=0), np.median(fixes.of_positions_m, axis=0)
     if not ((scatter_m > SCATTER * sigma_m) & (scatter_m > LEAST_SCATTER_M)).any():
         return []
     found, said = ("{:.2g}, {:.2g} and {:.2g} m".format(*one) for one in (scatter_m, sigma_m))

@@ -354,7 +354,7 @@ def follow(
 
 
 def _misfit_of_clicks(footage: Footage) -> list[Finding]:
-    """Warn of clicks that are not used, and solve a flight by them; of misfits and errors, too."""
+    """List the warnings of clicks that are not used, and of a misfit or error that they show."""
     unused = [
         one for one in footage.flight.findings
         if one.message.startswith(NO_LANDMARK) or one.message.endswith(NONE_USED)
