@@ -20,7 +20,7 @@ from tests.kit.judge import judge_all
 SLOW = "more time than the limit"
 PICTURES = ("plot", "report")
 PICTURE_S = 6.0  # a picture takes matplotlib some seconds, whatever the input
-FLIGHT_S = 4.0  # beside, of a flight whose inputs are absurd: no joint solve of it settles
+FLIGHT_S = 11.0  # beside, of a flight that misfits: docs/promises.md has what was measured
 PAIR_S = 1e-3  # for each pair of stars that are all asked for
 JOB_S = {"check": 5e-3, "run": 6e-3, "attitude": 9e-3, "report": 0.012, "plot": 0.012}
 FLIGHT_TIMES = 60  # what a byte of a flight may cost, against that of a deck: a dozen solves
