@@ -24,6 +24,8 @@ class Explanation(NamedTuple):
     residual: float  # the residuals that remain without it; infinite if it explains nothing
     advice: str  # what seems to be wrong and what to do about it
     points: tuple[int, ...] = ()  # indices of the landmarks or stars it is about; empty for all
+    name: str = ""  # of the mistake
+    values: tuple[object, ...] = ()  # of the advice
 
 
 def explanations(
@@ -41,10 +43,13 @@ def explanations(
         points: indices of the landmarks or stars that corrected data leave out
     """
     return [
-        Explanation(residual(corrected), mistake.advice.format(*values), points(corrected))
+        Explanation(
+            residual(corrected), mistake.advice.format(*values), points(corrected), mistake.name,
+            values,
+        )
         for mistake in mistakes
         for corrected, values in mistake.change(*given)
-    ]
+    ]  # fmt: skip
 
 
 def likeliest(

@@ -35,6 +35,7 @@ class ShownFrames:
 
     jobs: list[HistoryParts]
     head: list[History] = field(default_factory=list)  # parts, with `ROWS` frames or more
+    known: list[History] = field(default_factory=list)  # the same of frames with an attitude alone
     count: int = 0
     attitudes: int = 0
     attack: bool = False  # whether any frame has angles of attack
@@ -53,6 +54,8 @@ class ShownFrames:
         estimate, has = part.estimate, part.has_attitude
         if self.count < ROWS:
             self.head.append(part)
+        if self.attitudes < ROWS and has.any():
+            self.known.append(part if has.all() else part.take(has))
         self.count += len(has)
         self.attitudes += int(has.sum())
         self.attack |= bool(np.isfinite(estimate.attack_deg[:, :2]).any())
@@ -66,6 +69,20 @@ class ShownFrames:
                 labels += [prefix + estimate.frame_label(k) for k in frames]
                 own = part.flags.detail.get(name)
                 self.details.setdefault(name, set()).update(own[k] if own else "" for k in frames)
+
+    @property
+    def without_rows(self) -> bool:
+        """Whether frames without an attitude have no rows: there are more frames than rows."""
+        return self.count > ROWS and 0 < self.attitudes < self.count
+
+    @property
+    def more_text(self) -> str:
+        """Count the frames that have no row; empty if all have one."""
+        rows = min(ROWS, self.attitudes if self.without_rows else self.count)
+        if rows == self.count:
+            return ""
+        none = f", {self.count - self.attitudes} without an attitude" if self.without_rows else ""
+        return f"{count_text(self.count - rows, 'more frame')}{none}"
 
 
 def frames_of(jobs: Iterable[HistoryParts]) -> list[ShownFrames]:
@@ -109,7 +126,7 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
         frames: of one kind of source
         digits: significant ones of the 95 % half-widths; the angles have the same decimals
     """
-    parts = frames.head
+    parts = frames.known if frames.without_rows else frames.head
     e = [part.estimate for part in parts]
     camera, vehicle, attack = (
         np.concatenate([getattr(one, name) for one in e])[:ROWS]
@@ -385,9 +402,8 @@ def text(
     for frames in frames_of(jobs):
         lines, narrow = table_lines(frames, columns_wide)
         lines = [wrapped(heading(frames), columns_wide), "", *lines]
-        more = frames.count - ROWS
-        if more > 0:
-            lines.append(f"{count_text(more, 'more frame')}: {steps['table']}")
+        if frames.more_text:
+            lines.append(f"{frames.more_text}: {steps['table']}")
         if narrow:
             lines.append(wrapped(f"no room for {', '.join(narrow)}", columns_wide))
         doubts = doubt_lines(frames)
@@ -399,7 +415,11 @@ def text(
             [sure_text(frames)],
             [left_text(frames) or "nothing that can be stated"],
             doubts or ["no frame has a flag"],
-            [steps["next"] + f"; {steps['table']}" * (more <= 0) + LOOKS_DOWN * looks_down(frames)],
+            [
+                steps["next"]
+                + f"; {steps['table']}" * (not frames.more_text)
+                + LOOKS_DOWN * looks_down(frames)
+            ],
         )
         lines.append("")
         for label, said in zip(LABELS, paragraphs, strict=True):
@@ -475,8 +495,7 @@ def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
             f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>"
             for row in zip(*(one.cells for one in shown), strict=True)
         )
-        more = frames.count - ROWS
-        after = [f"{count_text(more, 'more frame')}: .to_dataframe()"] if more > 0 else []
+        after = [f"{frames.more_text}: .to_dataframe()"] if frames.more_text else []
         after += filter(None, [azimuth_text(frames)])
         after += [sure_text(frames), f"not in it: {left_text(frames)}"]
         parts.append(

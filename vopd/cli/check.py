@@ -112,8 +112,18 @@ def _as_text(reports: Reports, show_all: bool) -> str:
             some = [finding for finding in found if finding.severity == severity]
             lines += _paragraphs(some, len(some) if show_all else SHOWN)
             counts.append(f"{len(some) or 'no'} {severity}{'' if len(some) == 1 else 's'}")
-        lines.append(f"{deck}: {counts[0]}, {counts[1]}")
+        doubt = "; its angles contradict the picks: find the cause first" * _misfits(deck, found)
+        lines.append(f"{deck}: {counts[0]}, {counts[1]}{doubt}")
     return "\n".join(lines) + "\n"
+
+
+def _misfits(source: str, found: list[Finding]) -> bool:
+    """Tell whether a flight has residuals that nothing stated explains."""
+    if not is_flight(source):
+        return False
+    from vopd.flight.misfit import MISFITS  # takes scipy
+
+    return any(one.message.startswith(MISFITS) for one in found)
 
 
 def _paragraphs(found: list[Finding], most: int) -> Iterator[str]:

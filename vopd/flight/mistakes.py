@@ -110,6 +110,10 @@ def _best_text(
     if best in axes:  # both mirror the image: they differ by a quarter turn about its centre
         alike = [one for one in axes if one.residual <= ALIKE * best.residual]
         advice = " or ".join(one.advice for one in alike)
+    elif best.name == RATE:
+        rates = [f"{one.values[0]:g}" for one in others
+                 if one.name == RATE and one.residual <= ALIKE * best.residual]  # fmt: skip
+        advice = RATE_ADVICE.format(" or ".join(rates), *best.values[1:])
     return f"{size}, and {best.residual:.1f} px {advice}"
 
 
@@ -335,6 +339,9 @@ def _without_a_landmark(project: Project, flight: Flight, estimate: Estimate) ->
         yield replace(flight, landmarks=replace(marks, used=tuple(left.tolist()))), (marks.name[k],)
 
 
+RATE = "another frame rate"
+RATE_ADVICE = "with [picks] frame_rate_hz = {} in the place of {:g}: is that of the video right?"
+
 AXES_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "v counted the other way",
@@ -371,7 +378,7 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "heights in feet",
         _from_feet,
-        "with {} heights taken for feet: are they in feet?",
+        "with {} heights taken for feet: are they in feet? In a CSV the header h_ft says so",
     ),
     Mistake(
         "GPS time for UTC",
@@ -396,9 +403,9 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
 USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
     *UNIT_MISTAKES,
     Mistake(
-        "another frame rate",
+        RATE,
         _at_another_rate,
-        "with [picks] frame_rate_hz = {:g} in the place of {:g}: is that of the video right?",
+        RATE_ADVICE,
     ),
     *LABEL_MISTAKES,
     Mistake(

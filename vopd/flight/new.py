@@ -487,9 +487,7 @@ def look_at_times(
     if values.get(("picks", "times")) == toml_text(VIDEO):
         if rows.by_video:
             return
-        new.needed["picks", "first_frame_t_s"] = "the track has a clock of its own"
-        if rows.clock != "seconds":
-            new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"
+        _begin(new, rows)
         return
     if ("picks", "times") in values and images is None:
         return
@@ -503,15 +501,22 @@ def look_at_times(
         if not zone:
             new.needed["picks", "utc_offset_h"] = "the images' times do not say their zone"
     elif by_number or ("picks", "frame_rate_hz") in {*new.answered, *values}:
-        new.needed["picks", "frame_rate_hz"] = "the track is by time"
-        new.needed["picks", "first_frame_t_s"] = "the track is by time"
-        if rows.clock != "seconds":
-            new.needed["flight", "epoch"] = "the track is in UTC, the frames are in seconds"
+        new.needed["picks", "frame_rate_hz"] = "that of the video; the track is by time"
+        _begin(new, rows)
     else:
         where = "--video names the video" if rows.by_video else "--images names the folder"
         new.needed["picks", "times"] = (
             f"the track is by time; {where}, --fps serves numbers in names"
         )
+
+
+def _begin(new: NewProject, rows: TrackRows) -> None:
+    """Ask when frame 0 is, by the clock of a track."""
+    first = "the track's time at frame 0, in seconds: 0 where both begin together"
+    if rows.clock != "seconds":
+        first = "seconds of frame 0 after the epoch: 0 where that is its own time"
+        new.needed["flight", "epoch"] = "UTC of frame 0, as the track is in UTC"
+    new.needed["picks", "first_frame_t_s"] = first
 
 
 def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -206,8 +207,9 @@ def lines_to_add(keys: Mapping[tuple[str, str], str]) -> str:
             section = one[0]
             lines += ["", f"under [{section}]"]
         row, why = ROWS[one], keys[one]
-        example = row.example or ROWS["landmarks", row.name].example
-        why = f" ({why})" if why and not why.startswith(row.comment) else ""
+        own = re.search(r"\{ \w+ = [-\d.]+ \}", why)  # which the files themselves suggest
+        example = own[0] if own else row.example or ROWS["landmarks", row.name].example
+        why = f" ({why})" if why and row.kind != "sigma" else ""
         lines.append(f"{f'{row.name} = {example}':{WIDTH - 1}} # {row.comment}{why}")
     if any(ROWS[one].kind == "sigma" for one in keys):
         lines += [
