@@ -22,9 +22,9 @@ def test_each_mistake_is_corrected_as_often_as_the_data_may_have_it() -> None:
         Mistake("a sign", lambda number, _: [(-number, ())], "is its sign right?"),
     ]
     assert explanations(table, lambda number: number**2, 3.0, "m") == [
-        (4.0, "with +1 m: shifted?", ()),
-        (16.0, "with -1 m: shifted?", ()),
-        (9.0, "is its sign right?", ()),
+        (4.0, "with +1 m: shifted?", (), "a shift", (1, "m")),
+        (16.0, "with -1 m: shifted?", (), "a shift", (-1, "m")),
+        (9.0, "is its sign right?", (), "a sign", ()),
     ]
 
 

@@ -185,8 +185,7 @@ def test_what_a_new_project_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         "one", "two", "some/where/flight.toml: written",
         "needed: [camera] model (no lens is given)",
         "needed: [track] height (CSV does not say)",
-        "to give them: vopd new some/where --set camera.model=... --height ...",
-        "next: vopd check some/where/flight.toml",
+        "next: vopd new some/where --set camera.model=... --height ...",
     ]  # fmt: skip
     assert {one.name: one.read_bytes() for one in Path("some/where").iterdir()} == contents
     made.needed.clear()

@@ -512,11 +512,15 @@ def look_at_times(
 
 def _begin(new: NewProject, rows: TrackRows) -> None:
     """Ask when frame 0 is, by the clock of a track."""
-    first = "the track's time at frame 0, in seconds: 0 where both begin together"
-    if rows.clock != "seconds":
-        first = "seconds of frame 0 after the epoch: 0 where that is its own time"
-        new.needed["flight", "epoch"] = "UTC of frame 0, as the track is in UTC"
-    new.needed["picks", "first_frame_t_s"] = first
+    if rows.clock == "seconds":
+        new.needed["picks", "first_frame_t_s"] = (
+            "the track's time at frame 0, in seconds: 0 where both begin together"
+        )
+        return
+    new.needed["picks", "first_frame_t_s"] = (
+        "seconds of frame 0 after the epoch: 0 where that is its own time"
+    )
+    new.needed["flight", "epoch"] = "UTC of frame 0, as the track is in UTC"
 
 
 def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) -> None:
@@ -568,7 +572,7 @@ EXAMPLE_HEAD = (
     + f"""\
 {SAYS_EXAMPLE}
 frame: of pond and yard the lowest corner in the picture, of barn and hall the lower right one,
-of court and pitch the lower left one. The frames are rendered, the clicks have errors of half a
+of court and lawn the lower left one. The frames are rendered, the clicks have errors of half a
 pixel, and truth.csv has the true angles. vopd track follows the clicks through the video, vopd
 attitude solves both.
 To make it yours, replace the files and the values that differ. Lines that begin with #

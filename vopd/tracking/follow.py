@@ -332,6 +332,8 @@ def follow(
             "clicks out if it is" if few
             else "do clicks, lens, track and video belong together? vopd check tells more"
         )  # fmt: skip
+        if run.scene.path.stands:
+            message += "; a camera that hovers moves: give it [track], a position for each frame"
         findings.append(Finding(message, project.name, severity="warning"))
     beside = (
         (block["status"] == FOUND) & ~np.isin(block["frame"], clicks.frame)
@@ -555,11 +557,11 @@ def _summary(
         usual = float(np.median(np.maximum(scale * every, LEAST_MATCH_PX)))
         source = (
             "from the residuals" if by
-            else f"{SIGMA_FACTOR:g} times the inverse Hessian's; its residuals are "
-            + ("those of the positions, too" if footage.scene.place_sigma_m is not None
-               else "too few to estimate it")
+            else "from the images alone: the residuals "
+            + ("hold errors of the positions, too" if footage.scene.place_sigma_m is not None
+               else "are too few to tell")
         )  # fmt: skip
-        lines.append(f"sigma of a match: {usual:.3f} px, {source}")
+        lines.append(f"standard deviation of a match: {usual:.3f} px, {source}")
     for one in run.beginnings[1:]:
         at = footage.number[one.frame]
         where = f"from frame {footage.number[one.cut]}" if one.cut >= 0 else "before it"
