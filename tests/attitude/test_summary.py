@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import vopd
+from vopd.attitude.long_history import one_part
+from vopd.attitude.summary import columns, frames_of
 from vopd.screen import aligned, shortened, width, wrapped
 
 ROOT = Path(__file__).parents[2]
@@ -35,6 +39,32 @@ def test_each_names_the_other_for_what_it_does_not_take() -> None:
         vopd.solve_flight(vopd.read_deck(deck))  # type: ignore[arg-type]
     read = vopd.solve_flight(project)
     assert (vopd.solve_flight(read.read).camera_deg == read.camera_deg).all()
+
+
+@pytest.mark.parametrize(
+    ("frames", "without", "rows", "said"),
+    [
+        (30, 13, 17, "13 more frames, 13 without an attitude"),
+        (60, 13, 20, "40 more frames, 13 without an attitude"),
+        (20, 13, 20, ""), (25, 25, 20, "5 more frames"), (25, 0, 20, "5 more frames"),
+    ],
+)  # fmt: skip
+def test_frames_without_an_attitude_have_no_rows_where_rows_are_few(
+    frames: int, without: int, rows: int, said: str
+) -> None:
+    """Each frame has a row while there is room; else those with an attitude have them."""
+    history = vopd.solve_flight(HILL).history().take(np.resize(np.arange(5), frames))
+    vehicle_deg = history.estimate.vehicle_deg.copy()
+    vehicle_deg[:without] = np.nan
+    (shown,) = frames_of([one_part(replace(history, estimate=replace(
+        history.estimate, vehicle_deg=vehicle_deg, frame=np.arange(100, 100 + frames)
+    )))])  # fmt: skip
+    table = columns(shown)
+    label = next(one.cells for one in table if one.name in ("frame", "image"))
+    first = 100 + without if frames > 20 > without else 100
+    assert len(label) == rows and label[0] == str(first)
+    assert {len(one.cells) for one in table} == {rows}
+    assert shown.more_text == said
 
 
 def test_wide_characters_take_two_columns() -> None:

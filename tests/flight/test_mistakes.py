@@ -33,7 +33,7 @@ from vopd.flight.project import Project, read_project
 from vopd.flight.read import flight_of, read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
-from vopd.mistakes import Mistake
+from vopd.mistakes import Explanation, Mistake
 
 NAN = float("nan")
 ANY: Any = None
@@ -188,6 +188,20 @@ def test_another_frame_rate_is_tried_where_frames_have_numbers(tmp_path: Path) -
         corrected("another frame rate", project.changed("picks", "frame_rate_hz", 1e3), flight)
         == []
     )
+
+
+@pytest.mark.parametrize(
+    ("residual_px", "rates"), [((1.0, 1.2, 40.0), "24 or 25 in"), ((1.4, 1.0, 40.0), "25 in")]
+)
+def test_rates_that_explain_as_well_are_named_together(
+    residual_px: tuple[float, ...], rates: str
+) -> None:
+    found = [
+        Explanation(px, f"only {rate:g}", (), "another frame rate", (rate, 60.0))
+        for px, rate in zip(residual_px, (24.0, 25.0, 30.0), strict=True)
+    ]
+    text = mistakes._best_text("residuals are 50.0 px", 50.0, [], found)
+    assert f"frame_rate_hz = {rates} the place of 60" in text
 
 
 @pytest.mark.parametrize("key", ["", 'v = "down"', 'v = "up"'])

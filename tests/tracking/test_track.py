@@ -392,6 +392,20 @@ def test_bad_images(flight: Path, names: list[str], times: str) -> None:
     assert_approved(done.stderr)
 
 
+def test_a_camera_said_to_stand_that_moves_needs_a_track(flight: Path) -> None:
+    """With the place of the first frame for all, landmarks are not where the others have them."""
+    names, first = (line.split(",") for line in Path("track.csv").read_text().splitlines()[:2])
+    place = dict(zip(names, first, strict=True))
+    keys = "".join(f"{key} = {place[key]}\n" for key in ("lat_deg", "lon_deg", "h_m"))
+    before, _, behind = Path("flight.toml").read_text().partition("[track]\n")
+    head = f'{before}[position]\n{keys}height = "ellipsoid"\nsigma_m = 0.02\n'
+    Path("flight.toml").write_text(f"{head}[atm{behind.partition('[atm')[2]}")
+    done = vopd("track", "flight.toml")
+    told = [line for line in done.stderr.splitlines() if "a camera that hovers" in line]
+    assert (done.status, len(told)) == (3, 1)
+    assert_approved(told[0].rpartition("L")[2].partition(": ")[2])
+
+
 def test_clicks_where_the_track_has_no_position(flight: Path) -> None:
     true = truth()
     marks = [mark for k, mark in true if k == 0 and (20, mark) in true]

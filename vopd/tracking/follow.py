@@ -41,7 +41,7 @@ from vopd.flight.terrain import read_terrain, relief_text
 from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
-from vopd.tracking.patches import LEAST_CORRELATION, PATCH_PX, SIGMA_FACTOR
+from vopd.tracking.patches import LEAST_CORRELATION, PATCH_PX
 from vopd.tracking.scene import Scene
 from vopd.tracking.tracker import (
     AMBIGUOUS,
