@@ -329,6 +329,16 @@ def test_annotations_of_cvat_that_python_does_not_read(text: str, start: str) ->
     assert_approved(told(text), others_after=start)
 
 
+def test_shapes_of_cvat_that_are_no_points_are_counted() -> None:
+    """Each in its frame, and not where its track has ended; points without a place too."""
+    boxes = '<box frame="1" outside="0"/><box frame="2" outside="1"/><points frame="1" points=""/>'
+    video = cvat(track((1, "")), f'<track label="car">{boxes}<polygon frame="1"/></track>')
+    tag = '<tag label="dusk"/><polyline/><polyline/></image>'
+    images = cvat(image("a"), image("b", "").replace("</image>", tag))
+    assert_approved([*read(video).doubts, *read(images).doubts])
+    assert read(cvat(track((1, "")))).doubts == ()
+
+
 def test_annotations_of_other_tools_are_not_cvat_s() -> None:
     """Pascal VOC has one annotation a file."""
     assert_approved(told("<annotation><filename>a.jpg</filename></annotation>"))
@@ -377,6 +387,13 @@ def test_labels_that_are_refused(wrong: Any, tmp_path: Path) -> None:
         in_folder(tmp_path, a=label(), b=wrong)
 
 
+def test_shapes_of_labelme_that_are_no_points_are_counted(tmp_path: Path) -> None:
+    """A shape without a type is a polygon, as LabelMe takes it."""
+    shapes = [{"shape_type": one, "label": "x", "points": []} for one in ("mask", "star", "point")]
+    more = label() | {"shapes": [*label()["shapes"], *shapes]}
+    assert_approved(in_folder(tmp_path, a=label(), b=more).doubts)
+
+
 def test_folders_without_points(tmp_path: Path) -> None:
     with refused(VopdError):
         in_folder(tmp_path, a=label(shape_type="circle"))
@@ -384,6 +401,11 @@ def test_folders_without_points(tmp_path: Path) -> None:
     with refused(VopdError):
         in_folder(tmp_path)
     assert told('{"shape": 1}').startswith("p: the format is not recognised")
+
+
+def test_what_is_doubtful_of_clicks_is_told_beside_missing_tracks(tmp_path: Path) -> None:
+    text = IMAGES.format(64, 48).replace("</image>", "<box/></image>")
+    assert_approved(project_picks(tmp_path, text, tracked="tracked.csv").doubts)
 
 
 # Tables

@@ -352,7 +352,7 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     said = f"{file.name}: {rows.said}, {count_text(len(sigma), 'pick')}, {grid} grid, v {way}"
     known = section.has("sigma_px") or bool(own.any())
     rows = replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
-    return replace(rows, doubts=(not_yet,)) if not_yet else rows
+    return replace(rows, doubts=(*rows.doubts, not_yet)) if not_yet else rows
 
 
 def require_clicks(project: Project) -> None:

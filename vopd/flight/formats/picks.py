@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from array import array
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.files import reason
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.flight.files import (
     UNEXPECTED,
     CsvTable,
@@ -210,6 +211,29 @@ def _add_names(names: Names, table: CsvTable, column: str) -> None:
         row += len(block)
 
 
+# Shapes of annotations that are no points
+
+NO_POINTS = {
+    "box", "circle", "cuboid", "ellipse", "line", "linestrip", "mask", "polygon", "polyline",
+    "rectangle", "skeleton",
+}  # fmt: skip
+NO_PLACE = "empty point"
+
+
+def _left_out(file: InputFile, kinds: Iterable[str]) -> tuple[str, ...]:
+    """Count the shapes of a file that are no picks, for a warning.
+
+    Args:
+        file: the file
+        kinds: of the shapes, as those of `NO_POINTS`
+    """
+    count = sorted(Counter(kinds).items())
+    several = [count_text(n, kind, f"{kind}es" * kind.endswith("x")) for kind, n in count]
+    are = "is no pick" if sum(n for _, n in count) == 1 else "are no picks"
+    message = f"{file.name}: {', '.join(several)} {are}: mark landmarks as points"
+    return (message,) if several else ()
+
+
 # CVAT's XML, for images 1.1 and for video 1.1; pixels are counted from the corner
 
 
@@ -230,15 +254,21 @@ def read_cvat(file: InputFile) -> PickRows:
         raise file.error(f"not valid XML: {reason(error)}") from error
     found: list[tuple[int | str, str, float, float]] = []
     between: list[bool] = []
+    others: list[str] = []
     images = root.findall("image")
     for image in images:
+        others += [one.tag for one in image if one.tag in NO_POINTS]
         for points in image.findall("points"):
             pixels = _pixels(file, points.get("points", ""))
+            others += [NO_PLACE] * (not pixels)
             found += [(image.get("name", ""), points.get("label", ""), *xy) for xy in pixels]
     for track in root.findall("track"):
+        seen = (one.tag for one in track if one.get("outside") != "1")
+        others += [kind for kind in seen if kind in NO_POINTS]
         for points in track.findall("points"):
             if points.get("outside") != "1":
                 pixels = _pixels(file, points.get("points", ""))
+                others += [NO_PLACE] * (not pixels)
                 frame, label = points.get("frame", ""), track.get("label", "")
                 if message := no_frame(frame):
                     raise file.error(message, column=f"track {shown(label)}, frame")
@@ -267,7 +297,7 @@ def read_cvat(file: InputFile) -> PickRows:
     return PickRows(
         Names(frames) if by_image else np.array(frames), landmark, pixel, unknown, "corner",
         _one_size(sizes), said,
-        interpolated=np.array(between) if count else None,
+        interpolated=np.array(between) if count else None, doubts=_left_out(file, others),
     )  # fmt: skip
 
 
@@ -303,6 +333,7 @@ def read_labelme(file: InputFile) -> PickRows:
     """Read the points of one or more LabelMe files."""
     paths = sorted(file.path.glob("*.json")) if file.path.is_dir() else [file.path]
     found: list[tuple[str, str, float, float]] = []
+    others: list[str] = []
     sizes: Sizes = {}
     for path in paths:
         try:
@@ -310,24 +341,24 @@ def read_labelme(file: InputFile) -> PickRows:
             image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
             width, height = (plain_number(str(label[f"image{one}"])) for one in ("Width", "Height"))
             sizes[image] = (int(width), int(height))
-            found += [
-                (
-                    image,
-                    _label(shape["label"]),
-                    plain_number(str(point[0])),
-                    plain_number(str(point[1])),
-                )
-                for shape in label["shapes"]
-                if shape.get("shape_type") == "point"
-                for point in shape["points"]
-            ]
+            for shape in label["shapes"]:
+                kind = shape.get("shape_type", "polygon")  # as LabelMe itself takes it
+                if kind != "point":
+                    others.append(kind if kind in NO_POINTS else "other shape")
+                    continue
+                others += [NO_PLACE] * (not shape["points"])
+                found += [
+                    (image, _label(shape["label"]), *(plain_number(str(point[k])) for k in (0, 1)))
+                    for point in shape["points"]
+                ]
         except (*UNEXPECTED, OSError) as error:
             raise VopdError(f"{path.name}: not a LabelMe file: {reason(error)}") from error
     if not all(name for _, name, *_ in found):
         raise file.error("some points have no label: the label is the name of the landmark")
     if not found:
         raise file.error("no shape is a point: landmarks are drawn as points")
-    return _rows(found, "corner", _one_size(sizes), "LabelMe")
+    rows = _rows(found, "corner", _one_size(sizes), "LabelMe")
+    return replace(rows, doubts=_left_out(file, others))
 
 
 def _label(value: object) -> str:
