@@ -30,7 +30,7 @@ from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_line
 from vopd.flight.joint import covariance_of_sums, solve_jointly
 from vopd.flight.next_click import next_clicks, next_places
 from vopd.flight.project import read_project
-from vopd.flight.read import flight_of
+from vopd.flight.read import flight_of, read_flight
 from vopd.flight.result import FlightResult, picks_outside, solve_flight, solve_flight_read
 from vopd.flight.solve import SolvedFlight
 from vopd.flight.tracked_picks import followed_findings
@@ -347,6 +347,24 @@ def test_other_clicks_need_another_track(tmp_path: Path) -> None:
         file.write("3,mast,700,500\n")
     with refused(VopdError):
         solve_flight(path)
+
+
+def test_a_tracked_file_says_which_clicks_it_is_of(tmp_path: Path) -> None:
+    path = clicked_project(tmp_path)
+    lines = (tmp_path / "tracked.csv").read_text().splitlines(keepends=True)
+    rows = [one for one in lines if not one.startswith("#")]
+    (tmp_path / "tracked.csv").write_text("".join(rows))
+    with refused(VopdError):
+        solve_flight(path)
+
+
+def test_sigmas_that_no_pick_has_are_told_of_a_tracked_file_and_its_project(tmp_path: Path) -> None:
+    path = clicked_project(tmp_path)
+    rows = (tmp_path / "tracked.csv").read_text()
+    (tmp_path / "tracked.csv").write_text(rows.replace(",0.0500,", ",1e-9,", 1))
+    path.write_text(path.read_text().replace(KEYS, KEYS + "sigma_px = 1e-6\n"))
+    told = [one.message for one in read_flight(str(path)).findings]
+    assert_approved([one for one in told if "sigma_px" in one])
 
 
 def test_the_sigma_of_clicks_is_the_one_that_is_stated_now(tmp_path: Path) -> None:

@@ -183,6 +183,17 @@ def test_standard_deviations_of_picks(tmp_path: Path) -> None:
         assert (found.sigma_px.tolist(), found.stated) == (sigma, stated)
 
 
+def test_a_sigma_that_no_pick_has_is_told_by_its_line(tmp_path: Path) -> None:
+    """A ten-thousandth of a pixel is not; the first one of a file is named."""
+    one, other, usual = (
+        TABLE.format(",sigma_px", ",1e-4", *x)
+        for x in ((",", ",1e-9"), (",9e-5", ",1e-9"), (",1", ","))
+    )
+    found = [project_picks(tmp_path, text, pixel_grid="centre").doubts for text in (one, other)]
+    assert_approved([text for doubts in found for text in doubts])
+    assert project_picks(tmp_path, usual, pixel_grid="centre").doubts == ()
+
+
 IMAGES = (
     '<annotations><image name="a" width="{}" height="{}"><points label="m" points="1,2"/></image>'
     "</annotations>"

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from vopd.findings import VopdError
 from vopd.flight.files import open_input
 from vopd.flight.formats.picks import Names
@@ -66,11 +66,13 @@ def test_rows_that_are_written_are_read(tmp_path: Path) -> None:
         [CLICK.replace("100.5,200.25", ",")],
         [CLICK, CLICK.replace("0,mast", "1,mast")],
         [],
+        [CLICK, TRACK, TRACK.replace("1,mast", "2,mast").replace("0.95", "1.01")],
+        [CLICK, TRACK.replace("0.95", "-5")],
     ],
     ids=[
         "status", "no click", "no source", "nan", "part of a matrix", "stretched", "no u",
         "no sigma", "twice", "frame", "no landmark", "click without a pixel",
-        "click of another frame", "no row",
+        "click of another frame", "no row", "correlation", "correlation below -1",
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_named(tmp_path: Path, rows: list[str]) -> None:
@@ -82,6 +84,17 @@ def test_a_missing_column_is_named(tmp_path: Path) -> None:
     header = HEADER.replace(",dvu", "")
     with refused(VopdError):
         read(tmp_path, "0,mast,1,2,0.5,0,1,0,1,1,clicked", header=header)
+
+
+def test_a_missing_header_is_named(tmp_path: Path) -> None:
+    with refused(VopdError):
+        read(tmp_path, TRACK, header=CLICK)
+
+
+def test_a_sigma_that_no_pick_has_is_told_by_its_line(tmp_path: Path) -> None:
+    few = read(tmp_path, CLICK, TRACK.replace("0.08", "1e-9"), TRACK.replace("1,mast,", "2,mast,"))
+    assert_approved(few.where(few.status == 1).doubts)
+    assert read(tmp_path, CLICK, TRACK.replace("0.08", "1e-4")).doubts == ()
 
 
 def test_rows_without_a_pixel_take_their_status_alone(tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ from vopd.flight.formats.lens import (
     image_centre,
     make_lens,
 )
-from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows
+from vopd.flight.formats.picks import LEAST_PX, PICK_FORMATS, SMALL_SIGMA, Names, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.free import check_free
 from vopd.flight.project import ROWS, Project, Section, read_project
@@ -648,6 +648,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     outside = outside_area(landmark_crs(project.section("landmarks"), rows), landmarks.position_m)
     doubts = [*picks.doubts, *times.doubts, *path.doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
+    if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:
+        doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
     if camera_lens.table is None:
         doubts += doubts_of_lens(lens.lens)
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]

@@ -54,7 +54,8 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
     if key not in project.held:
         project.held[key] = read_tracked(file)
     rows: TrackedRows = project.held[key]
-    doubts = refuse_stale(file, rows, project)
+    changed = refuse_stale(file, rows, project)
+    adjusted = project.section("uncertainty").has("covariance")
     rows = _with_stated_sigma(rows.where(np.isin(rows.status, (CLICKED, TRACKED))), project)
     if not len(rows.landmark):
         raise file.error(f"no landmark is found in any frame: {AGAIN}")
@@ -75,7 +76,7 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
         None,
         said,
         tracks=rows,
-        doubts=() if project.section("uncertainty").has("covariance") else tuple(doubts),
+        doubts=rows.doubts if adjusted else (*rows.doubts, *changed),
     )
 
 

@@ -137,6 +137,24 @@ CLICKS = "# pixels: u right, v down, (0, 0) the centre of the first pixel"
 """The first line of a CSV of picks that says how they are counted."""
 
 
+LEAST_PX = 1e-4  # standard deviation of a pick: less is told, for no click or match is so good
+SMALL_SIGMA = "px is less than any pick has: a click has about 0.5, a match 0.05"
+
+
+def doubt_of_small_sigma(block: CsvTable, sigma_px: Floats) -> tuple[str, ...]:
+    """Name the first standard deviation of some rows that no pick has, for a warning.
+
+    Args:
+        block: the rows
+        sigma_px: of them, (n,)
+    """
+    small = np.flatnonzero(sigma_px < LEAST_PX)
+    if not len(small):
+        return ()
+    message = f"{sigma_px[small[0]]:g} {SMALL_SIGMA}"
+    return (str(block.error(message, int(small[0]), "sigma_px")),)
+
+
 PIX4D_COLUMNS = ["image", "landmark", "u_px", "v_px"]
 PIX4D_IMAGE = re.compile(r"\.(jpe?g|png|tiff?)$", re.IGNORECASE)
 
@@ -166,6 +184,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
     frame, pixel, sigma = array("q"), array("d"), array("d")
     landmark, image = Names(), Names()
     named = False
+    doubts: tuple[str, ...] = ()
     for block in csv_blocks(file, COLUMNS):
         block.require(("landmark", "u_px", "v_px"))
         _add_names(landmark, block, "landmark")
@@ -180,7 +199,9 @@ def read_csv_picks(file: InputFile) -> PickRows:
         both = np.stack([block.numbers("u_px"), block.numbers("v_px")], axis=1)
         pixel.frombytes(both.tobytes())
         if block.has("sigma_px"):
-            sigma.frombytes(block.sigmas("sigma_px").tobytes())
+            own = block.sigmas("sigma_px")
+            doubts = doubts or doubt_of_small_sigma(block, own)
+            sigma.frombytes(own.tobytes())
     if not len(landmark):
         raise file.error("no pick is in the file")
     one_image = "" if block.has("frame") or block.has("image") else ", all of one image"
@@ -198,6 +219,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
         "centre" if file.head.startswith(CLICKS) else None,
         None,
         f"CSV{block.read_as}" + one_image,
+        doubts=doubts,
     )
 
 

@@ -26,11 +26,12 @@ from vopd.flight.files import (
     csv_blocks,
     did_you_mean,
     has_columns,
+    header_names,
     no_frame,
     shown,
     whole_numbers,
 )
-from vopd.flight.formats.picks import Names
+from vopd.flight.formats.picks import Names, doubt_of_small_sigma
 from vopd.flight.project import ROWS, Project
 
 COLUMNS = (
@@ -67,6 +68,7 @@ class TrackedRows:
     digest: Mapping[str, str] = field(default_factory=dict)
     # as read: numbers of frames in which fewer than two landmarks are found
     lost: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    doubts: tuple[str, ...] = ()  # as read: warnings about rows
 
     def where(self, kept: Bools) -> TrackedRows:
         """Take some of the rows, (R,)."""
@@ -74,7 +76,7 @@ class TrackedRows:
         return TrackedRows(
             self.frame[kept], names, self.pixel[kept], self.sigma_px[kept],
             self.from_frame[kept], self.by_click[kept], self.correlation[kept],
-            self.status[kept], self.digest, self.lost,
+            self.status[kept], self.digest, self.lost, self.doubts,
         )  # fmt: skip
 
 
@@ -207,6 +209,10 @@ def read_tracked(file: InputFile) -> TrackedRows:
     """
     frame, source, status, matrix = array("q"), array("q"), array("b"), array("d")
     pixel, sigma, correlation, names = array("d"), array("d"), array("d"), Names()
+    doubts: tuple[str, ...] = ()
+    header = header_names(file)
+    if header and not file.columns and not {*header} & {*COLUMNS}:
+        raise file.error(f"its header, {','.join(COLUMNS[:4])},..., is missing: {AGAIN}")
     for block in csv_blocks(file, COLUMNS):
         for column in COLUMNS:
             if not block.has(column):
@@ -215,15 +221,17 @@ def read_tracked(file: InputFile) -> TrackedRows:
         names.extend(_names(block))
         both = np.stack([block.numbers(name, UNKNOWN) for name in ("u_px", "v_px")], axis=1)
         own = block.sigmas("sigma_px")
+        doubts = doubts or doubt_of_small_sigma(block, own)
         by = np.stack([block.numbers(name, UNKNOWN) for name in MATRIX], axis=1)
         frames, sources = _frames(block, "frame"), _frames(block, "from_frame")
-        _check(block, states, both, own, by, frames, sources)
+        like = block.numbers("correlation", UNKNOWN)
+        _check(block, states, both, own, by, frames, sources, like)
         clicked = states == CLICKED
         sources = np.where(clicked, frames, sources)
         by = np.where(clicked[:, None] & np.isnan(by), [1.0, 0.0, 0.0, 1.0], by)
         for to, values in (
             (frame, frames), (source, sources), (status, states.astype(np.int8)), (matrix, by),
-            (pixel, both), (sigma, own), (correlation, block.numbers("correlation", UNKNOWN)),
+            (pixel, both), (sigma, own), (correlation, like),
         ):  # fmt: skip
             to.frombytes(np.ascontiguousarray(values).tobytes())
     if not len(names):
@@ -234,7 +242,7 @@ def read_tracked(file: InputFile) -> TrackedRows:
         np.asarray(status).astype(np.int64), _digests(file),
     )  # fmt: skip
     _check_clicks(file, rows)
-    return replace(rows, lost=_lost(rows))
+    return replace(rows, lost=_lost(rows), doubts=doubts)
 
 
 def _statuses(block: CsvTable) -> Ints:
@@ -271,7 +279,7 @@ def _frames(block: CsvTable, column: str) -> Ints:
 
 def _check(
     block: CsvTable, status: Ints, pixel: Floats, sigma: Floats, by: Floats, frame: Ints,
-    source: Ints,
+    source: Ints, correlation: Floats,
 ) -> None:  # fmt: skip
     """Check that rows have what their status says."""
     seen = np.isfinite(pixel).all(axis=1)
@@ -286,6 +294,7 @@ def _check(
         (seen & ~clicked & (source < 0), "the cell is empty", "from_frame"),
         (seen & ~clicked & np.isnan(by).any(axis=1), "the matrix duu, duv, dvu, dvv is not whole",
          "duu"),
+        (np.abs(correlation) > 1.0, "a correlation is -1 to 1", "correlation"),
         (singular, f"a shift is {MOST_STRETCH:g} times that of the click at most", "duu"),
     )  # fmt: skip
     for rows, message, column in wrong:
@@ -346,6 +355,11 @@ def refuse_stale(file: InputFile, rows: TrackedRows, project: Project) -> list[s
     now = track_digests(project)
     section = project.section("picks")
     for name, key in (("clicks", "file"), ("video", "video")):
+        if name in now and name not in rows.digest:
+            raise section.error(
+                "tracked", f"{file.name} does not say which {name} it was made of, in a line "
+                f"# {name}: ... above its header: {AGAIN}"
+            )  # fmt: skip
         if name in now and rows.digest.get(name) != now[name]:
             raise section.error(
                 "tracked", f"{file.name} was made of {key} = {shown(section.values[key])} as it "
