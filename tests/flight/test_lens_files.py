@@ -513,6 +513,8 @@ def test_what_opensfm_s_files_are_refused_for() -> None:
     for key in ("width", "height", "focal", "k1", "c_x", "c_y"):
         for wrong in ("x", None, [1]):
             assert_approved(no_lens(opensfm(**{key: wrong})))
+    assert_approved(no_lens(opensfm(focal=1500)))
+    assert_approved(no_lens(opensfm(focal_x=0.75, focal_y=100.5)))
     missing = json.dumps({"b": {"width": 400, "focal": 0.5}})
     assert_approved(no_lens(missing))
     assert_approved(no_lens(opensfm()[:-1]))

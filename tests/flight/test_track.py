@@ -366,6 +366,8 @@ def test_heights_of_a_track_are_the_format_s_or_the_project_s() -> None:
     ground = Section("p.toml", "track", {"height": {"ground_m": 20.0}})
     on_a_geoid = HeightDatum("undulation", 40.0, ground_m=20.0)
     assert height_datum(ground, Section("p.toml", "landmarks", above)) == on_a_geoid
+    for key in ("ground_m", "undulation_m"):
+        assert_approved(refusal("track", {"height": {key: -1e12}}, track_rows()))
     said = refusal("track", {"height": "geoid"}, track_rows())
     assert_approved(said)
 

@@ -50,6 +50,7 @@ _ROWS = (
 _OF_K = "standard deviation of the coefficient `{}`"
 _CRS = "coordinate reference system of x and y"
 _GRID = "centre: (0, 0) is the first pixel's centre; corner; one-based"
+MOST_LEVEL_M = 1e5  # of what heights count from: the geoid, the ground, a balloon
 MOST_DEGREES = 360.0  # of a longitude, east or west
 _UNDULATION = "height of the geoid above the ellipsoid, metres"
 _GROUND = (
@@ -197,7 +198,7 @@ KEYS: tuple[Key, ...] = (
         "needed with `x_m`, `y_m` where the file has none", option="--crs"),
     Key("landmarks", "height", "text", '"ellipsoid"', _DATUM, _COUNTED, choices=HEIGHTS,
         option="--height"),
-    Key("landmarks.height", "undulation_m", "number", "", _UNDULATION),
+    Key("landmarks.height", "undulation_m", "number", "", _UNDULATION, within=MOST_LEVEL_M),
     Key("landmarks", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 1 to 5 from a map",
         _ROWS, size=3, option="--sigma-landmarks"),
     Key("landmarks", "terrain", "file", "", "a GeoTIFF of heights, for vopd track",
@@ -210,8 +211,8 @@ KEYS: tuple[Key, ...] = (
     Key("track", "crs", "text", '"EPSG:32633"', _CRS, "as for landmarks", option="--crs"),
     Key("track", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS,
         option="--height"),
-    Key("track.height", "undulation_m", "number", "", _UNDULATION),
-    Key("track.height", "ground_m", "number", "", _GROUND),
+    Key("track.height", "undulation_m", "number", "", _UNDULATION, within=MOST_LEVEL_M),
+    Key("track.height", "ground_m", "number", "", _GROUND, within=MOST_LEVEL_M),
     Key("track", "clock", "text", '"utc"', "utc, or gps, which is 18 s ahead",
         "for a column `t_utc`: utc, or gps, which is 18 s ahead since 2017 and needs no zone. "
         "Files that say it themselves need none; `seconds` is the clock of a column `t_s`",
@@ -251,8 +252,8 @@ KEYS: tuple[Key, ...] = (
     Key("position", "crs", "text", "", "of `x_m`, `y_m`, as for landmarks", option="--crs"),
     Key("position", "height", "text", '"ellipsoid"', _DATUM, "as for landmarks", choices=HEIGHTS,
         option="--height"),
-    Key("position.height", "undulation_m", "number", "", _UNDULATION),
-    Key("position.height", "ground_m", "number", "", _GROUND),
+    Key("position.height", "undulation_m", "number", "", _UNDULATION, within=MOST_LEVEL_M),
+    Key("position.height", "ground_m", "number", "", _GROUND, within=MOST_LEVEL_M),
     Key("position", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 3 by a phone",
         "standard deviations, metres: one number, or east, north, up, or `\"exact\"`. Needed",
         size=3, option="--sigma-position"),
@@ -399,7 +400,8 @@ class Section:
             raise self.error(key, "is needed")
         found = self._number(key, value, row.above)
         if abs(found) > row.within:
-            metres = f"; metres of a grid? {GIVE_METRES}" * (abs(found) > MOST_DEGREES)
+            degrees = row.within <= MOST_DEGREES < abs(found)
+            metres = f"; metres of a grid? {GIVE_METRES}" * degrees
             message = f"must be {-row.within:g} to {row.within:g}, not {found:g}{metres}"
             raise self.error(key, message)
         return found

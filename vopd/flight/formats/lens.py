@@ -244,6 +244,7 @@ def _calibration_sigma(file: InputFile, found: ElementTree.Element) -> dict[str,
 
 # OpenSfM's and ODM's cameras.json: numbers by the image's longer side, from its centre
 
+MOST_FRACTION = 100.0  # of the longer side: a picture half a degree wide; more is in pixels
 BROWN = ("k1", "k2", "p1", "p2", "k3")
 FISHEYE = ("k1", "k2", "k3", "k4")
 MODELS_OPENSFM = {  # model here, keys of the coefficients in OpenCV's order
@@ -323,6 +324,12 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
             f"a camera needs width, height, focal as numbers: {reason(error)}",
             column=name,
         ) from error
+    if max(focals) > MOST_FRACTION:
+        raise file.error(
+            f"focal {max(focals):g} is more than {MOST_FRACTION:g} times the image's longer side, "
+            f"by which it counts: is it in pixels? write {max(focals) / max(1, *size_px):.4g}",
+            column=name,
+        )
     scale = float(max(size_px))
     middle = image_centre(size_px)
     lens = make_lens(
