@@ -22,6 +22,7 @@ from vopd.findings import VopdError
 from vopd.flight import joint
 from vopd.flight.adjust import adjust
 from vopd.flight.adjusted_project import adjusted_project
+from vopd.flight.check_flight import check_flight
 from vopd.flight.click_tests import without_wrong_clicks
 from vopd.flight.errors import priors_of
 from vopd.flight.flight import Flight
@@ -365,6 +366,22 @@ def test_sigmas_that_no_pick_has_are_told_of_a_tracked_file_and_its_project(tmp_
     path.write_text(path.read_text().replace(KEYS, KEYS + "sigma_px = 1e-6\n"))
     told = [one.message for one in read_flight(str(path)).findings]
     assert_approved([one for one in told if "sigma_px" in one])
+
+
+def test_clicks_that_were_not_tracked_are_told_of_the_tracked_flight(tmp_path: Path) -> None:
+    """The church is clicked twice, far apart, and one click is of a name that is not known."""
+    path = clicked_project(tmp_path)
+    with (tmp_path / "picks.csv").open("a") as file:
+        file.write("0,church,700,500\n0,tree,5,5\n")
+    digests = track_digests(read_project(str(path)))
+    head, *rows = (tmp_path / "tracked.csv").read_text().splitlines()
+    kept = [row for row in rows if not row.startswith("# clicks:") and ",church," not in row]
+    text = "\n".join([head, f"# clicks: {digests['clicks']}", *kept, ""])
+    (tmp_path / "tracked.csv").write_text(text)
+    said = [one.message for one in solve_flight(path).findings]
+    checked = [one.message for one in check_flight(str(path))]
+    assert all(one in checked for one in said)
+    assert_approved("\n".join(checked))
 
 
 def test_the_sigma_of_clicks_is_the_one_that_is_stated_now(tmp_path: Path) -> None:

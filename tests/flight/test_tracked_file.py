@@ -68,11 +68,13 @@ def test_rows_that_are_written_are_read(tmp_path: Path) -> None:
         [],
         [CLICK, TRACK, TRACK.replace("1,mast", "2,mast").replace("0.95", "1.01")],
         [CLICK, TRACK.replace("0.95", "-5")],
+        [CLICK.replace("clicked", "lost"), TRACK],
     ],
     ids=[
         "status", "no click", "no source", "nan", "part of a matrix", "stretched", "no u",
         "no sigma", "twice", "frame", "no landmark", "click without a pixel",
         "click of another frame", "no row", "correlation", "correlation below -1",
+        "click that is lost",
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_named(tmp_path: Path, rows: list[str]) -> None:

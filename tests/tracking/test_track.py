@@ -6,6 +6,7 @@ import contextlib
 import csv
 import re
 import shutil
+import struct
 from collections.abc import Callable, Iterator
 from itertools import combinations
 from pathlib import Path
@@ -469,7 +470,7 @@ def test_exchanged_clicks_and_an_edited_file(flight: Path) -> None:
     assert_approved("".join(f"{line}\n" for line in told))
 
 
-def test_terrains(flight: Path) -> None:
+def test_terrains(flight: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """Of this place, with a mast, with a hole, in feet, of another place, without one, broken."""
     import rasterio
     from affine import Affine
@@ -520,6 +521,10 @@ def test_terrains(flight: Path) -> None:
     whole = (flight / "terrain.tif").read_bytes()
     (flight / "terrain.tif").write_bytes(whole[: len(whole) // 2])
     said.append(ran())
+    at = whole.index(struct.pack("<4H", 2048, 0, 1, 4326))  # the third key of the CRS
+    keys = struct.pack("<H", 3) + whole[at - 16 : at] + struct.pack("<4H", 2048, 0, 1, 9999)
+    (flight / "terrain.tif").write_bytes(whole[: at - 18] + keys + whole[at + 8 :])
+    said.append(ran())
     (flight / "terrain.tif").write_text(  # GDAL would read another file by it, or a network
         '<VRTDataset rasterXSize="1" rasterYSize="1"><VRTRasterBand dataType="Float32" band="1"/>'
         "</VRTDataset>"
@@ -527,6 +532,7 @@ def test_terrains(flight: Path) -> None:
     said.append(ran())
     (flight / "terrain.tif").unlink()
     said.append(ran())
+    assert not capfd.readouterr().err  # GDAL's own words
     assert_approved("".join(said))
 
 

@@ -97,9 +97,12 @@ def messages_of_files(flight: Flight) -> Iterator[str]:
     if lost := missing_images(flight):
         yield lost
     picks, names = flight.picks, flight.landmarks.name
-    never = sorted(set(range(len(names))) - set(picks.landmark.tolist()))
+    never = sorted(set(range(len(names))) - set(picks.landmark.tolist()) - picks.unused)
     if never:
         yield f"never picked: {first_of([names[k] for k in never], 10)}"
+    if picks.unused:
+        unused = first_of([names[k] for k in sorted(picks.unused)], 10)
+        yield f"picked, and none of its picks is used: {unused}"
     yield from (one.message for one in picks_outside(flight))
 
 

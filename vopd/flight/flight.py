@@ -105,6 +105,7 @@ class Picks:
     v_up: bool = False  # whether v was counted upward where they were read
     clicks: Clicks | None = None  # whose errors the picks carry, besides `sigma_px`
     followed: Bools | None = None  # (P,) by another program from frame to frame; None: not known
+    unused: frozenset[int] = frozenset()  # landmarks that were picked, and no pick of them is used
 
     def with_sigma(self, one_sigma_px: float) -> Picks:
         """Scale all standard deviations to another usual one of a pick."""

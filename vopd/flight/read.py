@@ -474,6 +474,7 @@ def join_picks(
         repeatability_px=repeatability,
         v_up=read.up_from is not None,
         followed=None if followed is None else followed[kept],
+        unused=frozenset({*own.tolist()} - {*own[kept].tolist()}),
         **usual,
     )
     return picks, findings
@@ -642,6 +643,9 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
 
         hidden = hidden_marks(project, landmarks.name)
         joined, findings = join_tracks(picks, number, landmarks.name, name, hidden)
+        clicked, of_clicks = _join_clicks(project, camera_lens, landmarks.name)
+        joined = replace(joined, unused=clicked - {*joined.landmark.tolist()})
+        findings += [one for one in of_clicks if one not in findings]
     else:
         joined, findings = join_picks(picks, label, landmarks.name, name)
     camera, wind_said = add_wind(project, path.path)
@@ -688,6 +692,28 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     )
     check_free(flight)
     return with_held(project, flight)
+
+
+def _join_clicks(
+    project: Project, camera: CameraLens, landmarks: tuple[str, ...]
+) -> tuple[frozenset[int], list[Finding]]:
+    """Join the clicks that a tracked file was made of, to tell which take no part.
+
+    Returns:
+        The landmarks that are clicked, by their indices, and what `vopd track` has said of clicks.
+    """
+    section = project.section("picks")
+    if not (section.has("file") and (project.folder / section.text("file")).exists()):
+        return frozenset(), []
+    rows = read_pick_rows(project.without("picks", "tracked", "tracked_from"), camera)
+    names = rows.frame if isinstance(rows.frame, Names) else None
+    known, index = np.unique(rows.frame if names is None else names.which, return_inverse=True)
+
+    def label(k: int) -> str:
+        return f"frame {known[k]}" if names is None else names.known[known[k]]
+
+    joined, findings = join_picks(replace(rows, frame=index), label, landmarks, project.name)
+    return joined.unused | {*joined.landmark.tolist()}, findings
 
 
 def _frame_rate_hz(project: Project, times: FrameTimes) -> float | None:

@@ -27,6 +27,7 @@ ABOVE_M = 15.0  # of a landmark above the ground, beyond the others': it is said
 APART_M = 50.0  # of half of the landmarks, the same: the terrain is of another place, or in feet
 LEVELS_M = 110.0  # of all: no geoid is farther from the ellipsoid
 RELIEF, RELIEF_M = 0.03, 10.0  # of landmarks' heights, of their extent and in metres
+UNKNOWN_CODE = "unretrievable"  # GDAL's word: it takes WGS 84 in its place
 NAMED = 3  # landmarks in a sentence
 
 
@@ -75,7 +76,8 @@ class Terrain:
         shape = np.minimum(size, MOST_CELLS)
         window = self._rasterio.windows.Window(*low.tolist(), *size.tolist())
         try:
-            cells = data.read(1, window=window, out_shape=tuple(shape[::-1]), masked=True)
+            with self._rasterio.Env():  # without one GDAL writes to standard error
+                cells = data.read(1, window=window, out_shape=tuple(shape[::-1]), masked=True)
         except self._rasterio.errors.RasterioError as error:
             raise self._section.error(
                 "terrain", f"{self.name} cannot be read at the landmarks: is it complete?"
@@ -265,6 +267,11 @@ def read_terrain(project: Project) -> Terrain | None:
         raise section.error(
             "terrain", f"{name} does not say where it is: give it a coordinate reference system, "
             "as by gdal_translate -a_srs EPSG:... -a_ullr ..."
+        )  # fmt: skip
+    if UNKNOWN_CODE in dataset.crs.to_wkt():
+        raise section.error(
+            "terrain", f"{name}: the code of its coordinate reference system is not known: give it "
+            "the one that it is in, as by gdal_translate -a_srs EPSG:..."
         )  # fmt: skip
     if dataset.count > 1 or np.dtype(dataset.dtypes[0]).kind == "c":
         raise section.error(

@@ -369,8 +369,9 @@ def read_labelme(file: InputFile) -> PickRows:
                     others.append(kind if kind in NO_POINTS else "other shape")
                     continue
                 others += [NO_PLACE] * (not shape["points"])
+                name = _label(shape["label"])
                 found += [
-                    (image, _label(shape["label"]), *(plain_number(str(point[k])) for k in (0, 1)))
+                    (image, name, plain_number(str(point[0])), plain_number(str(point[1])))
                     for point in shape["points"]
                 ]
         except (*UNEXPECTED, OSError) as error:

@@ -332,7 +332,9 @@ def _check_clicks(file: InputFile, rows: TrackedRows) -> None:
     needed = np.unique(np.stack([which[seen], rows.from_frame[seen]], axis=1), axis=0).tolist()
     for mark, source in needed:
         if (mark, source) not in click:
-            raise file.error(f"no click of {names[mark]} is in frame {source}: {AGAIN}")
+            own = rows.status[(which == mark) & (rows.frame == source)].tolist()
+            other = f", its status there is {STATUSES[own[0]]}" if own else ""
+            raise file.error(f"no click of {names[mark]} is in frame {source}{other}: {AGAIN}")
     some = np.flatnonzero(rows.from_frame >= 0)
     order = some[np.lexsort((rows.from_frame[some], which[some], rows.frame[some]))]
     keys = np.stack([rows.frame[order], which[order], rows.from_frame[order]], axis=1)
