@@ -482,12 +482,16 @@ def test_terrains(flight: Path, capfd: pytest.CaptureFixture[str]) -> None:
     place = Affine(0.001, 0.0, east - 0.1, 0.0, -0.0005, north + 0.05)
     change("flight.toml", '"landmarks.csv"', '"landmarks.csv"\nterrain = "terrain.tif"')
 
-    def told(of: Any = place, heights: Any = level, crs: str | None = "EPSG:4326") -> str:
+    def told(
+        of: Any = place, heights: Any = level, crs: str | None = "EPSG:4326",
+        nodata: float | None = -9999.0,
+    ) -> str:  # fmt: skip
         bands = heights if heights.ndim == 3 else heights[None]
         count, tall, broad = bands.shape
         with rasterio.open(
             "terrain.tif", "w", driver="GTiff", width=broad, height=tall, count=count,
-            dtype=bands.dtype, crs=crs, transform=of, nodata=-9999.0,
+            dtype=bands.dtype, crs=crs, transform=of, nodata=nodata,
+            blockysize=tall,  # else GDAL says nothing of a file that is not complete
         ) as file:  # fmt: skip
             file.write(bands)
         return ran()
@@ -509,6 +513,7 @@ def test_terrains(flight: Path, capfd: pytest.CaptureFixture[str]) -> None:
     said.append(told(heights=mast))
     mast[row - 1 : row + 2, column - 1 : column + 2] = -9999.0
     said.append(told(heights=mast))
+    said += [told(heights=one, nodata=None) for one in (mast, level * 0.0 - 9999.0)]
     said.append(told(heights=level * np.float32(3.2808)))
     said.append(told(Affine(0.001, 0.0, east + 3.0, 0.0, -0.0005, north)))
     said.append(told(Affine(1e-300, 0.0, east, 0.0, -1e-300, north)))

@@ -45,6 +45,7 @@ class Terrain:
         self._rasterio = optional_package("rasterio", "terrain")
         self._transform = optional_package("rasterio.warp", "terrain").transform
         self._refused = optional_package("rasterio._err", "terrain")  # GDAL's own, not public
+        self._odd_m = float("nan")  # of a cell that was read, beyond the heights of land
 
     def heights_m(self, position_m: Floats) -> Floats:
         """Read heights, as the file counts them, at Earth-centred positions, (n,).
@@ -83,7 +84,10 @@ class Terrain:
                 "terrain", f"{self.name} cannot be read at the landmarks: is it complete?"
             ) from error
         height = np.ma.filled(cells.astype(float), np.nan)
-        height[~((height > LOWEST_M) & (height < HIGHEST_M))] = np.nan
+        beyond = ~((height > LOWEST_M) & (height < HIGHEST_M))
+        odd = height[beyond & np.isfinite(height)]
+        self._odd_m = float(odd[0]) if len(odd) else self._odd_m
+        height[beyond] = np.nan
         step = size / shape
         column, row = (u - low[0] + 0.5) / step[0] - 0.5, (v - low[1] + 0.5) / step[1] - 0.5
         found[inside] = _bilinear(height, column, row)
@@ -111,7 +115,8 @@ class Terrain:
         raw_m = self.heights_m(position_m)
         known = np.isfinite(raw_m)
         if not known.any():
-            raise self._section.error("terrain", self._elsewhere(position_m))
+            message = self._odd_text() or self._elsewhere(position_m)
+            raise self._section.error("terrain", message)
         warned = []
         if not known.all():
             some = first_of(
@@ -187,8 +192,18 @@ class Terrain:
         each = [self._converted(source, target, x[k : k + 1], y[k : k + 1]) for k in range(len(x))]
         return np.concatenate([one for one, _ in each]), np.concatenate([one for _, one in each])
 
+    def _odd_text(self) -> str:
+        """Name the value of a cell that is no height; empty if none is known."""
+        if np.isnan(self._odd_m):
+            return ""
+        return (
+            f"{self.name} has cells of {self._odd_m:.9g} near the landmarks, which is no height of "
+            f"land: declare that they have none, as by gdal_translate -a_nodata {self._odd_m:.9g}"
+        )
+
     def _told(self, warned: list[str]) -> list[Finding]:
-        return [Finding(one, self._section.project, severity="warning") for one in warned]
+        odd = [f"[landmarks] terrain: {self._odd_text()}"] * (not np.isnan(self._odd_m))
+        return [Finding(one, self._section.project, severity="warning") for one in warned + odd]
 
     def _elsewhere(self, position_m: Floats) -> str:
         here = geodetic(position_m)
