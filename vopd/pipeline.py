@@ -114,7 +114,8 @@ def run(
         jobs = read_deck(jobs)
     if not isinstance(jobs, Sequence) and not isinstance(jobs, Job):
         raise VopdError(
-            f"a {type(jobs).__name__} is no deck of jobs: vopd.solve_flight solves a flight project"
+            f"{type(jobs).__name__} is no deck of jobs: vopd.run takes the path of a deck, or what "
+            "vopd.read_deck returns; vopd.solve_flight solves a flight project"
         )
     several: list[Job] = [jobs] if isinstance(jobs, Job) else list(jobs)
     for job in several:

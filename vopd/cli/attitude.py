@@ -178,7 +178,7 @@ def command(
     with whole_file(output) as file:
         if screen and mean:
             file.write(_means(jobs).encode(coding, ESCAPED))
-        elif screen and columns is None:
+        elif screen and columns in (None, "basic"):
             file.write(_short(jobs, sources, found, options.quiet).encode(coding, ESCAPED))
         elif screen:
             file.write(_listed(jobs, request, roll).encode(coding, ESCAPED))

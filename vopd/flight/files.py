@@ -357,6 +357,7 @@ NO_ZONE = re.compile(r":\d\d(\.\d*)?$")
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 MILLISECONDS = re.compile(r"(^|_)(ms|msec|milliseconds)$")
 """Ends of names of columns of times in thousandths of a second."""
+LIKE_HEIGHT = re.compile(r"(^|_)(h|z|alt\w*|elev\w*|height|high)(_|$)")
 IN_FEET = re.compile(r"(^|_)(ft|feet)(?=_|$)")
 IN_METRES = re.compile(r"(^|_)(m|meters?|metres?)(?=_|$)")
 BESIDE = re.compile(r"(^|_)(gps|gnss|utm|wgs84|deg|degrees?|dd|decimal)(?=_|$)")
@@ -467,7 +468,10 @@ def _unnamed(file: InputFile) -> str:
     if len(header) < 2:
         return ""
     if any(map(is_number, header)):
-        return '; a CSV without a header needs columns = ["...", "..."], the names of all of them'
+        return (
+            '; a CSV without a header needs columns = ["...", "..."], the names of all of them '
+            "(vopd new --columns picks:NAME,NAME,...)"
+        )
     if not {*header} - {*SYNONYMS, *TIME}:
         return ""  # a table of another kind
     if names_stars(header):
@@ -569,8 +573,11 @@ class CsvTable:
         feet = [one for one in free if IN_FEET.search(plain_name(one))]
         if name in COORDINATES and name not in HEIGHTS and feet:
             return f": {feet[0]} seems to be in feet; multiply by 0.3048 and call it {name}"
-        which = near[0] if near else f"one of {', '.join(free[:MANY_NAMED])}"
-        return f": rename {which} to {name}, or map it, {_mapped(name, near[0] if near else '...')}"
+        if name in HEIGHTS:
+            free = [one for one in free if LIKE_HEIGHT.search(plain_name(one))] or free
+        only = near or free[: len(free) == 1]
+        which = only[0] if only else f"one of {', '.join(free[:MANY_NAMED])}"
+        return f": rename {which} to {name}, or map it, {_mapped(name, only[0] if only else '...')}"
 
     def require(self, names: Sequence[str]) -> None:
         """Refuse a table that lacks several columns, all of them at once.

@@ -107,8 +107,9 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
     ratio, freedom = sigma_px / expected_px, reading.freedom
     large = np.isfinite(freedom) and ratio > REJECTED
     if large and chdtrc(freedom, freedom * ratio**2) < SIGNIFICANCE:
+        shown_px = float(f"{sigma_px:.2g}")
         return (
-            f"{MISFITS}: its residuals speak for picks of {sigma_px:.2g} px, "
+            f"{MISFITS}: its residuals speak for picks of {shown_px:g} px, "
             f"{ratio:.1f} times {of} (chance below {SIGNIFICANCE:g})"
         )
     # picks may fit each other for it, whatever is wrong

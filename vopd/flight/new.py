@@ -659,7 +659,7 @@ def project_of_files(
         keys = [key for key in keys if key not in (before or {})] or keys
         values |= dict.fromkeys(keys, one.value)
         if not keys:
-            new.said.append(f"{one.option}: not used, as no file leaves it open")
+            new.said.append(f"{one.option}: not used: nothing here needs it")
     first = "picks", "first_frame_t_s"
     timed = bool({("picks", "frame_rate_hz"), ("picks", "times")} & {*values})
     if first in new.needed and first not in values and timed and ("flight", "epoch") in values:

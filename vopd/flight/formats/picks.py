@@ -155,16 +155,16 @@ def doubt_of_small_sigma(block: CsvTable, sigma_px: Floats) -> tuple[str, ...]:
     return (str(block.error(message, int(small[0]), "sigma_px")),)
 
 
-PIX4D_COLUMNS = ["image", "landmark", "u_px", "v_px"]
+PIX4D_COLUMNS = ["image", "landmark", "u_px", "v_px", "zoom"]  # the last in some versions
 PIX4D_IMAGE = re.compile(r"\.(jpe?g|png|tiff?)$", re.IGNORECASE)
 
 
 def is_pix4d(file: InputFile) -> bool:
     """Tell whether the first line is a mark of Pix4D, which writes no header: image, name, u, v."""
     cells = header_names(file)
-    if file.columns is not None or len(cells) != len(PIX4D_COLUMNS):
+    if file.columns is not None or len(cells) not in (4, 5):
         return False
-    return bool(PIX4D_IMAGE.search(cells[0])) and is_number(cells[2]) and is_number(cells[3])
+    return bool(PIX4D_IMAGE.search(cells[0])) and all(map(is_number, cells[2:]))
 
 
 def recognises_csv_picks(file: InputFile) -> bool:
@@ -179,7 +179,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
     One that `vopd pick` saved says itself how pixels are counted.
     """
     if is_pix4d(file):
-        found = read_csv_picks(replace(file, columns=PIX4D_COLUMNS))
+        found = read_csv_picks(replace(file, columns=PIX4D_COLUMNS[: len(header_names(file))]))
         return replace(found, said="Pix4D's marks")
     frame, pixel, sigma = array("q"), array("d"), array("d")
     landmark, image = Names(), Names()
