@@ -91,7 +91,7 @@ def _leave_out(
     """Leave out what the options of now take the place of."""
     said = {key for one in answers for key in one.keys}
     gone = sure_keys(answers)
-    if ("track", "sigma_m") in said:  # of which half is each position's own
+    if ("track", "sigma_m") in said - gone:  # of which a part is each position's own
         gone.add(("track", "sigma_bias_m"))
     if "lens" in files:
         gone.add(("camera", "lens"))

@@ -290,7 +290,7 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
             "undetermined": (
                 "fewer than two landmarks in different directions, or no position: no angles; "
                 "what is not known is named",
-                "pick two landmarks at least, where two are in view; look at the track's times",
+                "pick two landmarks at least, where two are in view; without a position, look at the track's times",
             ),
             "outlier": (
                 "landmarks do not fit the others (chi-square test, F test where the reading sigma "

@@ -577,7 +577,9 @@ class CsvTable:
             free = [one for one in free if LIKE_HEIGHT.search(plain_name(one))] or free
         only = near or free[: len(free) == 1]
         which = only[0] if only else f"one of {', '.join(free[:MANY_NAMED])}"
-        return f": rename {which} to {name}, or map it, {_mapped(name, only[0] if only else '...')}"
+        that = " if it is that" if only and not near else ""
+        mapped = _mapped(name, only[0] if only else "...")
+        return f": rename {which} to {name}{that}, or map it, {mapped}"
 
     def require(self, names: Sequence[str]) -> None:
         """Refuse a table that lacks several columns, all of them at once.

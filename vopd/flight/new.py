@@ -44,6 +44,8 @@ from vopd.flight.project import (
     with_common_error,
 )
 from vopd.flight.scene import lost_images, other_images
+from vopd.flight.track import scatter_of
+from vopd.geometry.earth import earth_centred_m
 from vopd.inputs import is_number
 from vopd.video import grey_frames, image_numbers, open_frames, stills_in
 
@@ -66,6 +68,7 @@ class NewProject:
     picked: tuple[str, ...] = ()  # names of the images that have picks
     options: dict[tuple[str, str], str] = field(default_factory=dict)  # those that are not usual
     track_height: str = ""  # what heights of the track are counted from, where its format says it
+    scatter_m: Floats | None = None  # of the track's positions, east, north, up, (3,)
     then: str = ""  # the command to go on with, {} for the project; empty for the usual one
 
 
@@ -351,6 +354,9 @@ def look_at_track(
         new.needed.pop(("camera", "image_size_px"), None)
     if rows.crs is None and not rows.geodetic:
         new.needed["track", "crs"] = "the file has x and y"
+    if rows.time_s is not None and rows.geodetic:
+        longitude, latitude, height = rows.coordinate.T
+        new.scatter_m = scatter_of(rows.time_s, earth_centred_m(latitude, longitude, height))
     new.track_height = rows.height or ""
     if rows.height is None:
         ask_height(new, "track", rows.crs)
@@ -722,8 +728,8 @@ NO_BASE_M = 0.3
 def share_receiver_error(new: NewProject, values: KeyValues) -> None:
     """Divide the error of a receiver's track: all positions of some minutes are off together.
 
-    Half of it remains each position's own; as errors of each by itself hundreds of positions would
-    be taken for exact in the mean.
+    Half of it remains each position's own, or as much as they scatter about a smooth path; as
+    errors of each by itself hundreds of positions would be taken for exact in the mean.
 
     Args:
         new: what is said, to be added to
@@ -737,11 +743,15 @@ def share_receiver_error(new: NewProject, values: KeyValues) -> None:
     if EXACT in sizes or max(sizes) < NO_BASE_M:
         return
     values[common] = values[own]
-    half = [f"{one / 2.0:g}" for one in sizes]
-    values[own] = f"[{', '.join(half)}]" if isinstance(stated, list) else half[0]
+    half = np.array(sizes) / 2.0
+    scatter = np.zeros(3) if new.scatter_m is None else np.nan_to_num(new.scatter_m)
+    each = np.clip(scatter if len(half) == 3 else scatter.max(), half, 2.0 * half)
+    each = [float(f"{one:.2g}") for one in each.tolist()]
+    values[own] = toml_numbers(*each) if isinstance(stated, list) else f"{each[0]:g}"
+    why = "half of it" if np.allclose(each, half) else "as they scatter about a smooth path"
     new.said.append(
         f"[track] sigma_bias_m = {values[common]}: a receiver without a base is off by as much for "
-        f"minutes; sigma_m = {values[own]}, half of it, for each position by itself"
+        f"minutes; sigma_m = {values[own]}, {why}, for each position by itself"
     )
 
 

@@ -23,7 +23,7 @@ from vopd.flight.formats.track import (
     row_out_of_order,
 )
 from vopd.flight.image_tags import images_in, read_tags
-from vopd.flight.project import VIDEO, Project, Section
+from vopd.flight.project import VIDEO, Project, Section, toml_numbers
 from vopd.flight.stated import Notes, RowSigmas, key_sigma, row_sigmas
 from vopd.flight.velocity import (
     Roughness,
@@ -826,24 +826,42 @@ def doubts_of_scatter(
         name: of its file
     """
     assert rows.time_s is not None
-    if fixes is None or fixes.exact or len(position) < FEWEST_ROWS:
+    scatter_m = scatter_of(rows.time_s, position)
+    if fixes is None or fixes.exact or scatter_m is None:
         return []
-    step_s = np.diff(rows.time_s)
+    sigma_m = np.median(fixes.of_positions_m, axis=0)
+    if not ((scatter_m > SCATTER * sigma_m) & (scatter_m > LEAST_SCATTER_M)).any():
+        return []
+    found, said = ("{:.2g}, {:.2g} and {:.2g} m".format(*one) for one in (scatter_m, sigma_m))
+    stated = toml_numbers(*(float(f"{one:.2g}") for one in scatter_m))
+    return [
+        f"{name}: positions scatter by {found} east, north and up about a smooth path, and {said} "
+        "are stated for each by itself: the angles are less certain than is said; [track] sigma_m = "
+        f"{stated} says so"
+    ]
+
+
+def scatter_of(time_s: Floats, position: Floats) -> Floats | None:
+    """Estimate by how much positions scatter about a smooth path, east, north, up (3,), metres.
+
+    Args:
+        time_s: of the positions, (T,)
+        position: Earth-centred, (T, 3), metres
+
+    Returns:
+        The standard deviations; None where positions are few, or at uneven times.
+    """
+    if len(position) < FEWEST_ROWS:
+        return None
+    step_s = np.diff(time_s)
     usual_s = np.median(step_s)
     if np.quantile(np.abs(step_s - usual_s), 0.9) > EVEN * usual_s:
-        return []
+        return None
     place_m, each = east_north_up(position), []
     for order in ORDERS:
         usual_m = np.median(np.abs(np.diff(place_m, order, axis=0)), axis=0)
         each.append(usual_m / (NORMAL_MEDIAN * np.sqrt(comb(2 * order, order))))
-    scatter_m, sigma_m = np.min(each, axis=0), np.median(fixes.of_positions_m, axis=0)
-    if not ((scatter_m > SCATTER * sigma_m) & (scatter_m > LEAST_SCATTER_M)).any():
-        return []
-    found, said = ("{:.2g}, {:.2g} and {:.2g} m".format(*one) for one in (scatter_m, sigma_m))
-    return [
-        f"{name}: positions scatter by {found} east, north and up about a smooth path, and {said} "
-        "are stated for each by itself ([track] sigma_m): the angles are less certain than is said"
-    ]
+    return np.asarray(np.min(each, axis=0))
 
 
 def _interpolated(way: str, time_s: Floats, position: Floats, at: Floats) -> Floats:
