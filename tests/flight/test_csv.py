@@ -576,7 +576,9 @@ def test_a_log_whose_header_says_utc() -> None:
     assert found.coordinate[0].tolist() == [-117.8, 35.3, 681.3]
 
 
-def test_marks_without_a_header_as_pix4d_writes_them() -> None:
-    found = read_text(PICK_FORMATS, "picks", "DJI_1.JPG,gcp1,10.5,20\nDJI_2.jpg,gcp2,3,4\n")
+@pytest.mark.parametrize("zoom", ["", ",1.00"])
+def test_marks_without_a_header_as_pix4d_writes_them(zoom: str) -> None:
+    rows = f"DJI_1.JPG,gcp1,10.5,20{zoom}\nDJI_2.jpg,gcp2,3,4{zoom}\n"
+    found = read_text(PICK_FORMATS, "picks", rows)
     assert [*found.frame] == ["DJI_1.JPG", "DJI_2.jpg"] and [*found.landmark] == ["gcp1", "gcp2"]
     assert found.pixel.tolist() == [[10.5, 20.0], [3.0, 4.0]] and found.grid is None

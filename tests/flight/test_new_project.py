@@ -381,6 +381,32 @@ def test_the_error_of_a_receiver_without_a_base_is_common(
     assert (track["sigma_m"], track.get("sigma_bias_m")) == (own, common)
 
 
+@pytest.mark.parametrize(
+    ("noise_m", "stated", "least_m", "most_m"),
+    [(2.4, "3", 2.1, 2.9), (0.3, "3", 1.5, 1.5), (5.0, "3", 3.0, 3.0), (2.4, "3,3,2", 2.0, 2.0)],
+)
+def test_positions_have_the_sigma_by_which_they_scatter(
+    noise_m: float, stated: str, least_m: float, most_m: float, tmp_path: Path
+) -> None:
+    """From half of what is said of the receiver to all of it; the last case is of its heights."""
+    rng = np.random.default_rng(5)
+    time_s = np.arange(600) / 10.0
+    east, north, up = rng.normal(0.0, noise_m, (3, 600))
+    lat, lon = 48.0 + (5.0 * time_s + north) / 111_200.0, 15.0 + east / 74_600.0
+    rows = np.stack([time_s, lat, lon, 300.0 + 2.0 * time_s**1.5 + up], axis=1)
+    text = "".join("{:.1f},{:.9f},{:.9f},{:.3f}\n".format(*row) for row in rows)
+    (tmp_path / "track.csv").write_text(f"t_s,lat,lon,alt\n{text}")
+    here = tmp_path / "here"
+    ran = run("new", here, "--track", tmp_path / "track.csv", "--sigma-position", stated)
+    assert ran.status == 0
+    track = read_project(here / "flight.toml").sections["track"].values
+    own = np.array([track["sigma_m"]]).ravel()
+    assert least_m <= own[-1] <= most_m
+    assert run("new", here, "--set", "track.sigma_m=7").status == 0
+    again = read_project(here / "flight.toml").sections["track"].values
+    assert (again["sigma_m"], again["sigma_bias_m"]) == (7, track["sigma_bias_m"])
+
+
 def test_errors_of_several_files_are_told_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

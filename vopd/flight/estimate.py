@@ -290,7 +290,8 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
             "undetermined": (
                 "fewer than two landmarks in different directions, or no position: no angles; "
                 "what is not known is named",
-                "pick two landmarks at least, where two are in view; without a position, look at the track's times",
+                "pick two landmarks at least, where two are in view; without a position, look at "
+                "the track's times",
             ),
             "outlier": (
                 "landmarks do not fit the others (chi-square test, F test where the reading sigma "
@@ -301,8 +302,8 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
                 "an attitude with the landmarks on the camera's other side fits as well, and the "
                 "solve has taken the one with the landmarks in front; or another position within "
                 "its standard deviations fits as well, and how far its attitude is turned is named",
-                "none is needed where the view is beyond doubt; of positions, pick a fourth "
-                "landmark",
+                "nothing where the view is beyond doubt; a fourth landmark decides between two "
+                "positions",
             ),
         },
         conventions=conventions,

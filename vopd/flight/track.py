@@ -836,8 +836,8 @@ def doubts_of_scatter(
     stated = toml_numbers(*(float(f"{one:.2g}") for one in scatter_m))
     return [
         f"{name}: positions scatter by {found} east, north and up about a smooth path, and {said} "
-        "are stated for each by itself: the angles are less certain than is said; [track] sigma_m = "
-        f"{stated} says so"
+        f"are stated for each by itself: the angles are less certain than is said; [track] sigma_m "
+        f"= {stated} says so"
     ]
 
 
