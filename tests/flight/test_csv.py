@@ -582,3 +582,9 @@ def test_marks_without_a_header_as_pix4d_writes_them(zoom: str) -> None:
     found = read_text(PICK_FORMATS, "picks", rows)
     assert [*found.frame] == ["DJI_1.JPG", "DJI_2.jpg"] and [*found.landmark] == ["gcp1", "gcp2"]
     assert found.pixel.tolist() == [[10.5, 20.0], [3.0, 4.0]] and found.grid is None
+
+
+def test_tie_points_of_opensfm_are_no_picks() -> None:
+    rows = "IMG_1.jpg\t0\t12\t0.1\t0.2\t0.003\t1\t2\t3\t-1\t-1\n"
+    with refused(VopdError):
+        read_text(PICK_FORMATS, "picks", f"OPENSFM_TRACKS_VERSION_v2\n{rows}")

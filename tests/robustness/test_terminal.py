@@ -85,3 +85,13 @@ def test_a_new_project_asks_for_what_no_file_says(tmp_path: Path) -> None:
     assert_approved(re.sub(r"\r+\n", "\n", asked))
     made = (tmp_path / "made" / "flight.toml").read_text()
     assert made.count('\nheight = "egm96"') == 2 and '\npixel_grid = "centre"' in made
+
+
+def test_what_was_answered_stays_where_answers_end(tmp_path: Path) -> None:
+    """Ctrl-D at the third question: the project has the first two answers."""
+    write_project(tmp_path)
+    files = ("--picks", "picks.csv", "--landmarks", "landmarks.csv", "--track", "track.csv")
+    on_terminal("new", "made", *files, folder=tmp_path, typed="1920,1080\ncentre\n\x04")
+    made = (tmp_path / "made" / "flight.toml").read_text()
+    assert "\nimage_size_px = [1920,1080]" in made and '\npixel_grid = "centre"' in made
+    assert "\nheight" not in made

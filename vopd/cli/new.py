@@ -260,7 +260,7 @@ def _columns(text: str) -> Answer:
 
 
 def _ask(new: NewProject, values: KeyValues) -> None:
-    """Ask on a terminal for what no file says; Enter alone leaves a key open."""
+    """Ask on a terminal for what no file says; Enter alone leaves a key open, Ctrl-D all others."""
     from vopd.flight.new import answer_value
     from vopd.flight.project import ROWS
 
@@ -270,7 +270,7 @@ def _ask(new: NewProject, values: KeyValues) -> None:
     for sentence in new.said:
         click.echo(sentence)
     new.said.clear()
-    click.echo("No file says the following; Enter leaves a value open.")
+    click.echo("No file says the following; Enter leaves a value open, Ctrl-D all that follow.")
     height = ""  # as answered for another section
     for section, key in asked:
         row = ROWS[section, key]
@@ -281,7 +281,15 @@ def _ask(new: NewProject, values: KeyValues) -> None:
         click.echo(f"[{section}] {key}: {why if own or row.kind == 'sigma' else about}")
         while (section, key) not in values:
             usual = height if key == "height" and not own else ""
-            text = click.prompt("  " + key, usual, show_default=bool(usual), prompt_suffix=" = ")
+            try:
+                text = click.prompt(
+                    "  " + key, usual, show_default=bool(usual), prompt_suffix=" = "
+                )
+            except click.Abort as ended:
+                if not isinstance(ended.__context__, EOFError):
+                    raise
+                click.echo()  # what was answered stays
+                return
             if not text.strip():
                 break
             try:

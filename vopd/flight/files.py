@@ -457,6 +457,13 @@ def _time_name(cell: str, own: str) -> str:
 OF_STARS = f"; if these are stars, {TAKES_STARS} takes them"
 
 
+TIE_POINTS = "OPENSFM_TRACKS_VERSION"
+OF_TIE_POINTS = (
+    ": the tie points of OpenSfM's tracks.csv have coordinates by the images alone, and no "
+    "landmark; clicks of surveyed ones are in ground_control_points.json or gcp_list.txt"
+)
+
+
 def _mapped(name: str, own: str) -> str:
     """Write the line of a project that maps a column."""
     return f'columns = {{ {name} = "{own}" }}'
@@ -465,6 +472,8 @@ def _mapped(name: str, own: str) -> str:
 def _unnamed(file: InputFile) -> str:
     """Say what to do where the columns of a table are not known; empty if it is no table."""
     header = header_names(file)
+    if header and header[0].startswith(TIE_POINTS):
+        return OF_TIE_POINTS
     if len(header) < 2:
         return ""
     if any(map(is_number, header)):
