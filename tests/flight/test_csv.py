@@ -588,3 +588,12 @@ def test_tie_points_of_opensfm_are_no_picks() -> None:
     rows = "IMG_1.jpg\t0\t12\t0.1\t0.2\t0.003\t1\t2\t3\t-1\t-1\n"
     with refused(VopdError):
         read_text(PICK_FORMATS, "picks", f"OPENSFM_TRACKS_VERSION_v2\n{rows}")
+
+
+def test_heights_may_be_mapped_as_feet() -> None:
+    """A foot is .3048 m; the column's own name does not say which it is."""
+    file = InputFile(
+        "track", Path("nowhere"), "t_s,lat,lon,Alt\n0,48,15,1000\n", columns={"h_ft": "Alt"}
+    )
+    found = read_by_content(TRACK_FORMATS, file)
+    assert_close("feet", found.coordinate[0], [15.0, 48.0, 304.8])

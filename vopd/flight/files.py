@@ -375,6 +375,7 @@ LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 COORDINATES = (*PLANE, *GEODETIC)
 HEIGHTS = ("h_m", "z_m")
+HEIGHTS_FT = {"h_ft": "h_m", "z_ft": "z_m"}  # as a project may map them
 ENOUGH = ((("frame", "image"), ("frame", "image")), (TIME, (*TIME, "image")))
 """Columns, and those that are not looked for under other names where one of the first is there."""
 
@@ -414,7 +415,8 @@ def own_names(
     if not known or isinstance(file.columns, list):
         return header
     found = list(header)
-    for name, own in (file.columns or {}).items():
+    for given, own in (file.columns or {}).items():
+        name = HEIGHTS_FT.get(given, given)
         if name not in known:
             raise file.error(f"columns: {name} is none of this table{did_you_mean(name, known)}")
         if own not in header:
@@ -727,7 +729,10 @@ class CsvTable:
         return name == TIME[0] and bool(MILLISECONDS.search(self._own_name(name)))
 
     def in_feet(self, name: str) -> bool:
-        """Tell whether the file's own name of a column of heights says feet."""
+        """Tell whether a column of heights is in feet, by its own name or by the project."""
+        mapped = self.file.columns if isinstance(self.file.columns, dict) else {}
+        if name in [HEIGHTS_FT[one] for one in mapped if one in HEIGHTS_FT]:
+            return True
         return name in HEIGHTS and bool(IN_FEET.search(self._own_name(name)))
 
     @property

@@ -378,7 +378,8 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "heights in feet",
         _from_feet,
-        "with {} heights taken for feet: are they in feet? In a CSV the header h_ft says so",
+        'with {} heights taken for feet: are they in feet? For a CSV columns = {{ h_ft = "..." }} '
+        "says so, or the header h_ft",
     ),
     Mistake(
         "GPS time for UTC",
