@@ -209,7 +209,8 @@ def lines_to_add(keys: Mapping[tuple[str, str], str]) -> str:
         row, why = ROWS[one], keys[one]
         own = re.search(r"\{ \w+ = [-\d.]+ \}", why)  # which the files themselves suggest
         example = own[0] if own else row.example or ROWS["landmarks", row.name].example
-        why = f" ({why})" if why and row.kind != "sigma" else ""
+        repeats = why.partition(",")[0] == row.comment.partition(",")[0]
+        why = "" if not why or repeats or why.startswith(row.comment) else f" ({why})"
         lines.append(f"{f'{row.name} = {example}':{WIDTH - 1}} # {row.comment}{why}")
     if any(ROWS[one].kind == "sigma" for one in keys):
         lines += [
