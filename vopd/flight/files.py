@@ -418,7 +418,7 @@ def own_names(
     for given, own in (file.columns or {}).items():
         name = HEIGHTS_FT.get(given, given)
         if name not in known:
-            raise file.error(f"columns: {name} is none of this table{did_you_mean(name, known)}")
+            raise file.error(f"columns: {given} is none of this table{did_you_mean(given, known)}")
         if own not in header:
             raise file.error(f"columns: there is no column {own}{did_you_mean(own, header)}")
         found[header.index(own)] = name
@@ -731,9 +731,8 @@ class CsvTable:
     def in_feet(self, name: str) -> bool:
         """Tell whether a column of heights is in feet, by its own name or by the project."""
         mapped = self.file.columns if isinstance(self.file.columns, dict) else {}
-        if name in [HEIGHTS_FT[one] for one in mapped if one in HEIGHTS_FT]:
-            return True
-        return name in HEIGHTS and bool(IN_FEET.search(self._own_name(name)))
+        by_project = name in {HEIGHTS_FT.get(one) for one in mapped}
+        return by_project or (name in HEIGHTS and bool(IN_FEET.search(self._own_name(name))))
 
     @property
     def from_ground(self) -> str:

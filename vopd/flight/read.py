@@ -54,7 +54,14 @@ from vopd.flight.stated import (
     refuse_missing,
     row_sigmas,
 )
-from vopd.flight.track import FrameTimes, covering_text, frames_of, height_datum, read_path
+from vopd.flight.track import (
+    FrameTimes,
+    covering_text,
+    frames_of,
+    height_datum,
+    number_frames,
+    read_path,
+)
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
@@ -706,11 +713,10 @@ def _join_clicks(
     if not (section.has("file") and (project.folder / section.text("file")).exists()):
         return frozenset(), []
     rows = read_pick_rows(project.without("picks", "tracked", "tracked_from"), camera)
-    names = rows.frame if isinstance(rows.frame, Names) else None
-    known, index = np.unique(rows.frame if names is None else names.which, return_inverse=True)
+    number, image, index = number_frames(rows.frame)
 
     def label(k: int) -> str:
-        return f"frame {known[k]}" if names is None else names.known[known[k]]
+        return image[k] if image else f"frame {number[k]}"
 
     joined, findings = join_picks(replace(rows, frame=index), label, landmarks, project.name)
     return joined.unused | {*joined.landmark.tolist()}, findings

@@ -826,8 +826,7 @@ def doubts_of_scatter(
         name: of its file
     """
     assert rows.time_s is not None
-    scatter_m = scatter_of(rows.time_s, position)
-    if fixes is None or fixes.exact or scatter_m is None:
+    if fixes is None or fixes.exact or (scatter_m := scatter_of(rows.time_s, position)) is None:
         return []
     sigma_m = np.median(fixes.of_positions_m, axis=0)
     if not ((scatter_m > SCATTER * sigma_m) & (scatter_m > LEAST_SCATTER_M)).any():
