@@ -41,8 +41,8 @@ from vopd.attitude.mistakes import (
     trials,
 )
 from vopd.attitude.reading_sigma import JobReadingSigma
-from vopd.attitude.residuals import Pool, ResidualEquations, equations_of
-from vopd.attitude.sigmas import Sigmas, in_force
+from vopd.attitude.residuals import Pool, ResidualEquations
+from vopd.attitude.sigmas import ErrorComponent, Sigmas, in_force
 from vopd.cards.write import write_deck
 from vopd.estimate import Estimate
 from vopd.findings import Finding, frames_text
@@ -61,7 +61,7 @@ def test_limits_of_the_search() -> None:
 
 
 def found(e: Estimate, sigma: float, freedom: float = np.inf) -> list[Repair]:
-    return repairs(e, 0, equations_of(e, [], np.array([0])), Pool(sigma, freedom, None))
+    return repairs(e, 0, [], Pool(sigma, freedom, None))
 
 
 TRIALS = [((0, 1), None), ((0, 2), None), ((1, 2), None), ((), 0), ((), 1), ((), 2)]
@@ -190,10 +190,10 @@ def test_errors_of_landmarks_go_with_the_landmark_and_others_stay() -> None:
 
 def test_the_search_takes_the_sigmas_in_force(monkeypatch: pytest.MonkeyPatch) -> None:
     """The test's reading sigma with its degrees of freedom, and the errors that are given."""
-    asked: list[tuple[Pool, ResidualEquations]] = []
+    asked: list[tuple[Pool, list[ErrorComponent]]] = []
 
-    def search(_: object, frame: int, equations: ResidualEquations, pool: Pool) -> list[Repair]:
-        asked.append((pool, equations))
+    def search(_: object, frame: int, components: list[ErrorComponent], pool: Pool) -> list[Repair]:
+        asked.append((pool, components))
         return [Repair((), frame, 0.123)]
 
     monkeypatch.setattr(label_search, "repairs", search)
@@ -202,10 +202,10 @@ def test_the_search_takes_the_sigmas_in_force(monkeypatch: pytest.MonkeyPatch) -
     scale = JobReadingSigma(0.0, 7.0, "sample", chance, 0.25)
     text = misfit_text(e, scale, in_force(e, Sigmas(position=3.0, landmark=5.0)))
     assert text == ["", "without bridge, north end (chance 0.12)", ""]
-    ((pool, equations),) = asked
+    ((pool, (landmark, position)),) = asked
     assert pool == (0.25, 7.0, None)
-    assert equations.shared.tolist() == np.full((1, 8, 3), -0.03).tolist()
-    assert equations.own.tolist() == np.full((1, 8, 3), 0.05).tolist()
+    assert position.residual[1].tolist() == np.full((8, 3), -0.03).tolist()
+    assert landmark.residual[1].tolist() == np.full((8, 3), 0.05).tolist()
 
 
 # What is tried for a frame that misfits, how much of it is told, and in which words

@@ -374,7 +374,10 @@ def in_folder(folder: Path, **labels: Any) -> Any:
 def test_a_folder_of_labels_is_read_in_the_order_of_its_names(tmp_path: Path) -> None:
     (tmp_path / "0.txt").write_text("not read")
     rows = in_folder(
-        tmp_path, c=label("C:\\x\\1.png"), a=label("../é/2.png", label=7), b=label("3.png")
+        tmp_path,
+        c=label("C:\\x\\1.png"),
+        a=label("../é/2.png", label=7),
+        b=label("3.png", shape_type="points"),
     )
     assert [*rows.frame] == ["2.png"] * 2 + ["3.png"] * 2 + ["1.png"] * 2
     assert [*rows.landmark] == ["7"] * 2 + ["mast"] * 4

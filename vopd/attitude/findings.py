@@ -10,6 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
+from vopd.attitude.mistakes import repair_chance
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import About
@@ -110,8 +111,13 @@ def _repair(texts: list[str]) -> str:
     """Describe the repair of some frames, with the least of their chances."""
     chances = [[float(chance) for chance in CHANCE.findall(one)] for one in texts]
     least = iter([min(ones) for ones in zip(*chances, strict=True)])
-    more = " or more" if len(texts) > 1 else ""
-    return CHANCE.sub(lambda _: f" (chance {next(least):.2f}{more})", texts[0]) or "not searched"
+
+    def shown(_: object) -> str:
+        one = next(least)
+        more = " or more" if len(texts) > 1 and one < 1.0 else ""
+        return f" (chance {repair_chance(one)}{more})"
+
+    return CHANCE.sub(shown, texts[0]) or "not searched"
 
 
 def errata_text(summary: HistorySummary) -> str:

@@ -70,9 +70,9 @@ MEANING = {
     ),
     "misfit": (
         "the residuals do not agree with the standard deviations in force (chi-square or F test, "
-        ".001 a frame, two landmarks or more); an exchange of two labels or one landmark that "
-        "explains it is named, with the chance of the residuals that then remain",
-        "look at the landmarks that are named",
+        ".001 a frame, two landmarks or more); an exchange of two labels, one landmark or another "
+        "position that explains it is named, with the chance of the residuals that then remain",
+        "look at the landmarks that are named, or at the position",
     ),
     "rate_unknown": (
         "no other frame within three frame intervals and half a second says how fast the camera "

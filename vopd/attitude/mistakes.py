@@ -1,12 +1,14 @@
-"""Mistakes that explain a misfit: two labels exchanged, or one wrong landmark.
+"""Mistakes that explain a misfit: two labels exchanged, one wrong landmark, or another position.
 
 Every pair of landmarks is exchanged, and every landmark left out, and the attitude is fitted
-anew. What makes the residuals agree with the standard deviations in force is named.
+anew; with all landmarks it is fitted together with the position. What makes the residuals agree
+with the standard deviations in force is named.
 """
 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from itertools import combinations
 from typing import NamedTuple
 
@@ -22,9 +24,10 @@ from vopd.attitude.residuals import (
     chance_of,
     equations_of,
 )
-from vopd.attitude.sigmas import SigmasInForce, given_components
+from vopd.attitude.sigmas import ErrorComponent, SigmasInForce, given_components
 from vopd.estimate import Estimate
-from vopd.geometry.rotation_fit import Sights, closest_axes, fit_rotations
+from vopd.geometry.linear import pseudo_inverse
+from vopd.geometry.rotation_fit import Sights, closest_axes, fit_rotations, turned
 
 PASSES = 12
 PLAUSIBLE = SIGNIFICANCE  # the least chance of the residuals of a repair that is named
@@ -34,11 +37,15 @@ MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
 MOST_FRAMES = 1000  # of a job, some 4 ms each; of the others the flag says that they are not
 MOST_NAMED = 3  # repairs of a frame
 NOTHING = "neither an exchange of two labels nor one wrong landmark"
+ELSEWHERE = "another position than stated"
 NOT_SEARCHED = "not searched"
 
 
 class Repair(NamedTuple):
-    """What would mend a frame, and the chance of residuals like those that then remain."""
+    """What would mend a frame, and the chance of residuals like those that then remain.
+
+    With nothing to exchange or to leave out it is another position.
+    """
 
     exchanged: tuple[int, ...]  # indices of two landmarks, or none
     without: int | None  # index of a landmark to leave out
@@ -80,18 +87,21 @@ class FittedTrials(NamedTuple):
 
 @np.errstate(all="ignore")
 def repairs(
-    estimate: Estimate, frame: int, equations: ResidualEquations, pool: Pool
+    estimate: Estimate, frame: int, components: list[ErrorComponent], pool: Pool
 ) -> list[Repair]:
     """Find the repairs of a frame, the likeliest first; empty if there is none."""
+    equations = equations_of(estimate, components, np.array([frame]))
     weights = ResidualWeights(equations, pool.sigma)
     fitted = fitted_trials(estimate, frame, weights.of(equations.residual[..., None])[0, :, 0])
     if fitted is None:
         return []
     chance = chance_of(trial_equations(fitted, equations), pool)
-    chance = np.where(fitted.in_front & np.isfinite(chance), chance, 0.0)
+    chance = np.where(fitted.in_front, chance, 0.0)
+    found, chance = _with_position(fitted.repair, chance, equations, components, frame, pool)
+    chance = np.where(np.isfinite(chance), chance, 0.0)
     good = np.flatnonzero(chance >= max(PLAUSIBLE, NEAR * chance.max()))
     order = good[np.argsort(-chance[good], kind="stable")]
-    return [fitted.repair[k]._replace(chance=float(chance[k])) for k in order]
+    return [found[k]._replace(chance=float(chance[k])) for k in order]
 
 
 def fitted_trials(estimate: Estimate, frame: int, weighted: Floats) -> FittedTrials | None:
@@ -108,17 +118,35 @@ def fitted_trials(estimate: Estimate, frame: int, weighted: Floats) -> FittedTri
     repair, label, kept = trials(used, np.sort(worst))
     if not repair or used.sum() > MOST_IN_A_FRAME:
         return None
-    sights = Sights(
-        estimate.direction[frame][label],
-        np.broadcast_to(estimate.image[frame], (*kept.shape, 2)),
-        kept,
-        estimate.focal_length,
-    )
-    if estimate.image_by_ray is not None:
-        by_ray = np.broadcast_to(estimate.image_by_ray[frame], (*kept.shape, 2, 3))
-        sights = sights._replace(image_by_ray=by_ray)
+    sights = _sights(estimate, frame, stated_directions(estimate, frame)[label], kept)
     axes, _ = fit_rotations(sights, closest_axes(sights), PASSES)
     return FittedTrials(repair, label, sights, axes, sights.in_front(axes))
+
+
+def _sights(estimate: Estimate, frame: int, direction: Floats, used: Bools) -> Sights:
+    """Take the image points of a frame for T trials, as landmarks in these directions."""
+    by_ray = None
+    if estimate.image_by_ray is not None:
+        by_ray = np.broadcast_to(estimate.image_by_ray[frame], (*used.shape, 2, 3))
+    image = np.broadcast_to(estimate.image[frame], (*used.shape, 2))
+    return Sights(direction, image, used, estimate.focal_length, by_ray)
+
+
+def stated_directions(estimate: Estimate, frame: int) -> Floats:
+    """Turn the directions of a frame to those between the stated places, (L, 3).
+
+    A mistake that is searched for has moved the places that were solved for.
+    """
+    direction = estimate.direction[frame]
+    if estimate.test_residual is None:
+        return np.asarray(direction)
+    sights = _sights(estimate, frame, direction[None], estimate.used[frame][None])
+    axes, _ = fit_rotations(sights, closest_axes(sights), PASSES)
+    by_turns = np.stack(np.split(sights.equations(axes)[1][0], 2), axis=1)
+    moved = np.stack(np.split(estimate.residual[frame] - estimate.test_residual[frame], 2), axis=1)
+    turn = (pseudo_inverse(by_turns) @ moved[..., None])[..., 0]
+    seen = turned(np.repeat(axes, len(turn), axis=0), turn) @ direction[..., None]
+    return np.asarray((axes[0].T @ seen)[..., 0])
 
 
 def trial_equations(fitted: FittedTrials, given: ResidualEquations) -> ResidualEquations:
@@ -134,6 +162,20 @@ def trial_equations(fitted: FittedTrials, given: ResidualEquations) -> ResidualE
         np.where(used[..., None], given.shared, 0.0),
         np.where(used[..., None], given.own[0][both], 0.0),
     )
+
+
+def _with_position(
+    found: list[Repair], chance: Floats, given: ResidualEquations,
+    components: list[ErrorComponent], frame: int, pool: Pool,
+) -> tuple[list[Repair], Floats]:  # fmt: skip
+    """Add another position, where it has a standard deviation and the picks can judge it."""
+    columns = next((one.residual[frame] for one in components if one.name == "position"), None)
+    if columns is None:
+        return found, chance
+    free = replace(given, partials=np.concatenate([given.partials, columns[None]], axis=2))
+    if free.freedom[0] < 1.0:
+        return found, chance
+    return [*found, Repair((), None)], np.append(chance, chance_of(free, pool))
 
 
 def misfit_text(
@@ -160,8 +202,7 @@ def misfit_text(
     for frame in misfits:
         found, word = _exchanges(estimate, int(frame)), " and "
         if not found:
-            equations = equations_of(estimate, components, np.array([frame]))
-            found, word = repairs(estimate, int(frame), equations, pool)[:MOST_NAMED], " or "
+            found, word = repairs(estimate, int(frame), components, pool)[:MOST_NAMED], " or "
         text[frame] = word.join(_repair_text(estimate, int(frame), one) for one in found) or NOTHING
     return text
 
@@ -181,10 +222,17 @@ def _repair_text(estimate: Estimate, frame: int, repair: Repair) -> str:
     def name(index: int) -> str:
         return estimate.landmark_label(estimate.landmark[frame, index]).replace(";", ",")
 
-    chance = f" (chance {repair.chance:.2f})" if repair.chance >= 0.0 else ""
+    chance = f" (chance {repair_chance(repair.chance)})" if repair.chance >= 0.0 else ""
     if repair.without is not None:
         return f"without {name(repair.without)}{chance}"
+    if not repair.exchanged:
+        return ELSEWHERE + chance
     return "exchange " + "+".join(name(index) for index in repair.exchanged) + chance
+
+
+def repair_chance(chance: float) -> str:
+    """Write the chance of what remains after a repair: `0.42`, `0.002`."""
+    return f"{chance:.2f}" if chance >= 0.01 else f"{chance:.3f}"
 
 
 def landmarks_of(text: str) -> list[str]:
@@ -199,4 +247,4 @@ def landmarks_of(text: str) -> list[str]:
     return [name for one in parts if one for name in one[1].split("+")]
 
 
-REPAIR = r"(?:without|exchange) (.*?)(?: \(chance \d\.\d\d\))?"
+REPAIR = r"(?:without|exchange) (.*?)(?: \(chance \d\.\d+\))?"

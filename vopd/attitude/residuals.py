@@ -28,7 +28,7 @@ class ResidualEquations(Rows):
     """Residuals of F frames that all have a solution; unused coordinates are 0 throughout."""
 
     residual: Floats  # (F, 2L)
-    partials: Floats  # (F, 2L, 3) of the computed coordinates by three turns
+    partials: Floats  # (F, 2L, 3) of the computed coordinates by three turns, and what else is free
     variance: Floats  # (F, 2L) of the readings, in squares of the reading sigma; 0 where unused
     shared: Floats  # (F, 2L, C) errors that the landmarks of a frame share
     own: Floats  # (F, 2L, 3) errors of each landmark's own position; or (F, 2L, 0)
@@ -36,7 +36,7 @@ class ResidualEquations(Rows):
     @property
     def freedom(self) -> Floats:
         """Degrees of freedom of every frame's residuals (F,)."""
-        return np.asarray((self.variance > 0.0).sum(axis=1) - 3.0)
+        return np.asarray((self.variance > 0.0).sum(axis=1) - float(self.partials.shape[2]))
 
 
 class ResidualWeights:

@@ -118,7 +118,7 @@ def fit_rotations(
         across = partials.swapaxes(1, 2)
         turn = (inverse(across @ partials) @ (across @ residual[..., None]))[..., 0]
         last[left] = turn
-        axes[left] = _turned(axes[left], np.where(np.isfinite(turn), turn, 0.0))
+        axes[left] = turned(axes[left], np.where(np.isfinite(turn), turn, 0.0))
         moving = np.abs(turn).max(axis=1) >= settled
         if not moving.all():  # nor does a trial move whose turn is not a number
             left, sights = left[moving], sights.of(moving)
@@ -145,10 +145,15 @@ def closest_axes(sights: Sights) -> Floats:
     return axes
 
 
-def _turned(axes: Floats, turn: Floats) -> Floats:
-    """Turn axes about themselves by small angles; they stay orthogonal (Cayley)."""
+def turned(axes: Floats, turn: Floats) -> Floats:
+    """Turn axes about themselves by small angles; they stay orthogonal (Cayley).
+
+    Args:
+        axes: as rows, (T, 3, 3)
+        turn: radians, (T, 3)
+    """
     half = turn / 2.0
     square = (half**2).sum(axis=1)[:, None, None]
     along = half[:, :, None] * half[:, None, :]
-    turned = (1.0 - square) * np.eye(3) + 2.0 * (along - crossing(half))
-    return np.asarray(turned / (1.0 + square) @ axes)
+    by_turn = (1.0 - square) * np.eye(3) + 2.0 * (along - crossing(half))
+    return np.asarray(by_turn / (1.0 + square) @ axes)

@@ -365,7 +365,7 @@ def read_labelme(file: InputFile) -> PickRows:
             sizes[image] = (int(width), int(height))
             for shape in label["shapes"]:
                 kind = shape.get("shape_type", "polygon")  # as LabelMe itself takes it
-                if kind != "point":
+                if kind not in ("point", "points"):
                     others.append(kind if kind in NO_POINTS else "other shape")
                     continue
                 others += [NO_PLACE] * (not shape["points"])
