@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from tests.approved.texts import assert_approved
 from tests.kit.batch import contents, end_process_at, loading, small_decks, start_batch, workers
 from tests.kit.command import vopd
 from vopd import files as whole_file
@@ -134,6 +135,21 @@ def test_a_chunk_that_kills_its_process_is_given_up() -> None:
         end_process_at, range(10, 18), 2, lambda chunk: [chunk], lambda chunk: -chunk
     )
     assert sorted(done) == sorted([-13, *(n * n for n in range(10, 18) if n != 13)])
+
+
+def test_a_deck_that_kills_its_process_is_named(
+    inputs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def give_up(
+        _work: object, chunks: Any, _jobs: int, split: Callable[[Any], Any], given_up: Any
+    ) -> Iterator[Any]:
+        return (given_up(one) for chunk in chunks for one in split(chunk))
+
+    monkeypatch.setattr(processes, "in_processes", give_up)
+    decks = [inputs / f"deck{k:03d}.dat" for k in (0, 1)]
+    ran = vopd("batch", *decks, "--jobs", "2", "-d", tmp_path / "out")
+    assert ran.status == 1
+    assert_approved(ran.stderr)
 
 
 def test_a_full_disk(

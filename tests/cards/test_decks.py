@@ -523,6 +523,13 @@ def test_a_record_without_its_descriptor_is_a_bad_card() -> None:
     assert damaged.startswith(whole) and len(damaged) == 9 * 81 + len(cut) - 84 * 9 - 1
 
 
+def test_a_last_record_that_is_cut_short_is_passed_on_as_it_is() -> None:
+    cut = described(80)[: 84 * 9 + 54]
+    passed_on = CardText(io.BytesIO(cut)).all("deck")
+    assert passed_on.startswith(CardText(io.BytesIO(cut[: 84 * 9])).all("deck"))
+    assert len(passed_on) == 9 * 81 + 54
+
+
 def test_a_deck_without_its_sequence_numbers_is_the_deck() -> None:
     """Numbers in columns 73 to 80 of all cards but those of group 7, where the altitude stands."""
     cards = TEXT.splitlines()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import vopd
 from tests.approved.texts import assert_approved
 from tests.kit.command import vopd as command
 from tests.kit.dense_minimum import NAMES, dense_minimum, drawn, freed_problem
+from tests.kit.flight_project import write_project
 from tests.kit.joint_flights import FOCAL, Dense, drone, flight_of
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
@@ -243,3 +245,13 @@ def test_a_named_blunder_moves_no_free_parameter() -> None:
     assert_close("table value", made.parameters[0].after, without.parameters[0].after)
     (text,) = said(made)
     assert_approved(text)
+
+
+def test_the_command_counts_the_warnings_that_it_does_not_show(tmp_path: Path) -> None:
+    """Landmarks 0 to 3 lie behind the camera."""
+    path = write_project(tmp_path, noise_px=0.3)
+    with (tmp_path / "landmarks.csv").open("a") as file:
+        file.writelines(f"{k},47.6{k},16.4759,460\n" for k in range(4))
+    with (tmp_path / "picks.csv").open("a") as file:
+        file.writelines(f"0,{k},900,500\n" for k in range(4))
+    assert_approved(command("adjust", path, "--free", "focal").stderr)
