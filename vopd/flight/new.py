@@ -29,7 +29,13 @@ from vopd.flight.files import (
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS, Names
-from vopd.flight.formats.track import NO_ZONE, TRACK_FORMATS, TrackRows, row_out_of_order
+from vopd.flight.formats.track import (
+    NO_ZONE,
+    TRACK_FORMATS,
+    TrackRows,
+    no_position_text,
+    row_out_of_order,
+)
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.image_tags import images_in, read_tags
 from vopd.flight.project import (
@@ -195,10 +201,30 @@ def look_at_pictures(new: NewProject, values: KeyValues, folder: Path, images: s
             f"{images}: {lost} picked and not there, {other_images([Path(images)])}: figures have "
             "a photograph where the picks name it as its file is named"
         )
-    size = read_tags(found[0]).size_px
-    if ("camera", "image_size_px") not in values and size is not None:
-        values["camera", "image_size_px"] = toml_numbers(*size)
+    take_size(new, values, Path(images))
+
+
+def take_size(new: NewProject, values: KeyValues, images: Path) -> None:
+    """Take the size of images that may have tags, where it is not known.
+
+    Args:
+        new: what is asked
+        values: the keys that are known, to be added to
+        images: their folder, or the one
+    """
+    found = images_in(images)
+    if found and ("camera", "image_size_px") not in values:
+        values["camera", "image_size_px"] = toml_numbers(*read_tags(found[0]).size_px)
         new.needed.pop(("camera", "image_size_px"), None)
+
+
+def has_positions(new: NewProject, values: KeyValues, folder: Path, images: str) -> bool:
+    """Tell whether the tags of images have positions, and say so where none has."""
+    found = images_in(Path(images))
+    if any(np.isfinite(read_tags(one).position).all() for one in found):
+        return True
+    new.said.append(f"{images}: {no_position_text(found)}")
+    return False
 
 
 def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
@@ -348,10 +374,7 @@ def look_at_track(
             f"to use their times: --set picks.times={shlex.quote(own)} --set "
             "picks.utc_offset_h=2.0, the hours by which the camera's clock is ahead of UTC"
         )
-    if ("camera", "image_size_px") not in values and images_in(file.path):
-        size = read_tags(images_in(file.path)[0]).size_px
-        values["camera", "image_size_px"] = toml_numbers(*size)
-        new.needed.pop(("camera", "image_size_px"), None)
+    take_size(new, values, file.path)
     if rows.crs is None and not rows.geodetic:
         new.needed["track", "crs"] = "the file has x and y"
     if rows.time_s is not None and rows.geodetic:
@@ -799,8 +822,11 @@ def look_at_files(
     bare = images is not None and bool(stills_in(Path(images))) and not images_in(Path(images))
     if images is not None and is_film(Path(images)):
         video, images, tagged = [images], None, None
-    if "track" not in named and tagged is not None and not bare and not fixed:
-        named["track"] = tagged
+    of_tags = None if bare or fixed or "track" in named else tagged
+    if of_tags is not None and look(has_positions, of_tags):
+        named["track"] = of_tags
+    elif of_tags is not None and of_tags != images:  # one photograph has one position
+        fixed = True
     if ("camera", "lens") not in values or "lens" in named:
         look(look_at_lens, named.get("lens"))
         own = images or named.get("track")  # and not whatever images the working folder has
@@ -817,6 +843,7 @@ def look_at_files(
         by_number = False
         values["picks", "video"] = _named(images, folder)
         values["picks", "file"] = toml_text(CLICKS)
+        take_size(new, values, Path(images))
         new.then = "pick {} -o pick.html"
         new.said.append(
             f"no picks yet: click landmarks with vopd pick, and save {CLICKS} in {folder}"

@@ -702,8 +702,8 @@ def project_text(
         head: sentences for the beginning
         options: those of `vopd new` that give keys, where they are not the usual ones
     """
-    fixed = any(section == "position" for section, _ in values)
     either = ("track", "file") in needed
+    fixed = any(section == "position" for section, _ in (values if either else [*values, *needed]))
     left_out = ("track",) if fixed else () if either else ("position",)
     lines = [f"# {line}".rstrip() for line in head.splitlines()]
     section = ""
@@ -746,9 +746,9 @@ def _line(
     needed: Mapping[tuple[str, str], str],
     options: Mapping[tuple[str, str], str],
 ) -> str:
-    section = "track" if row.section == "position" else row.section
-    asked = (section, row.name) in needed and value is None
-    option = options.get((section, row.name), row.new_option)
+    sections = ("position", "track") if row.section == "position" else (row.section,)
+    asked = value is None and any((section, row.name) in needed for section in sections)
+    option = options.get((row.section, row.name), row.new_option)
     mark = f"NEEDED ({option}), " if asked else ""
     text = f"# {row.name} = {row.example}" if value is None else f"{row.name} = {value}"
     return f"{text:{WIDTH - 1}} # {mark}{row.comment}"

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from pathlib import Path
 
 import numpy as np
 
@@ -388,6 +389,12 @@ def recognises_image_folder(file: InputFile) -> bool:
     return bool(images_in(file.path))
 
 
+def no_position_text(paths: Sequence[Path]) -> str:
+    """Say that images have no position in their tags."""
+    of_all = "the image has no" if len(paths) == 1 else f"none of the {len(paths)} images has a"
+    return f"{of_all} position in its tags"
+
+
 def read_image_folder(file: InputFile) -> TrackRows:
     """Read the positions of the images of a folder that have one.
 
@@ -398,11 +405,10 @@ def read_image_folder(file: InputFile) -> TrackRows:
     every = [read_tags(path) for path in paths]
     named = [(p, t) for p, t in zip(paths, every, strict=True) if np.isfinite(t.position).all()]
     if not named:
-        of_all = "the image has no" if len(paths) == 1 else f"none of the {len(paths)} images has a"
         damaged = [path.name for path, one in zip(paths, every, strict=True) if one.damaged][:1]
         why = f" ({damaged[0]} has damaged tags)" if damaged else ""
         raise file.error(
-            f"{of_all} position in its tags{why}; give a track, or the position of a camera that "
+            f"{no_position_text(paths)}{why}; give a track, or the position of a camera that "
             "does not move"
         )
     tags = [one for _, one in named]
