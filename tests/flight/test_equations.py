@@ -190,8 +190,9 @@ def test_blocks_of_many_fixes_are_formed_as_those_of_few(
 
 
 def test_priors_are_scaled_by_component() -> None:
-    fixes, landmark_m = FIXES["own"], np.full((2, 3), 0.5)
-    priors = Priors(fixes, landmark_m, {"east": 2.0, "focal": 3.0, "aspect": 0.1, "k1": 0.01})
+    fixes, landmark_m, click_px = FIXES["own"], np.full((2, 3), 0.5), np.full(4, 0.5)
+    parameter = {"east": 2.0, "focal": 3.0, "aspect": 0.1, "k1": 0.01}
+    priors = Priors(fixes, landmark_m, parameter, click_px)
     place = priors.scaled("position", 10.0)
     assert place.fixes is not None and place.landmark_m is landmark_m
     assert np.array_equal(place.fixes.sigma_m, np.full((4, 3), 10.0))
@@ -201,6 +202,10 @@ def test_priors_are_scaled_by_component() -> None:
     marks = priors.scaled("landmark", 10.0)
     assert marks.landmark_m is not None and np.array_equal(marks.landmark_m, np.full((2, 3), 5.0))
     assert marks.parameter == priors.parameter and marks.fixes is fixes
+    assert marks.click_px is click_px
+    clicks = priors.scaled("click", 10.0)
+    assert clicks.click_px is not None and np.array_equal(clicks.click_px, np.full(4, 5.0))
+    assert clicks.parameter == priors.parameter and clicks.landmark_m is landmark_m
 
 
 RAYS = np.array([[0.1, -0.2, 1.0], [-0.35, 0.2, 1.1], [0.0, 0.0, 1.0], [0.3, 0.3, 0.9]])

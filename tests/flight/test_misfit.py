@@ -290,3 +290,10 @@ def test_sentences(tmp_path: Path) -> None:
     errors, _ = input_errors(one, even_path(one))
     tenth = [0.1 * np.ones(len(each.columns)) for each in errors]
     assert_approved([each.text(v, v / 7.0) for each, v in zip(errors, tenth, strict=True)])
+
+
+def test_a_clock_rate_of_stated_times_is_in_parts_of_a_million(tmp_path: Path) -> None:
+    one = joint(solved(tmp_path))
+    one.model.flight = replace(one.model.flight, frame_rate_hz=None)
+    (rate,) = (e for e in input_errors(one, even_path(one))[0] if e.parameters == ("clock_rate",))
+    assert_approved(rate.text(np.array([2e-4]), np.array([3e-5])))

@@ -20,8 +20,10 @@ import pytest
 import vopd.report as report_module
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import DECKS, vopd
+from tests.kit.flight_project import TOML, write_project
 from tests.kit.histories import about, by_hand, flight, histories, table_text
 from tests.kit.html_page import Page, frame_columns
+from tests.kit.video import write_video
 from tests.tolerances import assert_close
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History, history
@@ -378,3 +380,16 @@ def test_photographs_that_are_missing_are_named(tmp_path: Path) -> None:
             "photograph:" not in vopd("report", project, "-o", page, "-q", "--photographs").stderr
         )
     assert_approved(said)
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_frames_of_a_video_that_cannot_be_shown_are_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_video(tmp_path / "flight.mp4", range(0, 500, 100))
+    named = TOML.replace("[picks]\n", '[picks]\nvideo = "flight.mp4"\n')
+    project = write_project(tmp_path, named)
+    monkeypatch.setitem(sys.modules, "PIL.Image", None)
+    ran = vopd("report", project, "-o", tmp_path / "r.html", "--photographs")
+    assert ran.status == 0
+    assert_approved(ran.stderr)
