@@ -167,6 +167,14 @@ CASES: dict[str, Case] = {  # EXPECTED, ACTUAL, differences; pages, fields compa
                     Decimal(9))],
         (1, 8, 6),
     ),
+    "illegible lines for the two pages before": (
+        [*10 * "?", " TITLE", *ONE[1:]],
+        [*frame(5, C), *frame(6, C), *frame(7, A, row(66, "1.00000009"))],
+        [Difference("line", 1, "7", 11, 11, " TITLE", "1 TITLE"),
+         Difference("field", 1, "7", 14, 14, "1.00000000", "1.00000009", "66", "XCO FINAL",
+                    Decimal(9))],
+        (1, 8, 12),
+    ),
     "illegible lines for the page behind": (
         [*ONE, *"?????"], [*frame(7, A, row(66, "1.00000009")), *frame(8, C)],
         [Difference("field", 1, "7", 4, 4, "1.00000000", "1.00000009", "66", "XCO FINAL",

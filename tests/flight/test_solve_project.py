@@ -41,6 +41,19 @@ def test_a_project_gives_the_true_angles(tmp_path: Path) -> None:
     assert_close("flight speed", result.estimate.airspeed, np.full(FRAMES, np.sqrt(429.0)))
 
 
+def test_longitudes_west_of_greenwich_are_negative(tmp_path: Path) -> None:
+    """All places are turned by 100 degrees about the Earth's axis, and the angles stay."""
+    path = write_project(tmp_path)
+    for name in ("landmarks.csv", "track.csv"):
+        head, *rows = (line.split(",") for line in (tmp_path / name).read_text().splitlines())
+        turned = [[a, b, f"{float(lon) - 100.0:.12f}", h] for a, b, lon, h in rows]
+        (tmp_path / name).write_text("".join(",".join(row) + "\n" for row in [head, *turned]))
+    estimate = solve_flight(str(path)).estimate
+    longitude_deg = estimate.position.longitude_deg
+    assert ((longitude_deg > -84.0) & (longitude_deg < -83.0)).all()
+    assert_close("flight angle", estimate.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+
+
 @pytest.mark.usefixtures("no_figures")
 def test_the_commands_take_a_project_as_they_take_a_deck(tmp_path: Path) -> None:
     path = write_project(tmp_path, noise_px=0.3)
