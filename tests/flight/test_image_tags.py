@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+import tomllib
 from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +17,7 @@ from scipy.spatial.transform import Rotation
 
 import vopd
 from tests.approved.texts import assert_approved, refused
+from tests.kit.command import ROOT
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg, write_project
 from tests.kit.tagged_images import Rational, tagged_image
@@ -583,3 +585,14 @@ def test_a_new_project_begins_with_the_focal_length_of_the_tags(tmp_path: Path) 
     other = NewProject()
     look_at_focal(other, {}, tmp_path)
     assert_approved(other.said[0].removeprefix(str(tmp_path)))
+
+
+def test_a_lens_that_is_named_is_not_that_of_the_tags(tmp_path: Path) -> None:
+    (tmp_path / "images").mkdir()
+    tagged_image(tmp_path / "images" / "a.jpg", lens={0xA405: 27})
+    lens = ROOT / "examples" / "shore" / "intrinsics.json"
+    files = ("--images", tmp_path / "images", "--lens", lens)
+    ran = run("new", tmp_path / "new", *files, "--position", "47.6435,16.4759,540")
+    assert ran.status == 0
+    given = tomllib.loads((tmp_path / "new" / "flight.toml").read_text())["camera"]["lens"]
+    assert Path(given).name == lens.name
