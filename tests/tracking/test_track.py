@@ -28,7 +28,7 @@ from vopd.figures import draw as draw_figure
 from vopd.flight.project import read_project
 from vopd.tracking import follow as rooms
 from vopd.tracking.follow import TrackOptions, follow
-from vopd.video import grey_frames
+from vopd.video import grey_frames, open_frames
 
 FRAMES, SIZE = 24, (320, 180)
 
@@ -250,6 +250,29 @@ def test_hidden_frames_and_a_hidden_landmark(flight: Path, monkeypatch: pytest.M
     assert [status[12, mark] for mark in sorted(marks)].count("tracked") >= 3
     assert {status[k, "L1"] for k in range(14, 20)} == {"occluded"}
     assert {status[k, "L2"] for k in range(14, 20)} == {"tracked"}
+
+
+def test_lost_images_are_told_by_their_numbers(
+    flight: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The images are numbered by tens; three of nothing in turn are one stretch."""
+    Path("images").mkdir()
+    for k, picture in open_frames(["video.mp4"]).decoded(0, FRAMES):
+        Image.fromarray(picture).save(f"images/{10 * k:04d}.png")
+    given = rows(Path("clicks.csv"))
+    clicks(
+        *((10 * int(r["frame"]), r["landmark"], float(r["u_px"]), float(r["v_px"])) for r in given)
+    )
+    change("flight.toml", '"video.mp4"', '"images"')
+    change("flight.toml", 'times = "video"', "frame_rate_hz = 250.0")
+
+    def cover(k: int, grey: Any) -> Any:
+        nothing = np.random.default_rng(k).integers(90, 110, grey.shape).astype(np.uint8)
+        return nothing if 9 <= k < 12 else grey
+
+    monkeypatch.setattr(rooms, "grey_frames", frames_where(cover))
+    ran = vopd("track", "flight.toml")
+    assert " 90 to 110" in ran.stderr
 
 
 @pytest.mark.parametrize("how", ["waves", "shadow"])
