@@ -28,7 +28,11 @@ from vopd.attitude.reading_sigma import (
 from vopd.attitude.residuals import ResidualEquations
 from vopd.attitude.sigmas import Sigmas, given_components, in_force
 from vopd.attitude.uncertainty import block_reading_sigma, job_reading_sigmas
+from vopd.errata import fixes
 from vopd.estimate import Estimate, StatedSigmas
+from vopd.pipeline import run
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 TRUTH = np.array([[140.0, -70.0 + k, 60.0] for k in range(6)])
 SOME = np.array([[3.0, 2.0], [-4.0, 1.0], [1.0, -4.0]])
@@ -270,6 +274,21 @@ def test_each_of_several_jobs_has_its_own(sigmas: Sigmas) -> None:
         np.testing.assert_array_equal(one.uncertainty.total, alone.uncertainty.total)
         assert one.reading_sigma.tolist() == [ours.sigma] * 3
     assert len({one.uncertainty.reading.sigma for one in made}) == (1 if sigmas.reading else 4)
+
+
+def test_a_job_that_settles_before_another_keeps_its_chances() -> None:
+    """Readings of the second have long tails: its outliers are found in more rounds."""
+    (one,), _ = make(Plan(landmarks=5, earth="wgs84"))
+    points, rng = one.readings.points, np.random.default_rng(0)
+    first, jobs = points.landmark_in[:, :1], []
+    for noise in (rng.normal(size=first.shape), rng.standard_t(1.5, first.shape)):
+        read = replace(points, landmark_in=np.repeat(first + 0.003 * noise, 3, axis=1))
+        jobs.append(replace(one, readings=replace(one.readings, points=read)))
+    chances = [h.uncertainty.reading.chance for h in run(jobs, fixes("all")).histories()]
+    for job, chance in zip(jobs, chances, strict=True):
+        (alone,) = run(job, fixes("all")).histories()
+        np.testing.assert_array_equal(chance, alone.uncertainty.reading.chance)
+    assert np.isfinite(chances).all()
 
 
 @pytest.mark.parametrize("way", ["alone", "jobs"])
