@@ -66,6 +66,34 @@ def test_no_file_is_needed_twice(
 
 
 @pytest.mark.parametrize(
+    ("inputs", "photograph"),
+    [
+        (("images",), "images/f0.png"),
+        (("project.toml",), "f0.png"),
+        (("project.toml",), "elsewhere/f0.png"),
+        (("other", "night.json"), "f0.png"),
+        (("other", "night.json", "images"), "images/within/f0.png"),
+    ],
+)
+def test_photographs_that_an_input_names_are_needed(
+    inputs: tuple[str, ...], photograph: str
+) -> None:
+    """Those of a folder, or where figures look for them; no picture that nothing names."""
+    for name in ("images/within", "elsewhere"):
+        Path(name).mkdir(parents=True)
+    Path("project.toml").write_text('[picks]\nfile = "picks.csv"  # vopd plot -o figure.png\n')
+    Path("picks.csv").write_text("image,landmark\nf0.png,mast\n")
+    Path("night.json").write_text('[{"image": "f0.png", "source": "stars.csv"}]')
+    Path("stars.csv").write_text("image\nf0.png\n")
+    for name in (photograph, "figure.png", "images/f0.csv", "elsewhere/g0.png"):
+        Path(name).touch()
+    with refused(OutputError):
+        refuse_to_overwrite(inputs, photograph)
+    for name in ("figure.png", "f1.png", "images/f0.csv", "images/f2.png", "elsewhere/g0.png"):
+        refuse_to_overwrite(inputs, name)
+
+
+@pytest.mark.parametrize(
     "output",
     [
         "folder",

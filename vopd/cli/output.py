@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import stat
 from pathlib import Path
 
 from vopd.files import OutputError, file_status, is_plain
-from vopd.inputs import MOST_SETTINGS, named_files, no_file, read_limited
+from vopd.inputs import MOST_BYTES, MOST_SETTINGS, named_files, no_file, read_limited
 
 
 def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
     """Check, before any work is done, that outputs can be written and overwrite no input.
 
     Args:
-        inputs: the files that are read; `-` is standard input. A project (.toml) stands for
-            the files that it names, too
+        inputs: the files that are read; `-` is standard input. A project (.toml) and star
+            solutions (.json) stand for the files that they name, too, a folder for its images,
+            and any for the photographs that it or one of its files names
         outputs: the files that will be written; `-` is standard output, None is no file
 
     Raises:
@@ -23,31 +26,79 @@ def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
             outputs are one file, or an output is a folder, is read-only, or is to
             be in a folder that does not exist or cannot be written in
     """
-    read = [*inputs, *(file for path in inputs for file in _files_of_project(path))]
+    files = {path: _files_of(path) for path in inputs}
+    read = [*inputs, *(file for named in files.values() for file in named)]
     taken = {key for path in read if (key := _identity(path, 0)) is not None}
     for output in outputs:
         if output is None:
             continue
         key = _identity(output, 1) or (output if output == "-" else None)
-        if key is not None and key in taken:
+        if (key is not None and key in taken) or _is_photograph(output, files):
             raise OutputError(f"{output}: this file is needed already; name another for the output")
         taken.add(key)
         if output != "-":
             _check_place(output)
 
 
-def _files_of_project(path: str) -> list[str]:
-    """List the files that a project names, none for any other input."""
-    if not path.lower().endswith(".toml"):
-        return []
+def _files_of(path: str) -> list[str]:
+    """List the images of a folder, and the files that a project or star solutions name."""
+    if os.path.isdir(path):  # noqa: PTH112
+        from vopd.video import stills_in
+
+        try:
+            return [str(one) for one in stills_in(Path(path))]
+        except OSError:  # reading it says why
+            return []
+    if path.lower().endswith(".toml"):
+        content = _content(path, MOST_SETTINGS)
+        return [str(file) for _, file in named_files(content, Path(path).parent)]
+    if path.lower().endswith(".json"):
+        return [json.loads(one) for one in set(SOURCE.findall(_content(path)))]
+    return []
+
+
+SOURCE = re.compile(rb'"source": ("(?:[^"\\\n]|\\["\\/bfnrt])*")')  # of star solutions
+
+
+def _content(path: str, most: int = MOST_BYTES) -> bytes:
+    """Read a file; nothing of one that cannot be read, of which reading it later says why."""
     try:
         if no_file(path):
-            return []
+            return b""
         with open(path, "rb") as file:  # noqa: PTH123
-            content = read_limited(file, MOST_SETTINGS)
-    except (OSError, ValueError):  # reading it says why
-        return []
-    return [str(file) for _, file in named_files(content, Path(path).parent)]
+            return read_limited(file, most)
+    except (OSError, ValueError):
+        return b""
+
+
+def _is_photograph(output: str, inputs: dict[str, list[str]]) -> bool:
+    """Tell whether an output is a photograph that an input names, where a command looks for it.
+
+    Args:
+        output: its name
+        inputs: the files of each
+    """
+    if not os.path.isfile(output):  # noqa: PTH113
+        return False
+    from vopd.flight.scene import image_file
+    from vopd.video import STILLS
+
+    name = os.path.basename(os.path.realpath(output))  # noqa: PTH119
+    if Path(name).suffix.lower() not in STILLS:
+        return False
+    spelled = b"|".join(re.escape(one.encode()) for one in (name, json.dumps(name)[1:-1]))
+    word = re.compile(rb"(?<![\w.-])(?:%s)(?![\w.-])" % spelled)
+    given = [Path(path) for path in inputs if os.path.isdir(path)]  # noqa: PTH112
+    for path, files in inputs.items():
+        folders = [*given, *(Path(one).parent for one in (*reversed(files), path))]
+        found = next(filter(None, (image_file(one, name) for one in folders)), None)
+        if found is None or _identity(str(found), 0) != _identity(output, 1):
+            continue
+        own = () if path.lower().endswith(".toml") else (path,)  # its comments name figures
+        texts = (one for one in (*own, *files) if Path(one).suffix.lower() not in STILLS)
+        if any(word.search(_content(one)) for one in texts):
+            return True
+    return False
 
 
 def _identity(path: str, stream: int) -> object:

@@ -144,7 +144,8 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     """
     form = format_of(output, given.pop("form"))
     refuse_idle_options(ctx, given, form)
-    refuse_to_overwrite(files, output)
+    read = (given[name] for name in ("images", "ephemeris", "catalogue"))
+    refuse_to_overwrite((*files, *filter(None, read)), output)
     from vopd.stellar.files.images import MissingOption
     from vopd.stellar.files.photograph import SolvedPhotograph, solve_photographs
     from vopd.stellar.files.read import PixelFormat
