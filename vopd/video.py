@@ -46,6 +46,7 @@ WITH_LUMA = (
 )  # fmt: skip
 """Formats of pixels whose luminance in eight bits is taken as it is stored."""
 ORIENTATION = 274  # EXIF's tag of how an image is turned; 1: upright
+BAND = 250_000  # pixels of more than eight bits that are scaled at once
 SOONER_S = 10.0  # than a frame that is asked for ffmpeg begins to decode
 
 
@@ -247,12 +248,23 @@ def eight_bits(image: Image) -> Image:
     if image.mode.startswith(("I", "F")):
         from PIL import Image as images
 
-        own = np.asarray(image, dtype=float)
-        known = own[np.isfinite(own)]
-        low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
-        own = np.nan_to_num(own, nan=low).clip(low, high)
-        scaled = ((own - low) * (255.0 / (high - low) if high > low else 0.0)).round()
-        image = images.fromarray(scaled.astype(np.uint8))
+        width, height = image.size
+        step = max(BAND // width, 1)
+        low, high = np.inf, -np.inf
+        for top in range(0, height, step):
+            own = np.asarray(image.crop((0, top, width, min(top + step, height))))
+            known = own[np.isfinite(own)]
+            if len(known):
+                low, high = min(low, float(known.min())), max(high, float(known.max()))
+        if low > high:
+            low = high = 0.0
+        scale = 255.0 / (high - low) if high > low else 0.0
+        grey = images.new("L", image.size)
+        for top in range(0, height, step):
+            band = image.crop((0, top, width, min(top + step, height)))
+            own = np.nan_to_num(np.asarray(band, dtype=float), nan=low).clip(low, high)
+            grey.paste(images.fromarray(((own - low) * scale).round().astype(np.uint8)), (0, top))
+        image = grey
     return image if image.mode == "RGB" else image.convert("RGB")
 
 

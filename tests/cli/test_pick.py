@@ -188,3 +188,12 @@ def test_wrong_usage(tmp_path: Path) -> None:
         assert done.status in (1, 2), arguments
         assert_approved(done.stderr)
     assert not Path("p.html").exists()
+
+
+def test_an_image_that_is_too_wide_for_a_jpeg_is_named() -> None:
+    Image.new("L", (65_501, 1)).save("panorama.png")
+    done = vopd("pick", "panorama.png", "-o", "p.html")
+    assert done.status == 1 and not Path("p.html").exists()
+    assert_approved(done.stderr)
+    Image.new("L", (65_500, 1)).save("panorama.png")
+    assert vopd("pick", "panorama.png", "-o", "p.html").status == 0

@@ -14,12 +14,13 @@ import pytest
 from PIL import Image
 
 from tests.approved.texts import assert_approved, refused
+from tests.kit.command import peak
 from tests.kit.video import SIZE, number_of, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.new import example_project
-from vopd.video import Chapter, VideoFrames, grey_frames, open_frames, spread
+from vopd.video import Chapter, VideoFrames, eight_bits, grey_frames, open_frames, spread
 
 EVEN_MS = [40 * k for k in range(40)]
 UNEVEN_MS = [0, 33, 66, 100, 133, 333, 366, 400, 433]  # five frames are missing after the fifth
@@ -118,6 +119,17 @@ def test_images_have_their_names_and_stand_upright(tmp_path: Path) -> None:
     assert [thermal.getpixel((u, 0)) for u in (0, 1)] == [(0, 0, 0), (255, 255, 255)]
     assert turned.size == (20, 30)
     assert np.asarray(turned)[:, 19].min() == 255 and np.asarray(turned)[:, :19].max() == 0
+
+
+@pytest.mark.parametrize("mode", ["I;16", "I", "F"])
+def test_a_large_image_of_16_bits_takes_a_few_bytes_a_pixel(mode: str) -> None:
+    """It is scaled band by band, all from one darkest to one brightest pixel."""
+    rows = np.arange(1000)[:, None]
+    levels = np.broadcast_to(65 * rows, (1000, 4000)).astype(np.uint16)
+    image = Image.fromarray(levels).convert(mode)
+    assert peak(lambda: eight_bits(image)) < 4 * levels.size
+    shown = np.asarray(eight_bits(image))
+    np.testing.assert_array_equal(shown[:, ::999, 1], np.round(rows * 255 / 999) + 0 * rows[:5].T)
 
 
 def test_the_file_of_a_photograph_serves_where_browsers_show_it_upright(tmp_path: Path) -> None:

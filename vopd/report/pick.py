@@ -19,6 +19,7 @@ from vopd.video import VideoFrames
 QUALITIES = (92, 85, 75)  # of JPEG: of the first one the difference is a grey level or two
 WANTED_BYTES = 240_000_000  # of a page; of more frames the quality is lower
 MOST_BYTES = 400_000_000  # of a page, which a browser still opens
+MOST_SIDE_PX = 65_500  # of a JPEG, wide or high, as its encoder writes it
 DIGITS = 13  # of a direction's components: a nanosecond of arc
 
 # The page
@@ -70,7 +71,8 @@ def pick_page(
         tell: is called after each frame
 
     Raises:
-        VopdError: if jinja2 is not installed, a frame cannot be read, or they are too many
+        VopdError: if jinja2 is not installed, a frame cannot be read or is too wide, or they are
+            too many
     """
     template = page_template("pick.html")
     rows, images, size = list[dict[str, Any]](), list[str](), 0
@@ -145,10 +147,19 @@ def _jpeg(frames: VideoFrames, k: int, picture: Any, most: int) -> str:
     """Write a frame as JPEG in base 64, of at most so many characters if it can be.
 
     An image that is such a file already, and upright, stays as it is, to the last pixel.
+
+    Raises:
+        VopdError: if it has more pixels in a row or a column than a JPEG can have
     """
     own = frames.jpeg(k)
     if own is not None and len(own) * 4 // 3 <= most:
         return base64.b64encode(own).decode()
+    width, height = picture.size
+    if max(width, height) > MOST_SIDE_PX:
+        raise VopdError(
+            f"{frames.label(k)}: the image has {width} x {height} pixels, and on the page, as a "
+            f"JPEG, none can have more than {MOST_SIDE_PX:,} either way: save it smaller, or cut it"
+        )
     for quality in QUALITIES:
         buffer = io.BytesIO()
         picture.save(buffer, "JPEG", quality=quality, subsampling=0)
