@@ -28,6 +28,7 @@ from vopd.results import Outcome, Results, SolvedJob, SourceEnd
 from vopd.solved import Run
 
 if TYPE_CHECKING:  # flights load neither the cards nor the program of 1974, decks no flight
+    from vopd.attitude.sigmas import Sigmas
     from vopd.flight.result import FlightResult
     from vopd.program.orient import FilmSight, Sight
 
@@ -169,6 +170,7 @@ def solve_sources(
     names: Iterable[str],
     options: SolveOptions = SolveOptions(),
     locations: Mapping[str, str] = NAMES_ARE_PATHS,
+    sigmas: Sigmas | None = None,
 ) -> Iterator[SolvedJob | FlightResult | SourceEnd]:
     """Read and solve decks and flights; after each source comes a `SourceEnd`.
 
@@ -177,6 +179,7 @@ def solve_sources(
             - is a deck from standard input
         options: how to solve decks
         locations: where files are that are not under their names
+        sigmas: standard deviations in the place of those that flights state; decks state none
     """
     for flights, some in groupby(names, is_flight):
         if not flights:
@@ -186,7 +189,7 @@ def solve_sources(
 
         for name in some:
             try:
-                yield solve_flight(name, locations.get(name))
+                yield solve_flight(name, locations.get(name), sigmas)
                 yield SourceEnd(name)
             except VopdError as error:
                 yield SourceEnd(name, error)

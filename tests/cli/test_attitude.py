@@ -373,7 +373,8 @@ def collected(
 ) -> tuple[Collected, list[str]]:
     heard: list[str] = []
 
-    def solve(decks: tuple[str, ...], options: SolveOptions) -> Iterator[Any]:
+    def solve(decks: tuple[str, ...], options: SolveOptions, sigmas: Sigmas) -> Iterator[Any]:
+        assert sigmas == SOLVED.history.sigmas
         assert (decks, options) == (("a", "b"), asked.get("solve", SolveOptions()))
         return iter(sources)
 

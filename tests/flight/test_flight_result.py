@@ -82,7 +82,7 @@ def test_a_frame_with_one_landmark_is_not_solved(tmp_path: Path) -> None:
 
 def test_a_project_is_read_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     given: list[Any] = []
-    monkeypatch.setattr(result_module, "read_flight", lambda *a: given.append(a))
+    monkeypatch.setattr(result_module, "read_flight", lambda *a: given.append(a) or three_frames())
     monkeypatch.setattr(result_module, "solve_flight_read", lambda flight, project: flight)
     solve_flight("a.toml")
     solve_flight("b.toml", "/elsewhere/c.toml")

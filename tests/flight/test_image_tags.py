@@ -124,10 +124,15 @@ def test_images_without_position_and_files_that_are_none(tmp_path: Path) -> None
     assert flight.solved.tolist() == [True, True, False, True, True]
     assert any("5 images, 1 without position" in one for one in flight.about)
     (tmp_path / "images" / "IMG_2.JPG").write_text("no image")
+    flight = vopd.solve_flight(project)
+    assert flight.solved.tolist() == [True, True, False, True, True]
+    assert_approved([one for one in flight.about if "IMG_2.JPG" in one])
+    for path in (tmp_path / "images").iterdir():
+        tagged_image(path)
     with refused(VopdError):
         vopd.solve_flight(project)
     for path in (tmp_path / "images").iterdir():
-        tagged_image(path)
+        path.write_text("no image")
     with refused(VopdError):
         vopd.solve_flight(project)
 
@@ -161,7 +166,6 @@ GPS = {1: "N", 2: (47, 30, 36), 3: "E", 4: (16, 15, 9), 6: 540.5}
         ({5: 1}, (16.2525, 47.51, -540.5)), ({5: 0}, (16.2525, 47.51, 540.5)),
         ({5: 1, 6: -7}, (16.2525, 47.51, 7.0)), ({6: None}, (16.2525, 47.51, NAN)),
         ({2: None}, (NAN, NAN, NAN)), ({4: None}, (NAN, NAN, NAN)),
-        ({1: None, 3: None}, (16.2525, 47.51, 540.5)),
     ],
 )  # fmt: skip
 def test_positions_of_exif(tags: dict[int, Any], expected: tuple[float, ...]) -> None:
@@ -178,13 +182,23 @@ def test_positions_of_exif(tags: dict[int, Any], expected: tuple[float, ...]) ->
     [
         {"latitude": (99, 0, 0)}, {"latitude": (47, 99, 0)}, {"longitude": (16, 0, 61)},
         {"longitude": (361, 0, 0)}, {"references": "XE"}, {"references": "NX"},
+        {"references": ("N", "")},
     ],
 )  # fmt: skip
 def test_no_place_on_the_earth_is_a_damaged_tag(angles: dict[str, Any], tmp_path: Path) -> None:
     given = {"latitude": (47, 30, 0), "longitude": (16, 30, 0), "references": "NE"} | angles
     tagged_image(tmp_path / "a.jpg", *given.values(), 500.0)
-    with refused(VopdError):
-        read_tags(tmp_path / "a.jpg")
+    tags = read_tags(tmp_path / "a.jpg")
+    assert np.isnan(tags.position).all()
+    assert_approved(tags.damage)
+
+
+@pytest.mark.parametrize(
+    "tags", [{2: (-47, 30, 36)}, {4: (16, -15, 9)}, {2: (47, 30, -36)}, {1: ""}, {3: ""}]
+)
+def test_degrees_below_zero_and_sides_that_are_not_given_are_refused(tags: dict[int, Any]) -> None:
+    with refused(ValueError):
+        exif_position(GPS | tags)
 
 
 TAKEN, PART, ZONE, OTHER_ZONE = 0x9003, 0x9291, 0x9011, 0x9010
@@ -290,8 +304,9 @@ def test_angles_by_zero_are_no_position(tmp_path: Path) -> None:
     exif = Image.Exif()
     exif[0x8825] = {1: "N", 2: (Rational(1, 1), Rational(1, 1)), 3: "E", 4: (1.0, 2.0, 3.0)}
     Image.new("RGB", (6, 4)).save(tmp_path / "a.jpg", exif=exif)
-    with refused(VopdError):
-        read_tags(tmp_path / "a.jpg")
+    tags = read_tags(tmp_path / "a.jpg")
+    assert np.isnan(tags.position).all()
+    assert_approved(tags.damage)
 
 
 ODD = [OSError("v"), ValueError("v"), TypeError("v"), KeyError("v"), IndexError("v"),
@@ -306,13 +321,11 @@ def test_whatever_pillow_says_of_a_file_is_told_with_its_name(
         raise error
 
     tagged_image(tmp_path / "a.jpg")
-    for name in (
-        "exif_position",
-        "xmp_text",
-    ):
-        monkeypatch.setattr(image_tags, name, fails)
-        with refused(VopdError):
-            read_tags(tmp_path / "a.jpg")
+    monkeypatch.setattr(image_tags, "exif_position", fails)
+    assert_approved(read_tags(tmp_path / "a.jpg").damage)
+    monkeypatch.setattr(image_tags, "xmp_text", fails)
+    with refused(VopdError):
+        read_tags(tmp_path / "a.jpg")
 
 
 # A folder of them

@@ -283,6 +283,8 @@ def test_refractions_that_are_refused(value: Any) -> None:
         5,
         {"matrix": [1], "roll": 2},
         {},
+        {"ypr_deg": [0, 90, 0], "matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+        {"ypr_deg": [0, 0, 361]},
     ],
 )
 def test_mounts_that_are_refused(value: Any) -> None:
@@ -537,9 +539,11 @@ WITHOUT_TRACK = TOML.partition("[track]")[0]
 # Wind
 
 
-def with_wind(folder: Path, velocity: Any) -> tuple[CameraPath, list[str]]:
-    """A path at heights of 0, 550 and 9000 m, and its wind."""
-    (folder / "wind.csv").write_text("h_m,from_deg,speed_m_s\n500,180,10\n600,180,30\n")
+def with_wind(
+    folder: Path, velocity: Any, levels: str = "500,180,10\n600,180,30\n"
+) -> tuple[CameraPath, list[str], list[str]]:
+    """A path at heights of 0, 550 and 9000 m, its wind, and what is doubtful of it."""
+    (folder / "wind.csv").write_text(f"h_m,from_deg,speed_m_s\n{levels}")
     project = Project("p.toml", folder, {"wind": Section("p.toml", "wind", {"file": "wind.csv"})})
     position = earth_centred_m(47.0, 16.0, np.array([0.0, 550.0, 9000.0]))
     return add_wind(project, CameraPath(position, velocity_m_s=velocity))
@@ -547,18 +551,25 @@ def with_wind(folder: Path, velocity: Any) -> tuple[CameraPath, list[str]]:
 
 def test_wind_is_linear_in_height_and_held_beyond_the_ends(tmp_path: Path) -> None:
     """From the south is toward the north: 10 m/s at 500 m and below, 30 at 600 and above."""
-    path, (said,) = with_wind(tmp_path, np.zeros((3, 3)))
+    path, (said,), (far,) = with_wind(tmp_path, np.zeros((3, 3)))
     assert path.wind_m_s is not None
     assert_close("flight speed", path.wind_m_s[:, 0], [10.0, 20.0, 30.0])
     assert_close("flight speed", path.wind_m_s[:, 1:], np.zeros((3, 1)))
-    assert_approved(said)
+    assert_approved([said, far])
+
+
+def test_levels_half_a_kilometre_away_are_near_and_faster_than_any_wind_is_told(
+    tmp_path: Path,
+) -> None:
+    assert not with_wind(tmp_path, np.zeros((3, 3)), "499,180,150\n8501,180,0\n")[2]
+    assert_approved(with_wind(tmp_path, np.zeros((3, 3)), "499,180,151\n8501,180,0\n")[2])
 
 
 def test_wind_without_a_velocity_is_refused(tmp_path: Path) -> None:
     with refused(VopdError):
         with_wind(tmp_path, None)
     path = CameraPath(np.zeros((1, 3)))
-    assert add_wind(Project("p.toml", tmp_path, {}), path) == (path, [])
+    assert add_wind(Project("p.toml", tmp_path, {}), path) == (path, [], [])
 
 
 # Positions and speeds

@@ -109,7 +109,8 @@ def _solve(
     start = time.perf_counter()
     solved = [SolvedSource(*one) for one in zip(sources, digests, strict=True)]
     ended = 0
-    for one in solve_sources([one.path for one in sources], settings.solve, locations):
+    paths, sigmas = [one.path for one in sources], settings.history.sigmas
+    for one in solve_sources(paths, settings.solve, locations, sigmas):
         now = solved[ended]
         now.findings.extend(one.findings)
         if isinstance(one, SolvedJob):

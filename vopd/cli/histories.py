@@ -96,7 +96,8 @@ def collect_jobs(
     found = Collected([], [], False, False, 0)
     messages = Messages(options.quiet, on_message)
     progress = Progress("frames solved", stopped="nothing is written")
-    for some in in_groups(solve_sources(decks, options.solve)):
+    solves = solve_sources(decks, options.solve, sigmas=options.history.sigmas)
+    for some in in_groups(solves):
         solved = [one for one in some if isinstance(one, SolvedJob)]
         of_jobs = iter(histories_of_run(solved, options.history) if solved else [])
         for one in some:

@@ -61,7 +61,8 @@ def with_sigmas(flight: Flight, sigmas: Sigmas) -> Flight:
         The flight itself where none of them takes part in its solve.
     """
     path, marks, options = flight.path, flight.landmarks, flight.options
-    if sigmas.reading is None and not any(getattr(sigmas, name) for name in SOLVED_WITH):
+    given = Sigmas(sigmas.reading, **{name: getattr(sigmas, name) for name in SOLVED_WITH})
+    if given in (Sigmas(), options.given):
         return flight
     if options.held is not None:
         raise VopdError(
@@ -75,7 +76,7 @@ def with_sigmas(flight: Flight, sigmas: Sigmas) -> Flight:
     common = dict(options.parameter_sigma)
     common |= {"focal": sigmas.focal_length} if sigmas.focal_length > 0.0 else {}
     common |= {"clock": sigmas.time_s} if sigmas.time_s > 0.0 else {}
-    options = replace(options, parameter_sigma=common, reading_sigma_px=sigmas.reading)
+    options = replace(options, parameter_sigma=common, given=given)
     picks = flight.picks
     if sigmas.reading:
         picks = picks.with_sigma(sigmas.reading)

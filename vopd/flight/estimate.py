@@ -106,6 +106,7 @@ def angles_of_attack(
         np.stack([-across / all2, u * v / (across * all2), u * w / (across * all2)], axis=1),
     ]
     by_velocity = np.stack(rows, axis=1)
+    angles[all2 == 0.0] = np.nan  # what does not move through the air has no direction in it
     return AttackAngles(
         np.degrees(angles),
         np.sqrt(all2),

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Array, Bools, Floats, Ints
+from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import MapGrid
 from vopd.findings import Finding
 from vopd.geometry.earth import local_axes
@@ -434,7 +435,9 @@ class FlightOptions:
     # those of which the project and its files say nothing; `bias` among them if nothing says how
     # much of a track's error is common to its fixes
     not_stated: tuple[str, ...] = ()
-    reading_sigma_px: float | None = None  # of one pick, where the user gives it; 0 leaves it out
+    # standard deviations that the user gives in the place of stated ones; of those in `SOLVED_WITH`
+    # and of the readings, of which 0 leaves them out and None gives none
+    given: Sigmas = field(default_factory=Sigmas)
     # parameters that are solved for, by the names of `vopd.flight.free.FREE`
     free: tuple[str, ...] = ()
     kept: tuple[NotHeld, ...] = ()  # those of them that the picks do not hold

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib import import_module
 from math import isfinite
@@ -55,7 +56,7 @@ class ImageTags(NamedTuple):
     whole_second: bool  # the time has no part of a second
     sigma_m: tuple[float, float, float] = (NONE,) * 3  # of the position: east, north, up
     sigma_by: str = ""  # the tags it comes from
-    damaged: bool = False  # some tags cannot be read
+    damage: str = ""  # why some tags cannot be read
     focal_px: float = NONE
     focal_by: str = ""  # the tags it comes from
 
@@ -83,12 +84,12 @@ def read_tags(path: Path) -> ImageTags:
             size = (int(image.size[0]), int(image.size[1]))
     except UNREADABLE as error:
         raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
+    why = "damaged tags" * bool(damage)
     try:
         longitude, latitude, altitude = exif_position(gps)
-    except UNREADABLE as error:
-        raise VopdError(
-            f"{path.name}: the GPS tags are not as EXIF has them: {reason(error)}"
-        ) from error
+    except UNREADABLE as error:  # of one image, which costs the others nothing
+        longitude = latitude = altitude = NONE
+        why = f"the GPS tags are not as EXIF has them: {reason(error)}"
     own = [xmp_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
     if abs(own[0]) <= 360.0 and abs(own[1]) <= 90.0 and any(own[:2]):
         longitude, latitude = own[:2]
@@ -98,8 +99,31 @@ def read_tags(path: Path) -> ImageTags:
     yaw, pitch, roll = (xmp_number(xmp, (name,)) for name in GIMBAL)
     return ImageTags(
         (longitude, latitude, altitude), (yaw, pitch, roll), size, *clock_of_tags(exif),
-        sigma_m, sigma_by, bool(damage), *focal_of_tags(exif, size),
+        sigma_m, sigma_by, why, *focal_of_tags(exif, size),
     )  # fmt: skip
+
+
+def tags_of(paths: Sequence[Path]) -> tuple[dict[Path, ImageTags], list[str]]:
+    """Read the tags of the images that can be read.
+
+    Args:
+        paths: of the images
+
+    Returns:
+        The tags, and why others cannot be read.
+
+    Raises:
+        VopdError: where none can, or Pillow is not installed
+    """
+    found, errors = dict[Path, ImageTags](), list[str]()
+    for path in paths:
+        try:
+            found[path] = read_tags(path)
+        except VopdError as error:
+            errors.append(str(error))
+    if errors and not found:
+        raise VopdError(errors[0])
+    return found, errors
 
 
 def _opened(path: Path) -> Any:
@@ -142,9 +166,11 @@ def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
         degrees, minutes, seconds = (float(part) for part in gps[tag])
         size = degrees + minutes / 60.0 + seconds / 3600.0
         side = _text(gps.get(reference, ""))
-        if side and side[0] not in signs:
+        if not side:
+            raise ValueError(f"there is no GPS{axis}Ref, {signs[0]} or {signs[1]}")
+        if side[0] not in signs:
             raise ValueError(f"GPS{axis}Ref is {side!r}, neither {signs[0]} nor {signs[1]}")
-        if size > most or minutes > 60.0 or seconds > 60.0:
+        if size > most or not (degrees >= 0.0 <= minutes <= 60.0 and 0.0 <= seconds <= 60.0):
             raise ValueError(f"GPS{axis} is {degrees:g} degrees {minutes:g}' {seconds:g}\"")
         angles.append(-size if side.startswith(signs[1]) else size)
     altitude = float(gps[6]) if 6 in gps else NONE

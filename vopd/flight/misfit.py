@@ -74,6 +74,8 @@ UNEXPLAINED = (
 
 # A flight that misfits
 
+KNOWN = ("stated", "given")  # reading sigmas that residuals are measured by
+
 
 def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float | None) -> str:
     """Say that the residuals of a flight are larger than what is stated explains; or nothing.
@@ -83,11 +85,12 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
         reading: the reading sigma in force
         stated_px: standard deviation of a pick, as stated; None: it is not
     """
-    if reading.source == "stated":
+    if reading.source in KNOWN and reading.sigma > 0.0:
         ratio, chance = size_of_residuals(joint, ordinary_frames(joint))
         if ratio > REJECTED and chance < SIGNIFICANCE:
+            given = f"the given reading sigma of {reading.sigma:g} px and " * (reading.source == "given")
             return (
-                f"{MISFITS}: its residuals are {ratio:.1f} times what the stated standard "
+                f"{MISFITS}: its residuals are {ratio:.1f} times what {given}the stated standard "
                 f"deviations explain (chance below {SIGNIFICANCE:g})"
             )
         return ""
@@ -857,10 +860,10 @@ def _explanations(
 
         causes = exchanges(flight, expected_px)
     if not causes:
-        without_px = expected_px if misfit and reading.source != "stated" else None
+        without_px = expected_px if misfit and reading.source not in KNOWN else None
         if misfit:
             joint = with_stated_exact(joint, expected_px)
-        found = significant_errors(joint, reading.source == "stated", without_px)
+        found = significant_errors(joint, reading.source in KNOWN, without_px)
         again = ""
         if misfit and flight.picks.clicks is not None:
             found, again = _rather_by_clicks(flight, found)

@@ -37,7 +37,7 @@ from vopd.flight.formats.track import (
     row_out_of_order,
 )
 from vopd.flight.formats.wind import WIND_FORMATS
-from vopd.flight.image_tags import images_in, read_tags
+from vopd.flight.image_tags import images_in, read_tags, tags_of
 from vopd.flight.project import (
     ROWS,
     VIDEO,
@@ -214,14 +214,15 @@ def take_size(new: NewProject, values: KeyValues, images: Path) -> None:
     """
     found = images_in(images)
     if found and ("camera", "image_size_px") not in values:
-        values["camera", "image_size_px"] = toml_numbers(*read_tags(found[0]).size_px)
+        tags = [*tags_of(found)[0].values()]
+        values["camera", "image_size_px"] = toml_numbers(*tags[0].size_px)
         new.needed.pop(("camera", "image_size_px"), None)
 
 
 def has_positions(new: NewProject, values: KeyValues, folder: Path, images: str) -> bool:
     """Tell whether the tags of images have positions, and say so where none has."""
     found = images_in(Path(images))
-    if any(np.isfinite(read_tags(one).position).all() for one in found):
+    if any(np.isfinite(one.position).all() for one in tags_of(found)[0].values()):
         return True
     new.said.append(f"{images}: {no_position_text(found)}")
     return False
@@ -235,7 +236,7 @@ def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
         values: the keys that are known, to be added to
         images: their folder, or the one
     """
-    tags = [read_tags(path) for path in images_in(images)]
+    tags = tags_of(images_in(images))[0].values()
     found = {(round(one.focal_px, 1), one.size_px, one.focal_by) for one in tags if one.focal_by}
     if len(found) != 1 or not all(one.focal_by for one in tags):
         if found:
@@ -522,7 +523,7 @@ def look_at_times(
         return
     if images is not None:
         values["picks", "times"] = _named(images, folder)
-        tags = [read_tags(path) for path in images_in(Path(images))]
+        tags = tags_of(images_in(Path(images)))[0].values()
         zone = all(np.isfinite(one.zone_s) for one in tags if np.isfinite(one.clock_s))
         new.said.append(
             f"{images}: {count_text(len(tags), 'image')}, whose tags give the frames' times"

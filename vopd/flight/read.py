@@ -655,9 +655,9 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         findings += [one for one in of_clicks if one not in findings]
     else:
         joined, findings = join_picks(picks, label, landmarks.name, name)
-    camera, wind_said = add_wind(project, path.path)
+    camera, wind_said, wind_doubts = add_wind(project, path.path)
     outside = outside_area(landmark_crs(project.section("landmarks"), rows), landmarks.position_m)
-    doubts = [*picks.doubts, *times.doubts, *path.doubts]
+    doubts = [*picks.doubts, *times.doubts, *path.doubts, *wind_doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
     if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
@@ -837,19 +837,40 @@ def _one_datum(project: Project) -> None:
         )
 
 
-def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str]]:
-    """Interpolate the wind at the camera's heights; the path, and sentences about the sounding."""
+WIND_BEYOND_M = 500.0  # of the wind's levels: how far away they are is said
+FASTEST_WIND_M_S = 150.0  # faster than any jet stream
+
+
+def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str], list[str]]:
+    """Interpolate the wind at the camera's heights.
+
+    Returns:
+        The path with it, sentences about the sounding, and what is doubtful of it.
+    """
     if not project.has("wind"):
-        return path, []
+        return path, [], []
     rows = read_by_content(WIND_FORMATS, project.open("wind"))
     if path.velocity_m_s is None:
         message = "is of no use: the velocity is not known without a track by time"
         raise project.section("wind").error("file", message)
-    height = geodetic(path.position_m).height_m
-    wind = np.stack([np.interp(height, rows.height_m, w) for w in rows.toward_m_s.T], axis=1)
+    height, level = geodetic(path.position_m).height_m, rows.height_m
+    wind = np.stack([np.interp(height, level, w) for w in rows.toward_m_s.T], axis=1)
     said = f"{rows.said}, linear in height, the last level held beyond the ends"
+    doubts = []
+    beyond = np.fmax(level[0] - height, height - level[-1])
+    if (beyond > WIND_BEYOND_M).any():
+        doubts.append(
+            f"[wind] file: its levels are {level[0]:.0f} to {level[-1]:.0f} m high, the camera is "
+            f"{np.nanmin(height):.0f} to {np.nanmax(height):.0f} m: the nearest level is taken, up "
+            f"to {np.nanmax(beyond):.0f} m away"
+        )
+    fastest = float(np.linalg.norm(rows.toward_m_s, axis=1).max())
+    if fastest > FASTEST_WIND_M_S:
+        doubts.append(
+            f"[wind] file: {fastest:.4g} m/s is no wind: are its speeds in the unit that is named?"
+        )
     (sigma_m_s,) = project.section("wind").sigma("sigma_m_s") or (0.0,)
-    return replace(path, wind_m_s=wind, wind_sigma_m_s=sigma_m_s), [said]
+    return replace(path, wind_m_s=wind, wind_sigma_m_s=sigma_m_s), [said], doubts
 
 
 def frames_uncovered(
@@ -871,8 +892,13 @@ def mount_of(section: Section) -> Floats:
     if isinstance(section.values.get("mount", ""), str):
         return {"forward": FORWARD, "down": DOWN}[section.text("mount")]
     inside = section.section("mount")
+    if inside.has("ypr_deg") == inside.has("matrix"):
+        raise section.error("mount", "give either ypr_deg or matrix")
     if inside.has("ypr_deg"):
-        return mount_by_angles(inside.numbers("ypr_deg"))
+        ypr_deg = inside.numbers("ypr_deg")
+        if not (np.abs(ypr_deg) <= 360.0).all():
+            raise inside.error("ypr_deg", "yaw, pitch and roll are -360 to 360 degrees")
+        return mount_by_angles(ypr_deg)
     rows = inside.values.get("matrix")
     try:
         matrix = np.array(rows, dtype=np.float64)

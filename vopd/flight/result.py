@@ -191,14 +191,12 @@ class FlightResult(Shown):
         """
         from vopd.attitude.long_history import history_of_long_job
 
-        read = self.read
-        flight = with_sigmas(read, options.sigmas)
-        if flight is not read:
-            rest = replace(options.sigmas, **dict.fromkeys(SOLVED_WITH, 0.0), reading=None)
-            own = replace(options, sigmas=rest)
-            return solve_flight_read(flight).history_parts(own)
-        made = self.estimates
-        return history_of_long_job(made.layout, made.of, options, made.reading, made.sum_errors)
+        flight = with_sigmas(self.read, options.sigmas)
+        if flight.options.given != self.flight.options.given:
+            return solve_flight_read(flight).history_parts(options)
+        rest = replace(options.sigmas, **dict.fromkeys(SOLVED_WITH, 0.0), reading=None)
+        made, own = self.estimates, replace(options, sigmas=rest)
+        return history_of_long_job(made.layout, made.of, own, made.reading, made.sum_errors)
 
     def _shown(self) -> tuple[list[HistoryParts], Sequence[Finding]]:
         from vopd.attitude.history import HistoryOptions
@@ -249,7 +247,9 @@ class FlightResult(Shown):
 
 
 def solve_flight(
-    source: str | PathLike[str] | Project | Flight, location: str | None = None
+    source: str | PathLike[str] | Project | Flight,
+    location: str | None = None,
+    sigmas: Sigmas | None = None,
 ) -> FlightResult:
     """Find the attitude of every frame of a flight project.
 
@@ -259,6 +259,7 @@ def solve_flight(
         source: the path of the project file, `flight.toml`, or of its folder; or what
             `read_project` or `read_flight` has read
         location: where the file is, if not under its name
+        sigmas: standard deviations in the place of those that the project states
 
     Returns:
         The angles of all frames, what was read, and the findings; `to_dataframe()` has the
@@ -267,10 +268,11 @@ def solve_flight(
     Raises:
         VopdError: where a file cannot be read, no frame has two landmarks, or it is a deck
     """
+    sigmas = sigmas or Sigmas()
     if isinstance(source, Flight):
-        return solve_flight_read(source)
+        return solve_flight_read(with_sigmas(source, sigmas))
     if isinstance(source, Project):
-        return solve_flight_read(flight_of(source), project=lambda: source)
+        return solve_flight_read(with_sigmas(flight_of(source), sigmas), project=lambda: source)
     if not isinstance(source, str | PathLike):
         raise VopdError(
             f"a {type(source).__name__} is no flight project: vopd.run solves the jobs of a deck"
@@ -285,7 +287,8 @@ def solve_flight(
             "a deck of 80-column cards"
         )
     return solve_flight_read(
-        read_flight(name, location), project=lambda: read_project(name, location)
+        with_sigmas(read_flight(name, location), sigmas),
+        project=lambda: read_project(name, location),
     )
 
 
@@ -512,7 +515,7 @@ def settled(
         first: its rotations with everything as it is stated
     """
     held = flight.options.held
-    if held is not None and flight.options.reading_sigma_px is None:
+    if held is not None and flight.options.given.reading is None:
         return _settled_before(flight, left_out, held, before)
     priors, robust = priors_of(flight), flight.options.loss != "least-squares"
     start = before.state if before is not None and before.passes else None
@@ -520,7 +523,7 @@ def settled(
     if before is not None and not before.passes:
         same = solve(flight, left_out, before=before.solved)
     begun = flight
-    unknown = flight.options.reading_sigma_px is None and not flight.picks.stated
+    unknown = flight.options.given.reading is None and not flight.picks.stated
     if unknown and before is not None and before.passes:  # its sigma is nearer than any
         begun = replace(
             flight, picks=flight.picks.with_sigma(before.model.flight.picks.one_sigma_px)
@@ -630,7 +633,7 @@ def stated_reading(estimates: FlightEstimates) -> JobReadingSigma | None:
     """
     flight, joint = estimates.flight, estimates.joint
     assert joint is not None
-    given, stated = flight.options.reading_sigma_px, flight.picks.one_sigma_px
+    given, stated = flight.options.given.reading, flight.picks.one_sigma_px
     if given is None and not flight.picks.stated:
         return None
     sigmas = Sigmas(reading=stated if given is None else given)

@@ -21,6 +21,7 @@ from vopd.flight.track import height_datum
 from vopd.geometry.earth import geodetic
 from vopd.inputs import no_file
 
+MOST_BYTES = 2**28  # of a block, which GDAL reads as a whole, and up to four at once
 MOST_CELLS = 1000  # along a side of what is read at once: of more, each second, third ... one
 LOWEST_M, HIGHEST_M = -500.0, 9000.0  # of land: what is beyond, as -9999, is no height
 ABOVE_M = 15.0  # of a landmark above the ground, beyond the others': it is said
@@ -292,4 +293,10 @@ def read_terrain(project: Project) -> Terrain | None:
         raise section.error(
             "terrain", f"{name} has {dataset.count} bands: a terrain is one band of heights"
         )
+    rows, columns = dataset.block_shapes[0]
+    if rows * columns * np.dtype(dataset.dtypes[0]).itemsize > MOST_BYTES:
+        raise section.error(
+            "terrain", f"{name} has blocks of {columns} x {rows} cells, too many for the memory: "
+            "write it in smaller ones, as by gdal_translate -co TILED=YES"
+        )  # fmt: skip
     return Terrain(name, dataset, section)

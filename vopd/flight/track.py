@@ -22,7 +22,7 @@ from vopd.flight.formats.track import (
     TrackRows,
     row_out_of_order,
 )
-from vopd.flight.image_tags import images_in, read_tags
+from vopd.flight.image_tags import images_in, tags_of
 from vopd.flight.project import VIDEO, Project, Section, toml_numbers
 from vopd.flight.stated import Notes, RowSigmas, key_sigma, row_sigmas
 from vopd.flight.velocity import (
@@ -218,7 +218,7 @@ def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float]
         VopdError: where the zone is not known, or there is no time
     """
     paths = images_in(file.path)
-    tags = {path.name: read_tags(path) for path in paths}
+    tags = {path.name: one for path, one in tags_of(paths)[0].items()}
     dated = {name: one for name, one in tags.items() if np.isfinite(one.clock_s)}
     if not dated:
         of_all = "the image has no" if len(paths) == 1 else f"none of its {len(paths)} images has a"

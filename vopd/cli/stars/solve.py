@@ -189,10 +189,10 @@ def _take_from_tags(given: dict[str, Any], ctx: click.Context) -> str:
     """
     from math import isfinite
 
-    from vopd.flight.image_tags import images_in, read_tags
+    from vopd.flight.image_tags import images_in, tags_of
 
     images = given["images"]
-    tags = [read_tags(path) for path in images_in(Path(images))]
+    tags = tags_of(images_in(Path(images)))[0].values()
     cameras = {(one.size_px, one.focal_px, one.focal_by) for one in tags if isfinite(one.focal_px)}
     sizes = {one.size_px for one in tags}
     if not Path(images).exists():

@@ -36,7 +36,7 @@ from vopd.flight.formats.landmarks import (
     sigma_columns,
 )
 from vopd.flight.formats.lens import read_shots, recognises_reconstruction
-from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, read_tags
+from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, tags_of
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices
 from vopd.inputs import parse_json, plain_number, whole_number
@@ -402,11 +402,12 @@ def read_image_folder(file: InputFile) -> TrackRows:
         VopdError: where no image has a position, or Pillow is not installed
     """
     paths = images_in(file.path)
-    every = [read_tags(path) for path in paths]
-    named = [(p, t) for p, t in zip(paths, every, strict=True) if np.isfinite(t.position).all()]
+    every, unread = tags_of(paths)
+    named = [(p, t) for p, t in every.items() if np.isfinite(t.position).all()]
+    placed = {path for path, _ in named}
+    damaged = [f"{p.name}: {t.damage}" for p, t in every.items() if t.damage and p not in placed]
+    why = "".join(f" ({one})" for one in [*unread, *damaged][:1])
     if not named:
-        damaged = [path.name for path, one in zip(paths, every, strict=True) if one.damaged][:1]
-        why = f" ({damaged[0]} has damaged tags)" if damaged else ""
         raise file.error(
             f"{no_position_text(paths)}{why}; give a track, or the position of a camera that "
             "does not move"
@@ -417,7 +418,7 @@ def read_image_folder(file: InputFile) -> TrackRows:
     without = len(paths) - len(tags)
     dated = bool(np.isfinite(time_s).all())
     said = f"EXIF and XMP tags of {count_text(len(paths), 'image')}"
-    said += f", {without} without position" if without else ""
+    said += f", {without} without position{why}" if without else ""
     zoneless = any(np.isfinite(one.clock_s) and np.isnan(one.zone_s) for one in tags)
     said += ", times with their zone" if dated else NO_ZONE * zoneless
     sigma: Floats = np.array([one.sigma_m for one in tags])

@@ -21,6 +21,7 @@ from vopd.inputs import plain_number
 # Soundings as read
 
 M_S_PER_KNOT = 1852.0 / 3600.0
+ROUNDED = 0.02  # of a speed that is given in two units
 RADIUS_M = 6_356_766.0  # of the geopotential metre
 
 
@@ -78,6 +79,10 @@ def read(file: InputFile) -> WindRows:
     for row in np.flatnonzero((speed < 0.0) | (abs(direction - 180.0) > 180.0)):
         column = "from_deg" if speed[row] >= 0.0 else "speed_kt" if knots else "speed_m_s"
         raise table.error("a direction is 0 to 360, and a speed not below 0", int(row), column)
+    if knots and table.has("speed_m_s"):
+        apart = np.abs(table.numbers("speed_m_s") - speed) > ROUNDED * speed + 1.0
+        for row in np.flatnonzero(apart):
+            raise table.error("the two speeds differ: leave out one column", int(row), "speed_m_s")
     toward = from_direction(direction, speed)
     said = f"CSV{table.read_as}, {'knots' if knots else 'm/s'}"
     return upward(file, table.numbers("h_m"), toward, said)
