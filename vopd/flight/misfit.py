@@ -88,10 +88,11 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
     if reading.source in KNOWN and reading.sigma > 0.0:
         ratio, chance = size_of_residuals(joint, ordinary_frames(joint))
         if ratio > REJECTED and chance < SIGNIFICANCE:
-            given = f"the given reading sigma of {reading.sigma:g} px and " * (reading.source == "given")
+            given = f"the given reading sigma of {reading.sigma:g} px and "
             return (
-                f"{MISFITS}: its residuals are {ratio:.1f} times what {given}the stated standard "
-                f"deviations explain (chance below {SIGNIFICANCE:g})"
+                f"{MISFITS}: its residuals are {ratio:.1f} times what "
+                f"{given * (reading.source == 'given')}the stated standard deviations explain "
+                f"(chance below {SIGNIFICANCE:g})"
             )
         return ""
     picks, sigma_px = joint.model.flight.picks, reading.sigma
