@@ -922,6 +922,8 @@ REFUSED_PLATES = {
     "no match of one": ONE | {"matched_stars": None},
     "FOV is a word": ONE | {"FOV": "wide"},
     "FOV is a list": ONE | {"FOV": [1.0]},
+    "true": ONE | {"matched_centroids": [[True, 1.0], [2.0, 3.0]]},
+    "text": ONE | {"matched_stars": [["80", -90.0, 2.5], [181.0, 90.0, 3.5]]},
     "ragged": ONE | {"matched_stars": [[1, 2, 3], [1]]},
     "distortion is a list": ONE | {"distortion": [1.0]},
     "triples of pixels": ONE | {"matched_centroids": [[1, 2, 3], [4, 5, 6]]},

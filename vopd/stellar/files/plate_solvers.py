@@ -75,8 +75,8 @@ def _star_file(solution: Any, name: str, source: str) -> StarFile:
             source,
         )
     try:
-        centroids = np.array(solution["matched_centroids"], dtype=np.float64)
-        stars = np.array(solution["matched_stars"], dtype=np.float64)
+        centroids = _numbers(solution["matched_centroids"])
+        stars = _numbers(solution["matched_stars"])
         field_of_view = solution.get("FOV")
         degrees = None if field_of_view is None else float(field_of_view)
         distortion = float(solution.get("distortion") or 0.0)
@@ -118,6 +118,14 @@ def _star_file(solution: Any, name: str, source: str) -> StarFile:
         pixels=PixelFormat(FIRST_CENTRE, True, degrees, distortion),
         line_word="match",
     )
+
+
+def _numbers(values: Any) -> Floats:
+    """Take numbers of JSON, or null; numpy also takes `true` and "1"."""
+    found = np.array(values, dtype=object)
+    if any(type(one) not in (int, float, type(None)) for one in found.flat):
+        raise TypeError
+    return found.astype(np.float64)
 
 
 def _names(numbers: Any, count: int) -> tuple[str, ...]:
