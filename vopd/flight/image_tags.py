@@ -60,6 +60,11 @@ class ImageTags(NamedTuple):
     focal_px: float = NONE
     focal_by: str = ""  # the tags it comes from
 
+    @property
+    def is_placed(self) -> bool:
+        """Whether longitude, latitude and altitude are known."""
+        return all(map(isfinite, self.position))
+
 
 def images_in(folder: Path) -> list[Path]:
     """List the images of a folder that may have tags, or the one image that it is."""

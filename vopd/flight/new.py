@@ -221,10 +221,10 @@ def take_size(new: NewProject, values: KeyValues, images: Path) -> None:
 
 def has_positions(new: NewProject, values: KeyValues, folder: Path, images: str) -> bool:
     """Tell whether the tags of images have positions, and say so where none has."""
-    found = images_in(Path(images))
-    if any(np.isfinite(one.position).all() for one in tags_of(found)[0].values()):
+    every, unread = tags_of(images_in(Path(images)))
+    if any(one.is_placed for one in every.values()):
         return True
-    new.said.append(f"{images}: {no_position_text(found)}")
+    new.said.append(f"{images}: {no_position_text(every, unread)}")
     return False
 
 

@@ -576,10 +576,11 @@ def _summary(
     stretches = _stretches(footage.number[np.array(sorted(lost), int)], footage)
     if stretches:
         told = first_of([f"{a} to {b}" if a != b else str(a) for a, b in stretches], SHOWN)
-        longest = max(stretches, key=lambda one: one[1] - one[0])
+        inside = [np.searchsorted(footage.number, one) for one in stretches]
+        first, last = max(inside, key=lambda one: int(one[1] - one[0]))
         lines.append(
             f"fewer than two landmarks in {count_text(len(lost), 'frame')}: {told}; "
-            f"click two in frame {(longest[0] + longest[1]) // 2}"
+            f"click two in frame {footage.number[(first + last) // 2]}"
         )
     return lines, elsewhere
 

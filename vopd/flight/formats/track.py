@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -36,7 +36,13 @@ from vopd.flight.formats.landmarks import (
     sigma_columns,
 )
 from vopd.flight.formats.lens import read_shots, recognises_reconstruction
-from vopd.flight.image_tags import DILUTION_SAID, USUAL_SIGMA_M, images_in, tags_of
+from vopd.flight.image_tags import (
+    DILUTION_SAID,
+    USUAL_SIGMA_M,
+    ImageTags,
+    images_in,
+    tags_of,
+)
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices
 from vopd.inputs import parse_json, plain_number, whole_number
@@ -389,10 +395,17 @@ def recognises_image_folder(file: InputFile) -> bool:
     return bool(images_in(file.path))
 
 
-def no_position_text(paths: Sequence[Path]) -> str:
-    """Say that images have no position in their tags."""
-    of_all = "the image has no" if len(paths) == 1 else f"none of the {len(paths)} images has a"
-    return f"{of_all} position in its tags"
+def no_position_text(every: Mapping[Path, ImageTags], unread: Sequence[str]) -> str:
+    """Say that images have no position in their tags; why, of the first that is damaged."""
+    count = len(every) + len(unread)
+    of_all = "the image has no" if count == 1 else f"none of the {count} images has a"
+    return f"{of_all} position in its tags{damage_text(every, unread)}"
+
+
+def damage_text(every: Mapping[Path, ImageTags], unread: Sequence[str]) -> str:
+    """Name the first image that is damaged and has no position; empty if there is none."""
+    damaged = [f"{p.name}: {t.damage}" for p, t in every.items() if t.damage and not t.is_placed]
+    return "".join(f" ({one})" for one in [*unread, *damaged][:1])
 
 
 def read_image_folder(file: InputFile) -> TrackRows:
@@ -403,13 +416,10 @@ def read_image_folder(file: InputFile) -> TrackRows:
     """
     paths = images_in(file.path)
     every, unread = tags_of(paths)
-    named = [(p, t) for p, t in every.items() if np.isfinite(t.position).all()]
-    placed = {path for path, _ in named}
-    damaged = [f"{p.name}: {t.damage}" for p, t in every.items() if t.damage and p not in placed]
-    why = "".join(f" ({one})" for one in [*unread, *damaged][:1])
+    named = [(path, one) for path, one in every.items() if one.is_placed]
     if not named:
         raise file.error(
-            f"{no_position_text(paths)}{why}; give a track, or the position of a camera that "
+            f"{no_position_text(every, unread)}; give a track, or the position of a camera that "
             "does not move"
         )
     tags = [one for _, one in named]
@@ -418,7 +428,7 @@ def read_image_folder(file: InputFile) -> TrackRows:
     without = len(paths) - len(tags)
     dated = bool(np.isfinite(time_s).all())
     said = f"EXIF and XMP tags of {count_text(len(paths), 'image')}"
-    said += f", {without} without position{why}" if without else ""
+    said += f", {without} without position{damage_text(every, unread)}" if without else ""
     zoneless = any(np.isfinite(one.clock_s) and np.isnan(one.zone_s) for one in tags)
     said += ", times with their zone" if dated else NO_ZONE * zoneless
     sigma: Floats = np.array([one.sigma_m for one in tags])
