@@ -22,7 +22,7 @@ MAY_IMPORT: dict[str, str] = {  # a room, and the rooms it may import from
     "cli": "tracking video batch pipeline convert solved film flight report figures export "
     "attitude check synthetic listing stellar cards program geometry base arrays",
     "batch": "pipeline solved film flight report export attitude listing base",
-    "pipeline": "solved flight check cards program stellar geometry base arrays",
+    "pipeline": "solved flight attitude check cards program stellar geometry base arrays",
     "film": "estimate program geometry base arrays",
     "flight": "video shown attitude export estimate geometry base arrays",
     "tracking": "video flight geometry base arrays",
