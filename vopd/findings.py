@@ -184,6 +184,18 @@ def input_error(message: str, source: str) -> InputError:
     return InputError(Finding(message, source))
 
 
+def finding_of(error: VopdError, source: str) -> Finding:
+    """Make a finding of an error, whose text may leave out of which source it is.
+
+    Args:
+        error: of the source, or of a file that it names
+        source: a project or a deck
+    """
+    if isinstance(error, InputError) and error.finding.source == source:
+        return error.finding
+    return Finding(str(error).removeprefix(f"{source}: "), source)
+
+
 DeckError = InputError  # the earlier name of `InputError`
 
 

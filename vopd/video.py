@@ -169,8 +169,7 @@ class VideoFrames:
         file = self.images[k].read_bytes()
         if not file.startswith(b"\xff\xd8"):
             return None
-        with warnings.catch_warnings(), open_image(io.BytesIO(file)) as image:
-            warnings.simplefilter("ignore")  # of damaged tags
+        with warnings.catch_warnings(action="ignore"), open_image(io.BytesIO(file)) as image:
             plain = image.mode in ("L", "RGB") and image.getexif().get(ORIENTATION, 1) == 1
         return file if plain else None
 
@@ -213,8 +212,7 @@ class VideoFrames:
     def _still(self, path: Path) -> Image:
         turned = optional_package("PIL.ImageOps", "images", "reading images")
         try:
-            with warnings.catch_warnings(), open_image(path) as image:
-                warnings.simplefilter("ignore")  # of damaged tags
+            with warnings.catch_warnings(action="ignore"), open_image(path) as image:
                 image.load()
                 turned.exif_transpose(image, in_place=True)
                 return eight_bits(image)

@@ -190,6 +190,17 @@ def test_wrong_usage(tmp_path: Path) -> None:
     assert not Path("p.html").exists()
 
 
+def test_damaged_tags_of_an_image_are_no_warning_of_another_package() -> None:
+    tags = Image.Exif()
+    tags[271] = "camera"
+    counted = b"MM\0*\0\0\0\x08"
+    damaged = tags.tobytes().replace(counted + b"\0\1", counted + b"\xff\xff")
+    assert damaged != tags.tobytes()
+    Image.new("L", (40, 30)).save("a.jpg", exif=damaged)
+    done = vopd("pick", "a.jpg", "-o", "p.html")
+    assert done.status == 0 and len(done.stderr.splitlines()) == 2
+
+
 def test_an_image_that_is_too_wide_for_a_jpeg_is_named() -> None:
     Image.new("L", (65_501, 1)).save("panorama.png")
     done = vopd("pick", "panorama.png", "-o", "p.html")

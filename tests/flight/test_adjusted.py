@@ -346,6 +346,13 @@ def test_a_covariance_file_that_is_no_table_is_refused(copied: Path, text: str) 
         solve_flight(copied / "flight.toml")
 
 
+def test_a_folder_is_no_covariance_file(copied: Path) -> None:
+    (copied / "covariance.json").unlink()
+    (copied / "covariance.json").mkdir()
+    with refused():
+        solve_flight(copied / "flight.toml")
+
+
 def test_a_landmark_has_three_coordinates(copied: Path) -> None:
     def without_last(values: dict[str, Any]) -> None:
         for key in ("names", "units", "values", "covariance", "by_picks"):

@@ -32,11 +32,11 @@ from vopd.batch.sources import (
 )
 from vopd.export import FORMATS, FileRequest, own_epoch
 from vopd.files import OutputError
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, finding_of
 from vopd.flight.result import FlightResult
 from vopd.inputs import no_file
 from vopd.listing.pages import end_of_case, pages_of_jobs
-from vopd.pipeline import NAMES_ARE_PATHS, solve_sources
+from vopd.pipeline import NAMES_ARE_PATHS, is_flight, solve_sources
 from vopd.results import SolvedJob
 from vopd.solved import histories_of_run
 from vopd.version import __version__
@@ -161,6 +161,8 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
     """
     name, histories = now.source.name, now.histories
     errors = [] if now.error is None else [str(now.error)]
+    if now.error is not None and is_flight(now.source.path):  # one in a file that it names
+        errors = [str(finding_of(now.error, now.source.path))]
     contents = {name + LISTING: now.listing} if now.jobs else {}
     for form, table in now.tables.items():
         if isinstance(table, VopdError):

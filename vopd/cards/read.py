@@ -6,7 +6,8 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING, BinaryIO
+from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -39,10 +40,6 @@ from vopd.job import (
     Wind,
 )
 from vopd.landmark_layout import LandmarkLayout
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 # The fields of the cards of one group
 
@@ -583,7 +580,11 @@ def open_deck(path: str | Path) -> Iterator[BinaryIO]:
         file = open(path, "rb")  # noqa: PTH123, SIM115 (closed below; only opening may fail so)
     except IsADirectoryError as error:
         message = "is a folder, without a project flight.toml; vopd new writes one, and vopd batch"
-        raise VopdError(f"{path}: {message} takes all decks and projects of a folder") from error
+        message += " takes all decks and projects of a folder"
+        if Path(path, "flight.toml").is_file():
+            message = "is a folder with a flight project, not a deck of 80-column cards; vopd "
+            message += "attitude, plot, report and check take it"
+        raise VopdError(f"{path}: {message}") from error
     except OSError as error:
         raise VopdError(f"{path}: {error.strerror}") from error
     with file:

@@ -363,9 +363,9 @@ def _inches(names: Sequence[str], size: str | None, dpi: int) -> Inches | None:
     try:
         width, height = (float(part) for part in size.lower().replace(",", "x").split("x"))
     except ValueError:
-        raise click.UsageError(
-            f"--size: {size!r} is not a width and height, for instance 9x6."
-        ) from None
+        width = height = np.nan
+    if np.isnan([width, height]).any():
+        raise click.UsageError(f"--size: {size!r} is not a width and height, for instance 9x6.")
     largest = min(LARGEST_IN, LARGEST_DOTS / dpi)
     try:
         refuse_small(names[0] if len(names) == 1 else names, (width, height))

@@ -500,7 +500,8 @@ def chosen(histories: Sequence[History], frame: int | str | None) -> tuple[Histo
     if any(asked == h.estimate.frame_label(k) for h in histories for k in range(len(h.status))):
         raise VopdError(f"frame {asked} has no attitude: it is ignored, or the run stopped there")
     labels = [h.estimate.frame_label(k) for h, k in have]
-    raise VopdError(f"no frame {asked}: there are {labels[0]} to {labels[-1]}")
+    files = ", ".join(dict.fromkeys(h.about.source for h in histories))
+    raise VopdError(f"{files}: no frame {asked}: there are {labels[0]} to {labels[-1]}")
 
 
 def _worst_tracked(history: History, k: int) -> int:

@@ -190,6 +190,7 @@ def with_stated_offset(project: Project) -> Project:
 
 def _fields(file: InputFile) -> dict[str, Any]:
     """Read the JSON, with all fields."""
+    file.refuse_folder()
     try:
         values = parse_json(file.text)
     except (ValueError, RecursionError) as error:

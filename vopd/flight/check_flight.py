@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.findings import findings_of
 from vopd.attitude.history import HistoryOptions
-from vopd.findings import Finding, VopdError, first_of
+from vopd.findings import Finding, VopdError, finding_of, first_of
 from vopd.flight.blunders import ARE_EXCHANGED, WRONG
 from vopd.flight.coordinates import (
     HeightDatum,
@@ -39,7 +39,7 @@ def check_flight(name: str) -> list[Finding]:
     try:
         project = read_project(name)
     except VopdError as error:
-        return [Finding(str(error).removeprefix(f"{name}: "), name)]
+        return [finding_of(error, name)]
     try:
         flight = flight_of(project)
     except VopdError as error:
@@ -51,7 +51,7 @@ def check_flight(name: str) -> list[Finding]:
     try:
         result = solve_flight_read(flight, project=None if far else lambda: project)
     except VopdError as error:
-        return [*found, Finding(str(error).removeprefix(f"{name}: "), name)]
+        return [*found, finding_of(error, name)]
     if not result.solved.any():
         found.append(Finding("no frame has an attitude", name))
     if far:
@@ -81,7 +81,7 @@ def findings_of_terrain(project: Project, flight: Flight) -> list[Finding]:
             return []
         return terrain.about(flight.landmarks, marks)[1]
     except VopdError as error:
-        return [Finding(str(error).removeprefix(f"{project.name}: "), project.name)]
+        return [finding_of(error, project.name)]
 
 
 def messages_of_files(flight: Flight) -> Iterator[str]:

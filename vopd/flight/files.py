@@ -144,6 +144,11 @@ class InputFile:
             at = _first_wrong_byte(self.path, error)
             raise self.error(not_utf8(self._first_bytes, at)) from error
 
+    def refuse_folder(self) -> None:
+        """Refuse a folder in the place of a file."""
+        if self.given is None and self.path.is_dir():
+            raise self.error("is a folder, not a file")
+
     def line_of(self, word: str) -> int | None:
         """Find the first line with a word, such as a cell, counted from 1; None if none has it."""
         alone = re.compile(rf"(?<![\w./\\-]){re.escape(word)}(?![\w.-])")
@@ -274,8 +279,11 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
     if file.is_video:
         raise file.error("is a video: vopd new DIR --video FILE makes a project of it")
     known = ", ".join(one.name for one in formats)
+    if not any("folder" in one.name for one in formats):
+        file.refuse_folder()
+    what = "is a folder that" if file.given is None and file.path.is_dir() else "the format"
     hint = _unnamed(file) if any(one.name.startswith("CSV") for one in formats) else ""
-    raise file.error(f"the format is not recognised; known are {known}{hint}")
+    raise file.error(f"{what} is not recognised; known are {known}{hint}")
 
 
 def shown(value: object) -> str:
@@ -477,7 +485,8 @@ def _unnamed(file: InputFile) -> str:
     if header and header[0].startswith(TIE_POINTS):
         return OF_TIE_POINTS
     if len(header) < 2:
-        return ""
+        given = isinstance(file.columns, list)
+        return f"; columns names {', '.join(header)} alone: name all of its columns" * given
     if any(map(is_number, header)):
         return (
             '; a CSV without a header needs columns = ["...", "..."], the names of all of them '
@@ -908,6 +917,7 @@ def csv_blocks(file: InputFile, known: Sequence[str] = ()) -> Iterator[CsvTable]
             cells = zip(*rows, strict=True) if rows else [()] * len(header)
             yield CsvTable(file, header, [[one] for one in cells], numbers, own, known)
     if not header:
+        file.refuse_folder()
         raise file.error("the file is empty")
 
 

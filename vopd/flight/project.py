@@ -532,7 +532,8 @@ class Section:
     def _list(self, key: str, value: Any, count: int) -> tuple[float, ...]:
         if not isinstance(value, list | tuple) or len(value) != (count or len(value)):
             several = f"{count} numbers" if count else "numbers"
-            raise self.error(key, f"{shown(value)} is not a list of {several}")
+            wanted = "one number" if count == 1 else f"a list of {several}"
+            raise self.error(key, f"{shown(value)} is not {wanted}")
         return tuple(self._number(key, one) for one in value)
 
     def _number(self, key: str, value: Any, above: float | None = None) -> float:

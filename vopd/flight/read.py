@@ -800,9 +800,10 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
 
 def _refuse_long(file: InputFile, names: Iterable[str]) -> None:
     """Refuse names that no message could show."""
-    longest = max(map(len, names), default=0)
-    if longest > LONGEST_NAME:
-        raise file.error(f"a name of {longest} characters: {LONGEST_NAME} at most")
+    longest = max(names, key=len, default="")
+    if len(longest) > LONGEST_NAME:
+        line = file.line_of(longest)
+        raise file.error(f"a name of {len(longest)} characters: {LONGEST_NAME} at most", line)
 
 
 def landmark_crs(section: Section, rows: LandmarkRows) -> str | None:

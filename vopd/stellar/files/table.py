@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from vopd.arrays import Floats
 from vopd.files import STAR_SOLUTIONS, reason, written_by_vopd
 from vopd.findings import input_error
+from vopd.inputs import MOST_NUMBER
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.picture import StarCamera, picture_as_dict, read_picture
 from vopd.stellar.files.read import UNITS, read_text
@@ -280,8 +281,8 @@ def _solution(row: dict[str, Any]) -> ReadSolution:
     residuals = np.array(row[f"residuals_{unit}"], dtype=np.float64)
     if images.ndim != 2 or images.shape[1] != 2 or images.shape != residuals.shape:
         raise ValueError("images and residuals do not go together")
-    if not (np.isfinite(images).all() and np.isfinite(residuals).all()):
-        raise ValueError("a coordinate is not a finite number")
+    if not (np.abs([images, residuals]) <= MOST_NUMBER).all():
+        raise ValueError(f"a coordinate is not a number up to {MOST_NUMBER:g}")
     numbers = [str(star) for star in row["stars"]]
     names = [str(name) for name in row.get("names", numbers)]
     if not len(names) == len(numbers) == len(images):
