@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
-from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +15,10 @@ from vopd.geometry.linear import pseudo_inverse, singular_values
 from vopd.geometry.rotations import angles_by_turns, body_angles_by_turns, turns_by_body_angles
 
 # Standard deviations of the inputs: the user's, or those the source states.
+
+
+LARGEST_SIGMA = 1e9  # of any input, in its unit
+HALF_A_TURN_DEG = 180.0
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class Sigmas:
             vehicle's axes, the same in all frames, degrees
 
     Raises:
-        VopdError: where one is negative or not a number
+        VopdError: where one is negative, not a number, or too large
     """
 
     reading: float | None = None
@@ -58,9 +61,12 @@ class Sigmas:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is not None and not (isfinite(value) and value >= 0.0):
+            most = HALF_A_TURN_DEG if field.name.endswith("_deg") else LARGEST_SIGMA
+            if value is not None and not 0.0 <= value <= most:
                 name = field.name.removesuffix("_s").removesuffix("_deg").replace("_", " ")
-                raise VopdError(f"{name} sigma: {value:g} is not a standard deviation: 0 or more")
+                raise VopdError(
+                    f"{name} sigma: {value:g} is not a standard deviation: 0 to {most:g}"
+                )
 
 
 class SigmasInForce(NamedTuple):
