@@ -286,6 +286,7 @@ def shell(script: str) -> Ran:
     """A shell script in which `vopd` is the command of this checkout."""
     command = f"vopd() {{ '{sys.executable}' -m vopd \"$@\"; }}; {script}"
     environment = {"PATH": os.defpath, "PYTHONPATH": str(ROOT), "LANG": "C.UTF-8"} | PROCESSOR
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"  # a limit of size would cut it off
     done = subprocess.run(["bash", "-c", command], capture_output=True, env=environment)
     return Ran(done.returncode, done.stdout.decode(), done.stderr.decode(), done.stdout)
 
