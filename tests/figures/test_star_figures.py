@@ -338,6 +338,9 @@ DAMAGED: dict[str, dict[str, Any]] = {
     "three coordinates": {"centre": [1.0, 2.0, 3.0]},
     "a matrix of another size": {"matrix": [[1.0, 0.0], [0.0, 1.0]]},
     "a matrix that is not finite": {"matrix": [[1e999, 0, 0], [0, 1, 0], [0, 0, 1]]},
+    "a matrix of zeros": {"matrix": [[0, 0, 0], [0, 0, 0], [0, 0, 0]]},
+    "a mirror": {"matrix": [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+    "a matrix that stretches": {"matrix": [[1, 0, 0], [0, 2, 0], [0, 0, 1]]},
 }
 
 
@@ -349,6 +352,16 @@ def test_a_damaged_picture_is_refused(tmp_path: Path, solved: Path, name: str) -
     result = plot(solved, "-o", tmp_path / "x.png")
     assert result.status == 1
     assert_approved(result.stderr)
+
+
+@pytest.mark.usefixtures("not_laid_out")
+def test_a_matrix_as_solved_is_drawn(tmp_path: Path) -> None:
+    """It is no rotation by as much as its file says."""
+    file = tmp_path / "solved.json"
+    how = ("--focal", "76", "--method", "church", "--rotation", "as-solved", "-q")
+    assert vopd("stars", "solve", DECKS / "stars" / "orion.csv", *how, "-o", file).status == 0
+    assert json.loads(file.read_text(encoding="utf-8"))[0]["orthogonality_defect"] > 1e-5
+    assert plot(file, "-o", tmp_path / "a.svg").status == 0
 
 
 @pytest.mark.usefixtures("not_laid_out")

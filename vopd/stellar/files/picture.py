@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.stellar.angles import orthogonality_defect
 from vopd.stellar.field import right_ascension_declination_deg
 from vopd.stellar.files.images import ImageAxes, in_file_coordinates, undistorted
 from vopd.stellar.files.photograph import SolvedPhotograph
@@ -14,6 +15,7 @@ from vopd.stellar.methods.calibration import LensOfStars, without_lens
 from vopd.stellar.methods.run import SolvedStars
 
 STEPS = 30  # of the search for the image of a point through a lens
+ROUNDED = 1e-6  # of the products of a matrix's rows
 LEAST, MOST = 1e-6, 1e9  # of coordinates and a principal distance, image units
 
 
@@ -122,6 +124,9 @@ def read_picture(row: dict[str, Any]) -> StarCamera:
         raise ValueError("a number of the picture is not one that a camera has")
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
         raise ValueError("the matrix is not 3 by 3 finite numbers")
+    as_solved = float(row["orthogonality_defect"])  # more than 0 in a matrix that is drawn as such
+    if orthogonality_defect(matrix) > as_solved + ROUNDED or np.linalg.det(matrix) <= 0.0:
+        raise ValueError("the matrix is not that of a rotation")
     size = None if found["size_px"] is None else _pair(found["size_px"])
     left_out = [
         (one["star"], one["name"] or one["star"], _pair(one["image"]), _pair(one["residual"]))
