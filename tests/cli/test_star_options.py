@@ -150,7 +150,9 @@ REFUSED = [
     *(f"--resection {option}"
       for option in (*COLLINEARITY, "--cross-products raw", "--rotation-angle mean",
                      "--method svd", "--pair 1,2", "--all-pairs", "--camera 1,2,3", "--reject",
-                     "--edit-by-pairs", "--rotation nearest", "--free focal")),
+                     "--edit-by-pairs", "--rotation nearest", "--free focal",
+                     "--date 2020-01-15T21:00Z", "--place 48,11,500", "--mount down",
+                     "--ephemeris a.bsp")),
     *(f"--free focal {option}"
       for option in (*COLLINEARITY, "--cross-products raw", "--rotation-angle mean",
                      "--method svd", "--pair 1,2", "--all-pairs", "--rotation nearest")),

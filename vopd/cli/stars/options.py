@@ -213,7 +213,7 @@ _METHOD_OPTIONS = (
 
 ALONE = {
     "resection": (*ONLY_FOR, "method", "pair", "all_pairs", "camera", "reject", "edit_by_pairs",
-                  "rotation", "free"),
+                  "rotation", "free", "date", "place", "mount", "ephemeris"),
     "free": (*ONLY_FOR, "method", "pair", "all_pairs", "rotation", "resection"),
 }  # fmt: skip
 """Options that solve in a way of their own, and those that they have no use for."""

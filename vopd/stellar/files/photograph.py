@@ -61,7 +61,7 @@ from vopd.stellar.methods.run import (
     solve_by_methods,
 )
 from vopd.stellar.outlier_search import FittedStars, OutlierStart, fit_together
-from vopd.stellar.sky import EQUATORIAL, FileSky, SkyRequest, sky_directions, sky_pointing
+from vopd.stellar.sky import EQUATORIAL, NAMES, FileSky, SkyRequest, sky_directions, sky_pointing
 
 
 @dataclass(frozen=True)
@@ -147,6 +147,10 @@ def solve_photographs(
             if len(names) == 1:
                 raise
             notes.append(error.finding)
+    catalogue = request.sky.catalogue
+    if catalogue is not None and files and all(one.kind not in ("", NAMES) for one in files):
+        text = "not read: --catalogue is for stars by name, or that have neither name nor position"
+        notes.append(Finding(text, catalogue, severity="warning"))
     findings: list[KindOfFinding] = [(str(k), finding) for k, finding in enumerate(notes)]
     failed = any(finding.severity == "error" for finding in notes)
     several = len(files) > 1 or len(names) > 1
