@@ -20,6 +20,7 @@ from tests.kit.video import write_video
 from tests.tolerances import assert_close
 from vopd.flight.flight import Refraction
 from vopd.flight.lines_of_sight import sight_lines
+from vopd.flight.new import example_project
 
 MARKS = "landmark,lat_deg,lon_deg,h_m\nmast,47,8,400\n</script>,47.001,8,400\n"
 
@@ -46,6 +47,18 @@ def test_frames_of_a_video(tmp_path: Path) -> None:
     assert len(names) == 12 and (names[0], names[-1]) == (0, 39) and sorted(names) == names
     assert vopd("pick", "a.mp4", "-o", "p.html", "--at", "7,3,7").status == 0
     assert [one["title"] for one in data()["frames"]] == ["3, 0.120 s", "7, 0.280 s"]
+
+
+def test_frames_before_one_that_cannot_be_decoded_are_offered() -> None:
+    content = example_project().contents["flight.mp4"]
+    Path("cut.mp4").write_bytes(content[: len(content) * 2 // 3])
+    done = vopd("pick", "cut.mp4", "-o", "p.html")
+    assert done.status == 1
+    assert_approved(re.sub(r"(frame|--at) [\d,]+", r"\1 N", done.stderr))
+    (at,) = re.findall(r"--at ([\d,]+)", done.stderr)
+    assert vopd("pick", "cut.mp4", "-o", "p.html", "--at", at).status == 0
+    alone = vopd("pick", "cut.mp4", "-o", "p.html", "--at", "20")
+    assert alone.status == 1 and "--at 0 " in alone.stderr
 
 
 @pytest.mark.parametrize("missing", ["jinja2", "PIL.Image"])

@@ -76,7 +76,15 @@ def pick_page(
     """
     template = page_template("pick.html")
     rows, images, size = list[dict[str, Any]](), list[str](), 0
-    for k, picture in zip(chosen, frames.pictures(chosen), strict=True):
+    for k in chosen:
+        try:
+            (picture,) = frames.pictures([k])
+        except VopdError as error:
+            if not frames.chapters or not k:
+                raise
+            before = chosen[: len(images)] or [0]
+            at = ",".join(map(str, before))
+            raise VopdError(f"{error} --at {at} takes frames before it") from error
         images.append(_jpeg(frames, k, picture, WANTED_BYTES // len(chosen)))
         size += len(images[-1])
         if size > MOST_BYTES:
