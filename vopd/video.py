@@ -59,6 +59,7 @@ class Chapter:
     tick: Ints  # presentation times in the file's own unit, (F,)
     unit_s: float  # that unit, seconds
     lost: int  # frames of its index that are not in the file
+    hidden: int = 0  # frames in the file that its edit list does not show
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +103,11 @@ class VideoFrames:
         return sum(one.lost for one in self.chapters)
 
     @property
+    def hidden(self) -> int:
+        """How many frames are in the files of the video, and no player shows them."""
+        return sum(one.hidden for one in self.chapters)
+
+    @property
     def missing(self) -> str:
         """Which numbers are missing among numbered images, in words; empty if none is.
 
@@ -132,6 +138,8 @@ class VideoFrames:
         told = f"{self.source}: {count_text(len(self), 'frame')}"
         if self.lost:
             told += f" (and {self.lost} more that are not in the file: is it complete?)"
+        if self.hidden:
+            told += f" (and {self.hidden} more that its edit list does not show: was it trimmed?)"
         step_s = np.diff(self.time_s)
         if not len(step_s):
             return told
@@ -353,9 +361,9 @@ def _of_chapters(paths: list[Path]) -> VideoFrames:
     for path in paths:
         if path in [one.path for one in chapters]:
             raise VopdError(f"{path}: is given twice")
-        tick, unit_s, lost = presentation(path)
+        tick, unit_s, lost, hidden = presentation(path)
         time_s = (tick - tick[0]) * unit_s
-        chapters.append(Chapter(path, first, tick, unit_s, lost))
+        chapters.append(Chapter(path, first, tick, unit_s, lost, hidden))
         times.append(zero_s + time_s)
         first += len(tick)
         usual_s = float(np.median(np.diff(time_s))) if len(tick) > 1 else 0.0
@@ -377,17 +385,17 @@ def _refuse_twins(paths: list[Path]) -> None:
             raise VopdError(f"{path}: has the name of {other}, and picks go by the name")
 
 
-def presentation(path: Path) -> tuple[Ints, float, int]:
+def presentation(path: Path) -> tuple[Ints, float, int, int]:
     """Read the presentation times of all frames of a video, in order, without decoding it.
 
     Returns:
-        The times in the video's own unit, (F,), that unit, seconds, and how many more frames its
-        index has, by PyAV.
+        The times in the video's own unit, (F,), that unit, seconds, how many more frames its index
+        has, by PyAV, and how many are not shown.
 
     Raises:
         VopdError: if it cannot be read, or has no frames
     """
-    lost = 0
+    lost = hidden = 0
     with path.open("rb") as file:
         if file.read(8).startswith(LISTS):
             raise VopdError(
@@ -396,18 +404,18 @@ def presentation(path: Path) -> tuple[Ints, float, int]:
     if has_pyav():
         with opened(path) as (container, stream):
             # the packets themselves are the whole file, and are not kept
-            shown, packets = [], 0
+            shown = []
             for one in container.demux(stream):
                 if one.pts is not None:
-                    packets += 1
+                    hidden += one.is_discard
                     shown += [] if one.is_discard else [one.pts]
             unit_s = float(stream.time_base)
-            lost = max(stream.frames - packets, 0)
+            lost = max(stream.frames - len(shown) - hidden, 0)
     else:
-        shown, unit_s = _packets_by_ffmpeg(path)
+        shown, unit_s, hidden = _packets_by_ffmpeg(path)
     if not shown:
         raise VopdError(f"{path.name}: no frame of the video has a time of presentation")
-    return np.sort(np.array(shown, dtype=np.int64)), unit_s, lost
+    return np.sort(np.array(shown, dtype=np.int64)), unit_s, lost, hidden
 
 
 # Decoders: PyAV, or the program ffmpeg
@@ -502,14 +510,15 @@ FRAMECRC = re.compile(r"\d+,\s*-?\d+,\s*(-?\d+),[^F]*(?:F=0x([0-9A-F]+))?")
 DISCARD = 4  # a packet's flag: its frame is not shown
 
 
-def _packets_by_ffmpeg(path: Path) -> tuple[list[int], float]:
-    """Read the presentation times of all frames, and their unit, seconds, by ffmpeg."""
+def _packets_by_ffmpeg(path: Path) -> tuple[list[int], float, int]:
+    """Read the presentation times of the frames that are shown, their unit, seconds, and how many
+    are not, by ffmpeg."""
     with _ffmpeg(path, "-c", "copy", "-f", "framecrc") as output:
         lines = output.read().decode("ascii", "replace").splitlines()
     unit_s = next((_tick_s(line) for line in lines if line.startswith("#tb 0:")), 1.0)
     packets = [found for line in lines if (found := FRAMECRC.match(line))]
     shown = [int(found[1]) for found in packets if not int(found[2] or "0", 16) & DISCARD]
-    return shown, unit_s
+    return shown, unit_s, len(packets) - len(shown)
 
 
 def _tick_s(line: str) -> float:
@@ -596,7 +605,7 @@ def payloads(path: Path, begin: bytes) -> list[tuple[float, float, bytes]]:
     Raises:
         VopdError: if the video cannot be read
     """
-    tick, unit_s, _ = presentation(path)
+    tick, unit_s, *_ = presentation(path)
     zero_s = float(tick[0]) * unit_s
     if not has_pyav():
         return _payloads_by_ffmpeg(path, begin, zero_s)

@@ -65,6 +65,17 @@ def test_a_video_that_is_cut_off_behind_its_index(tmp_path: Path) -> None:
     assert_approved(frames.about)
 
 
+def test_frames_that_an_edit_list_does_not_show(tmp_path: Path) -> None:
+    """Without a unit of time all but the first are behind the end of the list."""
+    content = bytearray(example_project().contents["flight.mp4"])
+    at = content.index(b"mdhd") + 16  # the units a second
+    content[at : at + 4] = bytes(4)
+    (tmp_path / "a.mp4").write_bytes(content)
+    frames = open_frames([str(tmp_path / "a.mp4")])
+    assert (len(frames), frames.hidden, frames.lost) == (1, 50, 0)
+    assert_approved(frames.about)
+
+
 def test_numbers_that_are_missing_among_images(tmp_path: Path) -> None:
     """Gaps of one and of several numbers, every tenth frame, a choice of frames, no numbers."""
     told = []

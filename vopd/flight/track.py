@@ -174,6 +174,8 @@ def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
         has = f"{frames.source} has {count_text(len(frames), 'frame')}, counted from 0"
         if frames.lost:
             has += f", and {frames.lost} more that are not in the file: is it complete?"
+        if frames.hidden:
+            has += f", and {frames.hidden} more that its edit list does not show"
         raise section.error("video", f"frame {number[-1]} is picked, and {has}")
     if frames.lost and section.values.get("times") != VIDEO:  # those at the end may be any
         return np.full(len(number), np.nan), f"frame_rate_hz is not checked: {frames.about}"
