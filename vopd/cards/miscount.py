@@ -102,6 +102,7 @@ class _Cards:
             self.odd[number] = odd + 2.0 * film
         self._total = {n: np.append(0.0, np.cumsum(odd)) for n, odd in self.odd.items()}
         self._not_film = np.append(0, np.cumsum(~film))
+        self._values: dict[tuple[int, str], list[int]] = {}
 
     def deal(self, group: int = 0, number: int = 0) -> _Deal:
         """Deal the cards by their counts, but so many to one group."""
@@ -150,12 +151,14 @@ class _Cards:
 
     def value(self, group: int, name: str, row: int) -> int:
         """Read the whole number of a count; 0 where it is none."""
-        if row >= len(self.text):
-            return 0
-        names = [field.name for field in GROUPS[group].fields]
-        item = format_items(GROUPS[group].format)[names.index(name)]
-        read = read_field(self.text[row : row + 1, item.first - 1 : item.last], item)
-        return 0 if read.unreadable[0] else max(0, int(min(read.value[0], 1e6)))
+        if (group, name) not in self._values:  # of all cards: many deals ask for the same ones
+            names = [field.name for field in GROUPS[group].fields]
+            item = format_items(GROUPS[group].format)[names.index(name)]
+            read = read_field(self.text[:, item.first - 1 : item.last], item)
+            number = np.where(read.unreadable, 0.0, np.clip(read.value, 0.0, 1e6))
+            self._values[group, name] = number.astype(int).tolist()
+        values = self._values[group, name]
+        return values[row] if row < len(values) else 0
 
     def extra(self, deal: _Deal) -> list[int]:
         """List the cards too many of a group, if they are blank or repeat those before them."""
