@@ -88,11 +88,16 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
     if reading.source in KNOWN and reading.sigma > 0.0:
         ratio, chance = size_of_residuals(joint, ordinary_frames(joint))
         if ratio > REJECTED and chance < SIGNIFICANCE:
-            given = f"the given reading sigma of {reading.sigma:g} px and "
+            if reading.source == "given":
+                return (
+                    f"{MISFITS}: the given reading sigma of {reading.sigma:g} px is smaller than "
+                    f"its residuals show, {ratio * reading.sigma:.2g} px: {ratio:.1f} times what "
+                    "it and the stated standard deviations explain "
+                    f"(chance below {SIGNIFICANCE:g})"
+                )
             return (
-                f"{MISFITS}: its residuals are {ratio:.1f} times what "
-                f"{given * (reading.source == 'given')}the stated standard deviations explain "
-                f"(chance below {SIGNIFICANCE:g})"
+                f"{MISFITS}: its residuals are {ratio:.1f} times what the stated standard "
+                f"deviations explain (chance below {SIGNIFICANCE:g})"
             )
         return ""
     picks, sigma_px = joint.model.flight.picks, reading.sigma

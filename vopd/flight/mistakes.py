@@ -35,6 +35,7 @@ LEAST_FREEDOM = 4  # more residuals than angles: with fewer, one number explains
 BETTER = 5.0  # a mistake is named where the residuals are so many times smaller without it
 ALIKE = 1.3  # residuals of trials that explain a flight as well
 MISFIT = 5.0  # in standard deviations of a pick: from there on they are said not to be explained
+CAREFUL_PX = 1.0  # residuals that careful picks have
 UNSEEN_PX = 1000.0  # what a pick counts whose landmark would have no image
 FRAMES_TRIED = 500  # of more frames some are left out
 MOST_PICKS = 4.0  # of a frame that is tried, in those that frames usually have
@@ -47,6 +48,7 @@ NEAR_PAD_M = 100.0  # by which the pad may be above or below the landmarks
 LENS_SIZES = 2.0, 0.5, 1.5, 2.0 / 3.0  # of a calibration, in the size of the images
 MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
 GPS_AHEAD_S = 18.0
+SMALL = ", as those of careful picks: is the standard deviation of a pick stated too small?"
 
 
 def usual_mistakes(project: Project, result: FlightResult, named: bool = False) -> list[str]:
@@ -75,7 +77,9 @@ def usual_mistakes(project: Project, result: FlightResult, named: bool = False) 
     if before > MISFIT * sigma:
         if joint is not None and (text := within_stated_text(joint, sigma)):
             return [text]
-        return [f"{_size_text(flight, estimate, before)}: {UNEXPLAINED}"]
+        size = _size_text(flight, estimate, before)
+        by_hand = flight.picks.clicks is None
+        return [f"{size}{SMALL}" if by_hand and before < CAREFUL_PX else f"{size}: {UNEXPLAINED}"]
     return []
 
 
