@@ -408,6 +408,12 @@ def test_shapes_of_labelme_that_are_no_points_are_counted(tmp_path: Path) -> Non
     assert_approved(in_folder(tmp_path, a=label(), b=more).doubts)
 
 
+@pytest.mark.parametrize("shapes", [5, [{"shape_type": "point", "label": "x", "points": [1]}]])
+def test_the_shape_that_is_none_is_named(shapes: object, tmp_path: Path) -> None:
+    with refused(VopdError):
+        in_folder(tmp_path, a=label() | {"shapes": shapes})
+
+
 def test_folders_without_points(tmp_path: Path) -> None:
     with refused(VopdError):
         in_folder(tmp_path, a=label(shape_type="circle"))

@@ -358,12 +358,15 @@ def read_labelme(file: InputFile) -> PickRows:
     others: list[str] = []
     sizes: Sizes = {}
     for path in paths:
+        where = ""
         try:
             label = parse_json(open_input(path.name, path.parent).text)
             image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
             width, height = (plain_number(str(label[f"image{one}"])) for one in ("Width", "Height"))
             sizes[image] = (int(width), int(height))
-            for shape in label["shapes"]:
+            where = "shapes: "
+            for k, shape in enumerate(label["shapes"], 1):
+                where = f"shape {k}: "
                 kind = shape.get("shape_type", "polygon")  # as LabelMe itself takes it
                 if kind not in ("point", "points"):
                     others.append(kind if kind in NO_POINTS else "other shape")
@@ -375,7 +378,8 @@ def read_labelme(file: InputFile) -> PickRows:
                     for point in shape["points"]
                 ]
         except (*UNEXPECTED, OSError) as error:
-            raise VopdError(f"{path.name}: not a LabelMe file: {reason(error)}") from error
+            text = f"{path.name}: not a LabelMe file: {where}{reason(error)}"
+            raise VopdError(text) from error
     if not all(name for _, name, *_ in found):
         raise file.error("some points have no label: the label is the name of the landmark")
     if not found:
