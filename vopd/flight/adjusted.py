@@ -24,7 +24,7 @@ from vopd.findings import count_text
 from vopd.flight.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.files import InputFile, did_you_mean, shown
 from vopd.flight.flight import CameraPath, Flight, HeldParameters
-from vopd.flight.free import LANDMARK, UNIT, shown_name, unit_factor
+from vopd.flight.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.flight.project import Project, Section
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
 from vopd.inputs import MOST_NUMBER, parse_json
@@ -42,6 +42,7 @@ MOST_NAMES = 3_000
 LARGEST = float(MOST_NUMBER) ** 2  # of a variance; with larger ones eigenvalues overflow
 ROUNDING = 1e-6  # of a correlation
 SAME_S = 1e-6  # between offsets of a clock
+SAME, SAME_ZERO = 1e-6, 1e-12  # between values of a lens, as a part of them, and where they are 0
 SPEAKS_OF = (
     ("picks", "file"), ("picks", "tracked"), ("picks", "times"), ("track", "file"),
     ("camera", "lens"), ("landmarks", "file"),
@@ -390,6 +391,7 @@ def with_held(project: Project, flight: Flight) -> Flight:
             own = UNIT.get(known[name], "")
         if unit != own:
             raise file.error(f"{name} is in {own}, not in {unit}", column="units")
+    _refuse_other_values(flight, found, file, parameter)
     shifts = [axis in parameter for axis in SHIFT]
     lacking = [shown_name(a, stands) for a, there in zip(SHIFT, shifts, strict=True) if not there]
     lacking = lacking if any(shifts) else []
@@ -400,6 +402,20 @@ def with_held(project: Project, flight: Flight) -> Flight:
         message = f"{lacking[0]} is missing beside its other coordinates{AGAIN}"
         raise file.error(message, column="names")
     return _held(flight, found, file.name, parameter, coordinate)
+
+
+def _refuse_other_values(
+    flight: Flight, found: CovarianceFile, file: InputFile, parameter: dict[str, int]
+) -> None:
+    """Refuse values that are not those of the lens and the shutter, which the solve takes."""
+    lens = {"focal", "aspect", "centre_u", "centre_v", *LENS_COEFFICIENTS[flight.lens.kind]}
+    if "aspect" in parameter:  # the focal length is then that from which the aspect was solved
+        lens.remove("focal")
+    for one, row in parameter.items():
+        stated, value = stated_value(flight, one), float(found.value[row])
+        if one in {*lens, "readout"} and not np.isclose(value, stated, rtol=SAME, atol=SAME_ZERO):
+            has = f"is {value:.9g}, and {stated:.9g} in what the project names{AGAIN}"
+            raise file.error(f"{found.name[row]} {has}", column="values")
 
 
 def _is_there(flight: Flight, parameter: str) -> bool:
