@@ -120,6 +120,23 @@ def test_a_project_goes_on_where_it_was(tmp_path: Path) -> None:
     assert_close("direction on a page", to.reshape(-1, 3), lines.direction)
 
 
+def test_what_is_no_pick_in_the_picks_of_a_project_is_told(tmp_path: Path) -> None:
+    picks = '[picks]\nfile = "picks.csv"\npixel_grid = "centre"'
+    assert picks in TOML
+    toml = TOML.replace(picks, '[picks]\nfile = "a.json"\nvideo = "a_1.png"')
+    project = write_project(tmp_path, toml)
+    Image.new("L", (1920, 1080)).save("a_1.png")
+    shapes = [
+        {"label": "mast", "points": [[9.5, 9.5]], "shape_type": "point"},
+        {"label": "road", "points": [[1.0, 2.0], [3.0, 4.0]], "shape_type": "line"},
+    ]
+    labels = {"imagePath": "a_1.png", "imageWidth": 1920, "imageHeight": 1080, "shapes": shapes}
+    Path("a.json").write_text(json.dumps(labels))
+    done = vopd("pick", project, "-o", "p.html")
+    assert done.status == 0 and [one["landmark"] for one in data()["picks"]] == ["mast"]
+    assert_approved(done.stderr.splitlines()[0], parts=[tmp_path])
+
+
 def test_the_folder_of_a_project_is_the_project(tmp_path: Path) -> None:
     """With images in it, it is a folder of images."""
     write_project(tmp_path, TOML.replace("[landmarks]", 'video = "a.mp4"\n[landmarks]'))

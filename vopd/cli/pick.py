@@ -13,7 +13,7 @@ from vopd.cli.options import FILE_NAME, NumberRange, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.cli.report import check_page_name
 from vopd.files import optional_package, whole_file
-from vopd.findings import VopdError, count_text
+from vopd.findings import Finding, VopdError, count_text
 
 if TYPE_CHECKING:
     from vopd.flight.formats.picks import Click
@@ -199,7 +199,10 @@ def _picks_of(project: Project) -> ProjectPicks:
         return ProjectPicks()
     person = project.without("picks", "tracked", "tracked_from")
     file = person.open("picks")
-    clicks = clicks_of(read_pick_rows(person, read_camera(person)))
+    rows = read_pick_rows(person, read_camera(person))
+    for text in rows.doubts:
+        click.echo(f"warning: {Finding(text, project.name)}", err=True)
+    clicks = clicks_of(rows)
     saved = file.head.startswith(CLICKS)
     hidden = read_hidden(file) if saved else []
     name = Path(section.text("file")).name if saved else "clicks.csv"
