@@ -48,7 +48,10 @@ NEAR_PAD_M = 100.0  # by which the pad may be above or below the landmarks
 LENS_SIZES = 2.0, 0.5, 1.5, 2.0 / 3.0  # of a calibration, in the size of the images
 MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
 GPS_AHEAD_S = 18.0
-SMALL = ", as those of careful picks: is the standard deviation of a pick stated too small?"
+SMALL = (
+    "no usual mistake explains them, and careful picks have as much: is the standard deviation of "
+    "a pick stated too small?"
+)
 
 
 def usual_mistakes(project: Project, result: FlightResult, named: bool = False) -> list[str]:
@@ -79,7 +82,7 @@ def usual_mistakes(project: Project, result: FlightResult, named: bool = False) 
             return [text]
         size = _size_text(flight, estimate, before)
         by_hand = flight.picks.clicks is None
-        return [f"{size}{SMALL}" if by_hand and before < CAREFUL_PX else f"{size}: {UNEXPLAINED}"]
+        return [f"{size}: {SMALL if by_hand and before < CAREFUL_PX else UNEXPLAINED}"]
     return []
 
 
