@@ -16,8 +16,8 @@ import subprocess
 import tempfile
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import IO, TYPE_CHECKING, Any
@@ -664,20 +664,32 @@ def spread(frames: VideoFrames, count: int) -> list[int]:
 BACKWARD_BYTES = 100_000_000  # of pictures that are held at once where frames are read backward
 
 
-def grey_frames(frames: VideoFrames, first: int, last: int) -> Iterator[tuple[int, Any]]:
+def grey_frames(
+    frames: VideoFrames, first: int, last: int, tell: Callable[[str], object] = lambda _: None
+) -> Iterator[tuple[int, Any]]:
     """Iterate over frames as grey pictures, each decoded once.
 
+    Args:
+        frames: of a video or images
+        first: index of the first one
+        last: index of the last one
+        tell: is called with why an image cannot be read
+
     Yields:
-        The index of a frame and its grey levels, 0 to 255, (H, W), upright. A video that cannot
-        be decoded to its end ends the iteration.
+        The index of a frame and its grey levels, 0 to 255, (H, W), upright; an image that cannot be
+        read is black. A video that cannot be decoded to its end ends the iteration.
 
     Raises:
-        VopdError: if the first one cannot be decoded
+        VopdError: if the first frame of a video, or no image, can be decoded
     """
     seen = False
     if not frames.chapters:
-        wanted = range(first, last + 1)
-        for k, picture in zip(wanted, frames.pictures(wanted), strict=True):
+        for k in range(first, last + 1):
+            try:
+                (picture,) = frames.pictures([k])
+            except VopdError as error:
+                picture = _black(frames)
+                tell(str(error))
             yield k, np.asarray(picture.convert("L"))
         return
     try:
@@ -687,6 +699,14 @@ def grey_frames(frames: VideoFrames, first: int, last: int) -> Iterator[tuple[in
     except VopdError:
         if not seen:
             raise
+
+
+def _black(frames: VideoFrames) -> Image:
+    """Make a black picture of the size of the first image that can be read."""
+    for k in range(len(frames)):
+        with suppress(VopdError):
+            return next(frames.pictures([k])).point(lambda _: 0)
+    raise VopdError(f"{frames.source}: no image in it can be read")
 
 
 def grey_frames_backward(frames: VideoFrames, last: int, first: int) -> Iterator[tuple[int, Any]]:

@@ -252,10 +252,8 @@ def test_hidden_frames_and_a_hidden_landmark(flight: Path, monkeypatch: pytest.M
     assert {status[k, "L2"] for k in range(14, 20)} == {"tracked"}
 
 
-def test_lost_images_are_told_by_their_numbers(
-    flight: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The images are numbered by tens; three of nothing in turn are one stretch."""
+def in_images_by_tens() -> None:
+    """Make the video images that are numbered by tens."""
     Path("images").mkdir()
     for k, picture in open_frames(["video.mp4"]).decoded(0, FRAMES):
         Image.fromarray(picture).save(f"images/{10 * k:04d}.png")
@@ -265,6 +263,26 @@ def test_lost_images_are_told_by_their_numbers(
     )
     change("flight.toml", '"video.mp4"', '"images"')
     change("flight.toml", 'times = "video"', "frame_rate_hz = 250.0")
+
+
+def test_images_that_cannot_be_read_cost_the_others_nothing(flight: Path) -> None:
+    in_images_by_tens()
+    vopd("track", "flight.toml")
+    whole = [row for row in rows(flight / "tracked.csv") if row["frame"] not in ("90", "100")]
+    for name in ("0090.png", "0100.png"):
+        Path("images", name).write_bytes(b"\x89PNG")
+    ran = vopd("track", "flight.toml")
+    assert ran.status == 3
+    assert_approved(ran.stderr.splitlines()[0])
+    found = [row for row in rows(flight / "tracked.csv") if row["frame"] not in ("90", "100")]
+    assert found == whole
+
+
+def test_lost_images_are_told_by_their_numbers(
+    flight: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The images are numbered by tens; three of nothing in turn are one stretch."""
+    in_images_by_tens()
 
     def cover(k: int, grey: Any) -> Any:
         nothing = np.random.default_rng(k).integers(90, 110, grey.shape).astype(np.uint8)
@@ -607,7 +625,9 @@ def test_patches_of_a_strip_are_alike(flight: Path) -> None:
 
 def test_a_video_that_ends_too_early(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        rooms, "grey_frames", lambda frames, low, end: grey_frames(frames, low, min(end, 11))
+        rooms,
+        "grey_frames",
+        lambda frames, low, end, tell: grey_frames(frames, low, min(end, 11), tell),
     )
     done = vopd("track", "flight.toml")
     assert done.status == 3

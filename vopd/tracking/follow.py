@@ -301,8 +301,11 @@ def follow(
     )  # fmt: skip
     count(2 * (last - first + 1))
 
+    unread: list[str] = []
+
     def pictures(low: int, high: int) -> Iterator[tuple[int, Any]]:
-        return _checked(grey_frames(footage.frames, low, high), run.scene.lens, footage, tell)
+        read = grey_frames(footage.frames, low, high, unread.append)
+        return _checked(read, run.scene.lens, footage, tell)
 
     seen = _forward(run, journal, pictures(first, last))
     _backward(run, journal, footage)
@@ -345,6 +348,9 @@ def follow(
         message = "nothing was followed: outside the clicked frames no landmark is found, in "
         message += f"{frames}{less}"
         findings.append(Finding(message, project.name, severity="warning"))
+    if unread:
+        text = f"{count_text(len({*unread}), 'image')} not tracked: {unread[0]}"
+        findings.insert(0, Finding(text, project.name, severity="warning"))
     if seen < last:
         message = (
             f"{footage.frames.source}: decoding ends behind frame {footage.number[seen]}, and "
