@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import Enum, IntEnum
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from vopd.geometry.rotations import partials_by_turns
 
 ROUNDS_BROWN = 60
 SMALL = 1e-15
+LENSES = 64  # whose fields are kept: every pass of a solve asks for them
 SMALLEST = 1e-100  # coefficient of a polynomial whose roots are looked for; a smaller one is 0
 
 
@@ -73,11 +74,7 @@ def undistort_brown(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats]:
         The ideal x and y, (...) each; NaN where the model has no ideal point in its field.
     """
     limit = field_radius_brown(k)
-    angle = np.linspace(0.0, min(np.arctan(limit), 1.55), 1025)
-    over, under = _radial(k)
-    r = np.tan(angle)
-    grown = r * polynomial.polyval(r * r, over) / polynomial.polyval(r * r, under)
-    moved = np.maximum.accumulate(grown)  # a field may end at a pole, where the sign is anything
+    angle, moved = _radii_brown(tuple(k))
     rd = np.hypot(xd, yd)
     start = np.tan(np.interp(rd, moved, angle))
     scale = np.where(rd > 0.0, start / np.where(rd > 0.0, rd, 1.0), 1.0)
@@ -106,6 +103,11 @@ def field_radius_brown(k: Floats) -> float:
     Args:
         k: the coefficients, (12,)
     """
+    return _field_radius_brown(tuple(k))
+
+
+@lru_cache(LENSES)
+def _field_radius_brown(k: tuple[float, ...]) -> float:
     over, under = _radial(k)
     grown = polynomial.polyadd(over, 2.0 * polynomial.polymulx(polynomial.polyder(over)))
     shrunk = 2.0 * polynomial.polymulx(polynomial.polyder(under))
@@ -116,7 +118,19 @@ def field_radius_brown(k: Floats) -> float:
     return float(np.sqrt(real.min())) if len(real) else float("inf")
 
 
-def _radial(k: Floats) -> tuple[Floats, Floats]:
+@lru_cache(LENSES)
+def _radii_brown(k: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """Tabulate distorted radii, which do not decrease, by the ideal angle off the axis."""
+    angle = np.linspace(0.0, min(np.arctan(_field_radius_brown(k)), 1.55), 1025)
+    over, under = _radial(k)
+    r = np.tan(angle)
+    grown = r * polynomial.polyval(r * r, over) / polynomial.polyval(r * r, under)
+    moved = np.maximum.accumulate(grown)  # a field may end at a pole, where the sign is anything
+    angle.flags.writeable = moved.flags.writeable = False
+    return angle, moved
+
+
+def _radial(k: tuple[float, ...]) -> tuple[Floats, Floats]:
     """Write numerator and denominator of the radial factor as polynomials in r squared."""
     over = np.array([1.0, k[0], k[1], k[4]])
     under = np.array([1.0, k[5], k[6], k[7]])
@@ -175,7 +189,7 @@ def undistort_fisheye(k: Floats, xd: Floats, yd: Floats) -> tuple[Floats, Floats
     Returns:
         The ideal x and y, (...) each; NaN where the model has no ideal point in its field.
     """
-    limit = _angle_limit(k)
+    limit = _angle_limit(tuple(k))
     nodes = np.linspace(0.0, min(limit, np.pi / 2), 1025)
     rd = np.hypot(xd, yd)
     angle = np.interp(rd, _radius(k, nodes)[0], nodes)
@@ -198,7 +212,7 @@ def field_radius_fisheye(k: Floats) -> float:
     Args:
         k: the coefficients, (4,)
     """
-    limit = _angle_limit(k)
+    limit = _angle_limit(tuple(k))
     return float(np.tan(limit)) if limit < np.pi / 2 else float("inf")
 
 
@@ -209,12 +223,13 @@ def _radius(k: Floats, angle: Floats) -> tuple[Floats, Floats]:
     return np.asarray(radius), np.asarray(polynomial.polyval(t2, _growth(k)))
 
 
-def _growth(k: Floats) -> Floats:
+def _growth(k: Floats | tuple[float, ...]) -> Floats:
     """Differentiate the image's radius by the angle: a polynomial in the angle squared."""
     return np.array([1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[2], 9.0 * k[3]])
 
 
-def _angle_limit(k: Floats) -> float:
+@lru_cache(LENSES)
+def _angle_limit(k: tuple[float, ...]) -> float:
     """Find the angle at which the image's radius stops growing; infinite if it never does."""
     roots = polynomial.polyroots(polynomial.polytrim(_growth(k), SMALLEST))
     real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0.0)]
