@@ -231,7 +231,7 @@ class LinearisedPicks(NamedTuple):
     by_landmark: Floats  # (B, n, 2, 3) by the landmark's east, north, up, m
 
 
-AT_ONCE = 8_000  # picks whose equations are formed together: their arrays fit a cache
+AT_ONCE = 4_000  # picks whose equations are formed together: their arrays fit a cache
 
 
 class Model:

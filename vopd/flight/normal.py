@@ -92,11 +92,9 @@ class Normal:
         self.parts: list[Eliminated] = []
         self.frame_cost = model.prior_cost_of_frames(state)
         self.cost, self.log_determinant = model.prior_cost(state), 0.0
-        self._kept: list[LinearisedPicks] | None = [] if len(model.pick) <= MOST_KEPT else None
+        self._kept: list[LinearisedPicks] | None = None
         for rows in model.rows(state):
             self._eliminate(rows)
-            if self._kept is not None:
-                self._kept.append(rows)
         self.border, self.common = self._border[:, : self.size], self._common[:-3, :-3]
         common = model.common_of(state)
         if model.clicks is not None:
@@ -138,22 +136,25 @@ class Normal:
             triangle = np.linalg.cholesky(normal)
             self.log_determinant += 2.0 * float(np.log(np.einsum("bii->bi", triangle)).sum())
         inverse, mixed = np.linalg.inv(normal), across @ further
-        beside = further - turn @ (inverse @ mixed)  # what no turn of the frame explains
+        beside = turn @ (inverse @ mixed)
+        np.subtract(further, beside, out=beside)  # what no turn of the frame explains
         plain = loss is LOSSES["least-squares"] and self.damping is None
         # as a square it is never negative, whatever the rounding
-        left = beside.swapaxes(1, 2) if plain else across_further
+        left = beside if plain else across_further.swapaxes(1, 2)
         self.parts.append(Eliminated(rows.frames, inverse, mixed, index))
         self._turn[rows.frames] = right[..., 0]
         if self.fixes is not None:
             self._place[rows.frames], right_further = right_further[:, :3], right_further[:, 3:]
-            self._hand_on(rows.frames, left[:, :3] @ beside, index)
-            left, beside = left[:, 3:], beside[..., 3:]
+            self._hand_on(rows.frames, left[..., :3].swapaxes(1, 2) @ beside, index)
+            left, beside = left[..., 3:], beside[..., 3:]
         _add(self._right, index, right_further)
         if (index == index[0]).all():  # the same landmarks: one product of all frames
-            total = np.tensordot(left, beside, axes=([0, 2], [0, 1]))
+            every = beside.reshape(count * 2 * n, -1)
+            total = (every if plain else left.reshape(every.shape)).T @ every
             np.add.at(self._common, (index[0][:, None], index[0]), total)
         else:
-            _add(self._common, index[:, :, None] * self._wide + index[:, None], left @ beside)
+            total = left.swapaxes(1, 2) @ beside
+            _add(self._common, index[:, :, None] * self._wide + index[:, None], total)
 
     def _weighted(
         self, rows: LinearisedPicks, turn: Floats, further: Floats, weight: Floats, z: Floats
@@ -203,7 +204,9 @@ class Normal:
             self._border[block * rows : (block + 2) * rows] += both
 
     def _rows(self) -> Iterable[LinearisedPicks]:
-        """Iterate over the equations of all picks."""
+        """Iterate over the equations of all picks, kept if they are few."""
+        if self._kept is None and len(self.model.pick) <= MOST_KEPT:
+            self._kept = list(self.model.rows(self.state))
         return self.model.rows(self.state) if self._kept is None else self._kept
 
     def right_side(self, values: Floats) -> RightSide:
