@@ -315,17 +315,18 @@ def _solve(
         least = np.minimum(least, state.cost)
         done = (better & ((size < SMALL_RAD) | noise)) | (damping > MOST_DAMPING)
         done |= stale >= STALE
-        _keep(out, index, rows, state, turn, done, size < NOISE_AT_MOST_RAD)
-        left = ~done
-        if done.all():
-            return
+        before = np.where(better, size, before)
         work -= rows.size
+        if done.any():
+            _keep(out, index, rows, state, turn, done, size < NOISE_AT_MOST_RAD)
+            if done.all():
+                return
+            left = ~done
+            block, index, rows, state = block.of(left), index[left], rows[left], state.of(left)
+            damping, before, turn = damping[left], before[left], turn[left]
+            least, stale = least[left], stale[left]
         if work < 0:
             break
-        block, index, rows = block.of(left), index[left], rows[left]
-        state = state.of(left)
-        damping, before, turn = damping[left], np.where(better, size, before)[left], turn[left]
-        least, stale = least[left], stale[left]
     _keep(out, index, rows, state, turn, index >= 0, np.abs(turn).max(axis=1) < NOISE_AT_MOST_RAD)
 
 
@@ -338,10 +339,10 @@ def damped_turn(state: PickEquations, damping: Floats) -> Floats:
     diagonal = np.einsum("bii->bi", state.normal)
     damped = state.normal + state.curvature
     damped = damped + np.eye(3) * (damping[:, None] * diagonal)[:, None, :]
-    (a, b, c), (_, d, e), (_, _, f) = np.moveaxis(damped, 0, -1)
+    a, b, c, _, d, e, _, _, f = damped.reshape(-1, 9).T
     second = a * d - b * b
-    minors = [a, second, f * second - a * e * e + 2.0 * b * c * e - d * c * c]
-    definite = np.all([minor > 0.0 for minor in minors], axis=0)
+    third = f * second - a * e * e + 2.0 * b * c * e - d * c * c
+    definite = (a > 0.0) & (second > 0.0) & (third > 0.0)
     normal = np.where(definite[:, None, None], damped, np.eye(3))
     turn = np.linalg.solve(normal, state.gradient[..., None])[..., 0]
     return np.asarray(np.where(definite[:, None], turn, np.nan))
@@ -349,6 +350,8 @@ def damped_turn(state: PickEquations, damping: Floats) -> Floats:
 
 def _chosen(better: Bools, tried: PickEquations, state: PickEquations) -> PickEquations:
     """Choose the state of each frame: the one that was tried if it is better."""
+    if better.all():
+        return tried
     return PickEquations(
         *(
             np.where(better.reshape(-1, *[1] * (new.ndim - 1)), new, old)

@@ -217,12 +217,13 @@ def rotation_matrices(vector: Floats) -> Floats:
     ).T
     w = np.cos(angle / 2.0)
     x2, y2, z2, w2 = x * x, y * y, z * z, w * w
+    xy, xz, yz, xw, yw, zw = x * y, x * z, y * z, x * w, y * w, z * w
     matrix = np.empty((len(vector), 3, 3))
     matrix[:, 0, 0], matrix[:, 1, 1] = x2 - y2 - z2 + w2, -x2 + y2 - z2 + w2
     matrix[:, 2, 2] = -x2 - y2 + z2 + w2
-    matrix[:, 1, 0], matrix[:, 0, 1] = 2.0 * (x * y + z * w), 2.0 * (x * y - z * w)
-    matrix[:, 2, 0], matrix[:, 0, 2] = 2.0 * (x * z - y * w), 2.0 * (x * z + y * w)
-    matrix[:, 2, 1], matrix[:, 1, 2] = 2.0 * (y * z + x * w), 2.0 * (y * z - x * w)
+    matrix[:, 1, 0], matrix[:, 0, 1] = 2.0 * (xy + zw), 2.0 * (xy - zw)
+    matrix[:, 2, 0], matrix[:, 0, 2] = 2.0 * (xz - yw), 2.0 * (xz + yw)
+    matrix[:, 2, 1], matrix[:, 1, 2] = 2.0 * (yz + xw), 2.0 * (yz - xw)
     return matrix
 
 
