@@ -512,7 +512,7 @@ def test_exchanged_clicks_and_an_edited_file(flight: Path) -> None:
 
 
 def test_terrains(flight: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    """Of this place, with a mast, with a hole, in feet, of another place, without one, broken."""
+    """Of this place, in tenths, with a mast, with a hole, in feet, of another place, broken."""
     import rasterio
     from affine import Affine
 
@@ -525,7 +525,7 @@ def test_terrains(flight: Path, capfd: pytest.CaptureFixture[str]) -> None:
 
     def told(
         of: Any = place, heights: Any = level, crs: str | None = "EPSG:4326",
-        nodata: float | None = -9999.0,
+        nodata: float | None = -9999.0, scale: float = 1.0, offset_m: float = 0.0,
     ) -> str:  # fmt: skip
         bands = heights if heights.ndim == 3 else heights[None]
         count, tall, broad = bands.shape
@@ -535,6 +535,7 @@ def test_terrains(flight: Path, capfd: pytest.CaptureFixture[str]) -> None:
             blockysize=tall,  # else GDAL says nothing of a file that is not complete
         ) as file:  # fmt: skip
             file.write(bands)
+            file.scales, file.offsets = [scale] * count, [offset_m] * count
         return ran()
 
     def ran() -> str:
@@ -547,6 +548,7 @@ def test_terrains(flight: Path, capfd: pytest.CaptureFixture[str]) -> None:
         return "".join(f"{one}\n" for one in lines)
 
     said = [told()]
+    assert told(heights=(level - 100.0) / 0.1, scale=0.1, offset_m=100.0) == said[0]
     mast = level.copy()
     row = int((north + 0.05 - where["L4"][0]) / 0.0005)
     column = int((where["L4"][1] - east + 0.1) / 0.001)
@@ -563,6 +565,7 @@ def test_terrains(flight: Path, capfd: pytest.CaptureFixture[str]) -> None:
     for crs in ('LOCAL_CS["local",UNIT["metre",1]]', "+proj=ortho +lat_0=-40 +lon_0=-170"):
         said.append(told(Affine(1e3, 0.0, 0.0, 0.0, -1e3, 0.0), crs=crs))
     said.append(told(heights=np.stack([level, level])))
+    said.append(told(heights=level.astype(np.complex64)))
     with rasterio.open(
         "terrain.tif", "w", driver="GTiff", width=50_000, height=50_000, count=1, dtype="float32",
         crs="EPSG:4326", transform=place, sparse_ok=True, tiled=True, blockxsize=8208,

@@ -84,9 +84,10 @@ class Terrain:
             raise self._section.error(
                 "terrain", f"{self.name} cannot be read at the landmarks: is it complete?"
             ) from error
-        height = np.ma.filled(cells.astype(float), np.nan)
+        stored = np.ma.filled(cells.astype(float), np.nan)
+        height = stored * data.scales[0] + data.offsets[0]
         beyond = ~((height > LOWEST_M) & (height < HIGHEST_M))
-        odd = height[beyond & np.isfinite(height)]
+        odd = stored[beyond & np.isfinite(height)]
         self._odd_m = float(odd[0]) if len(odd) else self._odd_m
         height[beyond] = np.nan
         step = size / shape
@@ -290,9 +291,8 @@ def read_terrain(project: Project) -> Terrain | None:
             "the one that it is in, as by gdal_translate -a_srs EPSG:..."
         )  # fmt: skip
     if dataset.count > 1 or np.dtype(dataset.dtypes[0]).kind == "c":
-        raise section.error(
-            "terrain", f"{name} has {dataset.count} bands: a terrain is one band of heights"
-        )
+        has = f"{dataset.count} bands" if dataset.count > 1 else "complex numbers"
+        raise section.error("terrain", f"{name} has {has}: a terrain is one band of heights")
     rows, columns = dataset.block_shapes[0]
     if rows * columns * np.dtype(dataset.dtypes[0]).itemsize > MOST_BYTES:
         raise section.error(
