@@ -52,7 +52,7 @@ def geodetic_latitude(ellipsoid: Ellipsoid, position: Floats) -> Floats:
         before, sine = latitude, np.sin(latitude)
         n = ellipsoid.radius_km / np.sqrt(1.0 - e2 * sine**2)
         latitude = np.arctan2(up + e2 * n * sine, across)
-        if np.array_equal(before, latitude):
+        if (before == latitude).all():
             break
     return np.asarray(latitude)
 

@@ -473,23 +473,24 @@ def project(lens: Lens, ray: Floats) -> Projection:
     x, y = (np.where(behind, np.nan, ray[..., k] / ray[..., 2]) for k in (0, 1))
     (xd, yd), by_xy = lens.model.distort(lens.coefficients, x, y)
     outside = ~behind & ~(np.hypot(x, y) <= lens.field_radius)
-    unseen = np.where(behind, Unseen.BEHIND_CAMERA, np.where(outside, Unseen.OUTSIDE_FIELD, 0))
-    seen = np.where(unseen == 0, 1.0, np.nan)
-    distorted = np.stack([xd, yd], axis=-1) * seen[..., None]
+    unseen = np.zeros(behind.shape, np.int64)
+    unseen[behind], unseen[outside] = Unseen.BEHIND_CAMERA, Unseen.OUTSIDE_FIELD
+    distorted = np.stack([xd, yd], axis=-1)
     pixels = lens.pixels_by_distorted
     by_turns = _turned(pixels, by_xy, partials_by_turns(x, y, 1.0))
+    distorted[unseen != 0] = by_turns[unseen != 0] = np.nan
     return Projection(
         (distorted.reshape(-1, 2) @ pixels.T).reshape(distorted.shape) + lens.centre_px,
-        by_turns * seen[..., None, None],
+        by_turns,
         distorted,
-        unseen.astype(np.int64),
+        unseen,
     )
 
 
 def _turned(pixels: Floats, by_xy: Floats, turns: Floats) -> Floats:
     """Multiply (2, 2), (..., 2, 2) and (..., 2, 3), written out: matrices are too small."""
     (fx, skew), (_, fy) = pixels
-    (a, b), (c, d) = np.moveaxis(by_xy, (-2, -1), (0, 1))
+    a, b, c, d = (by_xy[..., row, column] for row in (0, 1) for column in (0, 1))
     turned = np.empty_like(turns)
     for k in range(3):
         across, down = turns[..., 0, k], turns[..., 1, k]
