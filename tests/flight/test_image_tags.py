@@ -35,7 +35,7 @@ from vopd.flight.image_tags import (
     xmp_text,
     zone_of_tags,
 )
-from vopd.flight.new import NewProject, look_at_focal
+from vopd.flight.new import NewProject, has_positions, look_at_focal, take_size
 from vopd.flight.project import Section
 from vopd.flight.track import times_of_images
 from vopd.geometry.earth import geodetic
@@ -115,6 +115,22 @@ def test_a_new_project_from_images(tmp_path: Path) -> None:
     text = (tmp_path / "new" / "flight.toml").read_text()
     assert 'file = "../a/images"' in text and "image_size_px = [64, 48]" in text
     assert "needed: [track] height" in ran.stdout
+
+
+def test_tags_of_a_new_project_are_read_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in "ab":
+        tagged_image(tmp_path / f"{name}.jpg")
+    read: list[str] = []
+    monkeypatch.setattr(
+        image_tags, "read_tags", lambda path: read.append(path.name) or read_tags(path)
+    )
+    new, values = NewProject(), dict[tuple[str, str], str]()
+    has_positions(new, values, tmp_path, str(tmp_path))
+    take_size(new, values, tmp_path)
+    look_at_focal(new, values, tmp_path)
+    assert read == ["a.jpg", "b.jpg"] and values["camera", "image_size_px"] == "[64, 48]"
 
 
 def test_images_without_position_and_files_that_are_none(tmp_path: Path) -> None:

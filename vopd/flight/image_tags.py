@@ -108,7 +108,11 @@ def read_tags(path: Path) -> ImageTags:
     )  # fmt: skip
 
 
-def tags_of(paths: Sequence[Path]) -> tuple[dict[Path, ImageTags], list[str]]:
+ReadTags = tuple[dict[Path, ImageTags], list[str]]
+"""The tags of the images that can be read, and why others cannot be."""
+
+
+def tags_of(paths: Sequence[Path]) -> ReadTags:
     """Read the tags of the images that can be read.
 
     Args:

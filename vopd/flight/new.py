@@ -37,7 +37,7 @@ from vopd.flight.formats.track import (
     row_out_of_order,
 )
 from vopd.flight.formats.wind import WIND_FORMATS
-from vopd.flight.image_tags import images_in, read_tags, tags_of
+from vopd.flight.image_tags import ReadTags, images_in, read_tags, tags_of
 from vopd.flight.project import (
     ROWS,
     VIDEO,
@@ -76,6 +76,13 @@ class NewProject:
     track_height: str = ""  # what heights of the track are counted from, where its format says it
     scatter_m: Floats | None = None  # of the track's positions, east, north, up, (3,)
     then: str = ""  # the command to go on with, {} for the project; empty for the usual one
+    read: dict[Path, ReadTags] = field(default_factory=dict)  # by the folder, or the one image
+
+    def tags(self, images: Path) -> ReadTags:
+        """Read the tags of a folder's images, or of one, as `tags_of` does, once."""
+        if images not in self.read:
+            self.read[images] = tags_of(images_in(images))
+        return self.read[images]
 
 
 def _named(name: str, folder: Path) -> str:
@@ -214,14 +221,14 @@ def take_size(new: NewProject, values: KeyValues, images: Path) -> None:
     """
     found = images_in(images)
     if found and ("camera", "image_size_px") not in values:
-        tags = [*tags_of(found)[0].values()]
+        tags = [*new.tags(images)[0].values()]
         values["camera", "image_size_px"] = toml_numbers(*tags[0].size_px)
         new.needed.pop(("camera", "image_size_px"), None)
 
 
 def has_positions(new: NewProject, values: KeyValues, folder: Path, images: str) -> bool:
     """Tell whether the tags of images have positions, and say so where none has."""
-    every, unread = tags_of(images_in(Path(images)))
+    every, unread = new.tags(Path(images))
     if any(one.is_placed for one in every.values()):
         return True
     new.said.append(f"{images}: {no_position_text(every, unread)}")
@@ -236,7 +243,7 @@ def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
         values: the keys that are known, to be added to
         images: their folder, or the one
     """
-    tags = tags_of(images_in(images))[0].values()
+    tags = new.tags(images)[0].values()
     found = {(round(one.focal_px, 1), one.size_px, one.focal_by) for one in tags if one.focal_by}
     if len(found) != 1 or not all(one.focal_by for one in tags):
         if found:
@@ -523,7 +530,7 @@ def look_at_times(
         return
     if images is not None:
         values["picks", "times"] = _named(images, folder)
-        tags = tags_of(images_in(Path(images)))[0].values()
+        tags = new.tags(Path(images))[0].values()
         zone = all(np.isfinite(one.zone_s) for one in tags if np.isfinite(one.clock_s))
         new.said.append(
             f"{images}: {count_text(len(tags), 'image')}, whose tags give the frames' times"
