@@ -94,6 +94,9 @@ OTHER_KINDS: dict[str, Callable[[], object]] = {
     "a path in the place of jobs": lambda: vopd.write_deck("x.dat"),
     "a job before the first": lambda: JOBS.chosen(-1),
     "a deck to adjust": lambda: vopd.adjust(JOBS, "focal"),
+    "sigmas of a flight by name": lambda: vopd.solve_flight("x", sigmas={"reading": 1}),
+    "one sigma of a history": lambda: vopd.run(JOBS).histories(1.0),
+    "a sigma in words": lambda: vopd.Sigmas(reading="1 px"),
 }
 
 

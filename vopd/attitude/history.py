@@ -13,11 +13,11 @@ from vopd.attitude.flags import Flags, fits_as_well, flags, jumps
 from vopd.attitude.geometry import LandmarkGeometry, landmark_geometry, second_solution_rms
 from vopd.attitude.mistakes import MOST_FRAMES, misfit_text
 from vopd.attitude.reading_sigma import JobReadingSigma
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.sigmas import AS_SIGMAS, Sigmas
 from vopd.attitude.uncertainty import Uncertainty, uncertainties
 from vopd.attitude.vertical import with_vertical
 from vopd.estimate import About, Block, Estimate, FrameEstimate, FrameStatus
-from vopd.findings import VopdError
+from vopd.findings import VopdError, refuse_other_kind
 from vopd.geometry.rotations import from_yaw_pitch_roll
 from vopd.records import Rows, alike_together
 
@@ -51,6 +51,9 @@ class HistoryOptions:
     sigmas: Sigmas = Sigmas()  # noqa: RUF009  it is frozen
     max_rate_deg_s: float | None = None
     vertical: str | None = None
+
+    def __post_init__(self) -> None:
+        refuse_other_kind(self.sigmas, Sigmas, "an attitude history", AS_SIGMAS)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
+from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from vopd.geometry.rotations import angles_by_turns, body_angles_by_turns, turns
 
 LARGEST_SIGMA = 1e9  # of any input, in its unit
 HALF_A_TURN_DEG = 180.0
+AS_SIGMAS = "standard deviations as vopd.Sigmas has them"
 
 
 @dataclass(frozen=True)
@@ -62,11 +64,11 @@ class Sigmas:
         for field in fields(self):
             value = getattr(self, field.name)
             most = HALF_A_TURN_DEG if field.name.endswith("_deg") else LARGEST_SIGMA
-            if value is not None and not 0.0 <= value <= most:
+            is_number = isinstance(value, Real)
+            if value is not None and not (is_number and 0.0 <= value <= most):
                 name = field.name.removesuffix("_s").removesuffix("_deg").replace("_", " ")
-                raise VopdError(
-                    f"{name} sigma: {value:g} is not a standard deviation: 0 to {most:g}"
-                )
+                shown = f"{value:g}" if is_number else repr(value)
+                raise VopdError(f"{name} sigma: {shown} is not a standard deviation: 0 to {most:g}")
 
 
 class SigmasInForce(NamedTuple):

@@ -16,9 +16,9 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.long_history import sampled_reading_sigma
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
-from vopd.attitude.sigmas import Sigmas
+from vopd.attitude.sigmas import AS_SIGMAS, Sigmas
 from vopd.estimate import Estimate
-from vopd.findings import Finding, VopdError, count_text, first_of
+from vopd.findings import Finding, VopdError, count_text, first_of, refuse_other_kind
 from vopd.flight.blunders import (
     NO_EXCHANGE,
     Blunders,
@@ -269,6 +269,7 @@ def solve_flight(
         VopdError: where a file cannot be read, no frame has two landmarks, or it is a deck
     """
     sigmas = sigmas or Sigmas()
+    refuse_other_kind(sigmas, Sigmas, "vopd.solve_flight", AS_SIGMAS)
     if isinstance(source, Flight):
         return solve_flight_read(with_sigmas(source, sigmas))
     if isinstance(source, Project):
