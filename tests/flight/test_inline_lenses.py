@@ -50,6 +50,13 @@ def test_what_the_project_says_of_a_file(tmp_path: Path) -> None:
         )
 
 
+def test_a_lens_that_is_said_to_be_of_another_model_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "cameras").write_text("1 PINHOLE 64 48 70 60 2 3\n")
+    for inside in ("cameras", FX):
+        assert lens(tmp_path, inside, model="brown", image_size_px=[64, 48]).lens.size_px
+        assert_approved(refusal(tmp_path, inside, model="fisheye", image_size_px=[64, 48]))
+
+
 FX = {"model": "brown", "fx_px": 90.0}
 TABLE = {"model": "radial-table", "fx_px": 90.0, "table_px": [[10, 1.0], [20, -2.0]]}
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.clicked_flights import clicked_flight
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close, within
@@ -203,6 +203,16 @@ def test_the_readouts_sigma_is_what_another_readout_does(tmp_path: Path) -> None
     turned = np.abs(result.camera_deg - plain.camera_deg)[:, 0]
     assert (turned > 3.0 * found[:, 0]).all() and (turned < 0.16).all()
     assert not result.history().flags.raised["rate_unknown"].any()
+
+
+@pytest.mark.parametrize(("readout_ms", "said"), [(109.0, False), (111.0, True)])
+def test_a_readout_longer_than_a_frame_is_doubted(
+    readout_ms: float, said: bool, tmp_path: Path
+) -> None:
+    result = rolling(tmp_path, readout_ms)
+    found = [one.message for one in result.findings if "longer than" in one.message]
+    assert len(found) == said
+    assert_approved(found)
 
 
 def test_a_frame_by_itself_has_no_turning_rate(tmp_path: Path) -> None:

@@ -67,6 +67,8 @@ from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 from vopd.inputs import LONGEST_NAME, MOST_NUMBER, beyond_sigmas
 
+LONGEST_READOUT = 1.1  # of a rolling shutter, in the time from a frame to the next
+
 # The lens: an inline table, or a file
 
 
@@ -117,11 +119,12 @@ def _scaled(section: Section, read: LensRead, size: tuple[int, int]) -> LensRead
 
 def _lens_of(project: Project, section: Section, size: tuple[int, int] | None) -> LensRead:
     """Read a lens as it was calibrated, for images of this size."""
+    model = section.text("model") if section.has("model") else None
     if isinstance(section.values.get("lens"), dict):
-        return _inline(section, section.section("lens"), size)
+        inline = _inline(section, section.section("lens"), size)
+        return _of_model(section, inline, model, "[camera] lens")
     file = project.open("camera", "lens")
     name = file.name
-    model = section.text("model") if section.has("model") else None
     camera = section.text("camera") if section.has("camera") else None
     found = read_by_content(LENS_FORMATS, file, LensQuestion(model, camera, size))
     if size is not None and found.lens.size_px != size:
@@ -136,6 +139,14 @@ def _lens_of(project: Project, section: Section, size: tuple[int, int] | None) -
             f"{size[0]} x {size[1]}, but {name} is a calibration for {w} x {h}{turned}; "
             f"a calibration serves the pictures that it was made of{scale}",
         )
+    return _of_model(section, found, model, name)
+
+
+def _of_model(section: Section, found: LensRead, model: str | None, name: str) -> LensRead:
+    """Refuse a lens that says itself that it is of another model than is stated."""
+    own = found.lens.kind.value
+    if model not in (None, own):
+        raise section.error("model", f"{model}, but {name} says {own} itself: leave this key out")
     return found
 
 
@@ -663,6 +674,10 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
     if camera_lens.table is None:
         doubts += doubts_of_lens(lens.lens)
+    shutter, rate_hz = shutter_of(project.section("camera")), _frame_rate_hz(project, times)
+    if shutter is not None and rate_hz and shutter.readout_s * rate_hz > LONGEST_READOUT:
+        frame = f"a frame of {1e3 / rate_hz:.4g} ms"
+        doubts.append(f"[camera] readout_ms: {1e3 * shutter.readout_s:g} is longer than {frame}")
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, times, label)
     refraction = refraction_of(project.section("atmosphere"))
@@ -682,8 +697,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         mount_sigma_deg=(project.section("vehicle").sigma("mount_sigma_deg") or (0.0,))[0],
         vehicle=_vehicle(project, offset_s),
         refraction=refraction,
-        shutter=shutter_of(project.section("camera")),
-        frame_rate_hz=_frame_rate_hz(project, times),
+        shutter=shutter,
+        frame_rate_hz=rate_hz,
         offset_s=offset_s,
         options=flight_options(project, lens, refraction, camera, landmarks),
         own_level=project.section("landmarks").values.get("height") == "same",
