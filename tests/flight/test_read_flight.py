@@ -119,6 +119,17 @@ def test_doubts_about_the_track_are_warnings_behind_those_about_picks(
     assert {(one.severity, one.source) for one in found} == {("warning", str(path))}
 
 
+@pytest.mark.parametrize("apart", [0.0, 0.001])
+def test_copies_of_picks_are_told(apart: float, tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    file = tmp_path / "picks.csv"
+    first = file.read_text(encoding="utf-8").splitlines()[1].split(",")
+    first[-1] = str(float(first[-1]) + apart)
+    with file.open("a", encoding="utf-8") as more:
+        more.write(",".join(first) + "\n")
+    assert_approved([one.message for one in read_flight(str(path)).findings])
+
+
 def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
     usual = flight(tmp_path)
     assert (usual.refraction.k, usual.refraction.decays) == (0.13, True)

@@ -67,6 +67,11 @@ from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 from vopd.inputs import LONGEST_NAME, MOST_NUMBER, beyond_sigmas
 
+COPIED_PX = 1e-9  # between picks of one landmark in one frame
+COPIED = (
+    "picks of one landmark in one frame are the same to the last digit: if these are copies, "
+    "remove them, for they make the angles look surer than they are"
+)
 LONGEST_READOUT = 1.1  # of a rolling shutter, in the time from a frame to the next
 
 # The lens: an inline table, or a file
@@ -666,6 +671,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         findings += [one for one in of_clicks if one not in findings]
     else:
         joined, findings = join_picks(picks, label, landmarks.name, name)
+        if joined.repeatability_px < COPIED_PX:
+            findings.append(Finding(COPIED, name, severity="warning"))
     camera, wind_said, wind_doubts = add_wind(project, path.path)
     outside = outside_area(landmark_crs(project.section("landmarks"), rows), landmarks.position_m)
     doubts = [*picks.doubts, *times.doubts, *path.doubts, *wind_doubts]
