@@ -70,6 +70,14 @@ def saved_empty(monkeypatch: pytest.MonkeyPatch, not_laid_out: None) -> None:
     monkeypatch.setattr(Figure, "savefig", saved)
 
 
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """One browser for the pages of all tests, each of which takes back what it has emulated."""
+    from tests.kit.browser import open_browser
+
+    yield from open_browser(tmp_path_factory.mktemp("browser"))
+
+
 @pytest.fixture(scope="session", autouse=True)
 def temporary(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> None:
     """Paths of temporary folders are not among the approved texts."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import io
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.browser import forget, load, open_browser
+from tests.kit.browser import forget, load
 from tests.kit.command import DECKS
 from tests.kit.random_flights import SIZE, lenses, random_frame
 from tests.tolerances import assert_close
@@ -35,11 +34,6 @@ from vopd.video import open_frames
 
 BLOCK = (30, 20)  # first pixel of a white square of 8 pixels
 LANDMARKS = ("mast", 'a "b", <c>')
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    yield from open_browser(tmp_path_factory.mktemp("browser"))
 
 
 @pytest.fixture(scope="module")

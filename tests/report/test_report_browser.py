@@ -23,7 +23,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
 from tests.approved.texts import assert_approved
-from tests.kit.browser import forget, load, open_browser
+from tests.kit.browser import forget, load
 from tests.kit.command import ROOT
 from tests.kit.histories import by_hand, flight, histories, with_estimate
 from tests.kit.html_page import data_of
@@ -35,11 +35,6 @@ from vopd.report import report
 
 HILL = ROOT / "examples" / "hill" / "flight.toml"
 pytestmark = pytest.mark.usefixtures("not_laid_out")
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    yield from open_browser(tmp_path_factory.mktemp("browser"))
 
 
 @pytest.fixture
