@@ -238,6 +238,7 @@ def test_9999_frames_are_the_most(count: int) -> None:
         ([2.0, np.nan], [0.0, 1.0], True),
         ([np.nan], [0.0], True),
         ([5.0], [5.0], False),
+        ([1.7e9, 1.7e9 + 0.125, 1.7e9 + 2.5], [0.0, 0.125, 2.5], True),  # seconds of a Unix clock
     ],
 )
 def test_times_that_increase_are_those_of_the_frames(

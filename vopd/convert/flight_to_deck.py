@@ -443,8 +443,12 @@ def frame_numbers(flight: Flight, frames: Ints) -> tuple[Ints, list[NumberRow]]:
 
 def frame_times(flight: Flight, frames: Ints) -> tuple[Floats, list[str]]:
     """Time the frames, increasing from frame to frame, to what ten columns hold."""
-    time_s = np.array([rounded_to_fit(t, 82, 0) for t in flight.time_s[frames]])
-    if np.isfinite(time_s).all() and (np.diff(time_s) > 0.0).all():
-        return time_s, []
+    own_s = flight.time_s[frames]
+    first_s = float(np.floor(own_s[0]))
+    counted = f"times on the cards are counted from {first_s:.0f} s: ten columns do not hold them"
+    for zero_s, notes in ((0.0, []), (first_s, [counted])):
+        time_s = np.array([rounded_to_fit(t, 82, 0) for t in own_s - zero_s])
+        if np.isfinite(time_s).all() and (np.diff(time_s) > 0.0).all():
+            return time_s, notes
     note = "the frames have no times that increase: on the cards they are a second apart"
     return np.arange(len(frames), dtype=np.float64), [note]
