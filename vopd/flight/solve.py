@@ -300,11 +300,12 @@ def _solve(
     for _ in range(passes):
         turn = damped_turn(state, damping)
         size = np.abs(turn).max(axis=1)
-        turned = rotation_matrices(np.nan_to_num(turn)) @ state.rotation
-        tried = equations_at(block, turned)
+        finite = np.isfinite(size)
+        by = rotation_matrices(turn if finite.all() else np.nan_to_num(turn))
+        tried = equations_at(block, by @ state.rotation)
         # within rounding of the cost a small step is taken as it is
         better = (tried.cost <= state.cost) | (size < SMALL_STEP)
-        better &= np.isfinite(tried.cost) & np.isfinite(size)
+        better &= np.isfinite(tried.cost) & finite
         state = _chosen(better, tried, state)
         damping = np.where(better, np.maximum(damping / 10.0, LEAST_DAMPING), damping * 10.0)
         # a step that no longer shrinks is rounding
@@ -343,9 +344,11 @@ def damped_turn(state: PickEquations, damping: Floats) -> Floats:
     second = a * d - b * b
     third = f * second - a * e * e + 2.0 * b * c * e - d * c * c
     definite = (a > 0.0) & (second > 0.0) & (third > 0.0)
-    normal = np.where(definite[:, None, None], damped, np.eye(3))
-    turn = np.linalg.solve(normal, state.gradient[..., None])[..., 0]
-    return np.asarray(np.where(definite[:, None], turn, np.nan))
+    if not definite.all():
+        damped[~definite] = np.eye(3)
+    turn = np.linalg.solve(damped, state.gradient[..., None])[..., 0]
+    turn[~definite] = np.nan
+    return np.asarray(turn)
 
 
 def _chosen(better: Bools, tried: PickEquations, state: PickEquations) -> PickEquations:
