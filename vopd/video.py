@@ -181,7 +181,10 @@ class VideoFrames:
             plain = image.mode in ("L", "RGB") and image.getexif().get(ORIENTATION, 1) == 1
         return file if plain else None
 
-    def decoded(self, first: int, last: int, grey: bool = False) -> Iterator[tuple[int, Any]]:
+    def decoded(
+        self, first: int, last: int, grey: bool = False,
+        lost: Callable[[int], object] | None = None,
+    ) -> Iterator[tuple[int, Any]]:  # fmt: skip
         """Iterate over frames of a video in their order, upright, each decoded once.
 
         Args:
@@ -189,6 +192,8 @@ class VideoFrames:
             last: index of the last one
             grey: whether the luminance is wanted, as the video has it, in the place of red, green
                 and blue
+            lost: is called with the index of a damaged frame, which is left out; None: that is an
+                error
 
         Yields:
             The index of a frame, and its pixels, (H, W) or (H, W, 3), 0 to 255.
@@ -204,17 +209,22 @@ class VideoFrames:
             k = int(np.searchsorted(one.tick, one.tick[low]))  # two may be shown at one time
             try:
                 for picture in decode(one, k, high, grey):
-                    if k >= low:
+                    if k >= low and picture is not None:
                         yield one.first + k, picture
+                    elif k >= low and lost is not None:
+                        lost(one.first + k)
+                    elif k >= low:
+                        raise self.lost_frame(one.first + k)
                     k += 1
             except NoDecoderError:
                 raise
             except VopdError as error:
-                raise self._lost(one.first + k) from error
+                raise self.lost_frame(one.first + k) from error
             if k <= high:
-                raise self._lost(one.first + k)
+                raise self.lost_frame(one.first + k)
 
-    def _lost(self, k: int) -> VopdError:
+    def lost_frame(self, k: int) -> VopdError:
+        """Make the error of a frame that cannot be decoded."""
         return VopdError(f"{self.source}: frame {k} cannot be decoded: is the file complete?")
 
     def _still(self, path: Path) -> Image:
@@ -470,33 +480,73 @@ def opened(path: Path) -> Iterator[tuple[Any, Any]]:
             stream = container.streams.video[0]
             if stream.codec_context is None:
                 raise NoDecoderError(path, "PyAV")
-            stream.thread_type = "AUTO"
             yield container, stream
     except (av.error.FFmpegError, OSError) as error:
         raise VopdError(f"{path.name}: not a video that can be read: {reason(error)}") from error
 
 
 def _by_pyav(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[Any]:
-    """Decode frames of a file from one to another, by PyAV; it ends where one is not there."""
+    """Decode frames of a file from one to another, by PyAV; None for one that is damaged.
+
+    It ends where no later one is there.
+    """
     k = first
     for sooner_s in (0.0, SOONER_S, np.inf):  # some files are sought with errors
-        with opened(chapter.path) as (container, stream):
-            if np.isfinite(sooner_s):
-                start = int(chapter.tick[first] - sooner_s / chapter.unit_s)
-                container.seek(start, stream=stream)
-            for number, frame in enumerate(container.decode(stream)):
-                wanted = chapter.tick[k]
-                if frame.pts is None or frame.pts > wanted or number > AT_MOST_DECODED + k - first:
-                    break
-                if frame.pts < wanted:
-                    continue
+        sought = -np.inf if sooner_s == np.inf else chapter.tick[first] - sooner_s / chapter.unit_s
+        for number, frame in enumerate(_decodable(chapter.path, sought)):
+            if number > AT_MOST_DECODED + k - first:
+                break
+            if k == first and frame.pts > chapter.tick[k] and not (number and sooner_s):
+                break  # it was sought too late, perhaps
+            while k <= last and frame.pts > chapter.tick[k]:
+                yield None
+                k += 1
+            if k <= last and frame.pts == chapter.tick[k]:
                 picture = _luma(frame) if grey else frame.to_ndarray(format="rgb24")
                 yield np.rot90(picture, frame.rotation // 90) if frame.rotation else picture
                 k += 1
-                if k > last:
-                    return
+            if k > last:
+                return
         if k > first:
             return
+
+
+def _decodable(path: Path, sought: float) -> Iterator[Any]:
+    """Iterate over the frames of a video that can be decoded, in the order in which they are shown.
+
+    Behind a damaged packet they begin with the next key frame: those before it are made of what is
+    missing. Decoders in threads say too late which packet it is, and so it is decoded again
+    without.
+
+    Args:
+        path: of the file
+        sought: time in the stream's unit, before which it begins; minus infinity: at its first
+    """
+    av = optional_package("av", "video", "reading videos")
+    shown, damaged = -np.inf, -np.inf  # times in the stream's unit
+    for threads in ("AUTO", "NONE"):
+        with opened(path) as (container, stream):
+            stream.thread_type, known = threads, shown
+            if (start := max(sought, known)) > -np.inf:
+                container.seek(int(start), stream=stream)
+            for packet in container.demux(stream):
+                try:
+                    frames = packet.decode()
+                except av.error.InvalidDataError:
+                    if threads == "AUTO":
+                        break
+                    damaged = np.inf if packet.pts is None else packet.pts  # None: the last one
+                    continue
+                for frame in frames:
+                    if frame.pts is None:
+                        return
+                    if frame.key_frame and frame.pts > damaged:
+                        damaged = -np.inf
+                    if damaged == -np.inf and frame.pts > known:
+                        shown = frame.pts
+                        yield frame
+            else:
+                return
 
 
 def _luma(frame: Any) -> Any:
@@ -673,16 +723,16 @@ def grey_frames(
         frames: of a video or images
         first: index of the first one
         last: index of the last one
-        tell: is called with why an image cannot be read
+        tell: is called with why an image cannot be read, or a frame be decoded
 
     Yields:
-        The index of a frame and its grey levels, 0 to 255, (H, W), upright; an image that cannot be
-        read is black. A video that cannot be decoded to its end ends the iteration.
+        The index of a frame and its grey levels, 0 to 255, (H, W), upright; one that cannot be read
+        or decoded is black. A video that cannot be decoded to its end ends the iteration.
 
     Raises:
         VopdError: if the first frame of a video, or no image, can be decoded
     """
-    seen = False
+    seen, lost = False, list[int]()
     if not frames.chapters:
         for k in range(first, last + 1):
             try:
@@ -693,8 +743,12 @@ def grey_frames(
             yield k, np.asarray(picture.convert("L"))
         return
     try:
-        for k, grey in frames.decoded(first, last, grey=True):
+        for k, grey in frames.decoded(first, last, grey=True, lost=lost.append):
             seen = True
+            for damaged in lost:
+                tell(str(frames.lost_frame(damaged)))
+                yield damaged, np.zeros_like(grey)
+            lost.clear()
             yield k, grey
     except VopdError:
         if not seen:

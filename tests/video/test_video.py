@@ -9,6 +9,7 @@ import sys
 import wave
 from pathlib import Path
 
+import av
 import numpy as np
 import pytest
 from PIL import Image
@@ -287,3 +288,32 @@ def test_a_frame_that_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     assert seen == list(range(len(seen))) and 0 < len(seen) < 40
     with refused(VopdError):
         list(grey_frames(frames, 39, 39))
+
+
+def damage(video: Path, frame: int) -> None:
+    """Overwrite the packet of one frame by zeros."""
+    with av.open(str(video)) as container:
+        packets = [one for one in container.demux(video=0) if one.pts is not None]
+        packet = sorted(packets, key=lambda one: one.pts)[frame]
+        at, size = packet.pos, packet.size
+    content = video.read_bytes()
+    video.write_bytes(content[:at] + bytes(size) + content[at + size :])
+
+
+def test_frames_behind_a_damaged_packet_begin_with_the_next_key_frame(tmp_path: Path) -> None:
+    """Key frames are 0, 12, 24 and 36. A few before the packet are still in the decoder."""
+    damage(write_video(tmp_path / "a.mp4", EVEN_MS), 15)
+    frames = open_frames([str(tmp_path / "a.mp4")])
+    lost: list[int] = []
+    found = dict(frames.decoded(0, 39, lost=lost.append))
+    assert lost == [*range(11, 24)]
+    assert sorted([*found, *lost]) == [*range(40)]
+    assert all(abs(number_of(Image.fromarray(one)) - k) < 0.5 for k, one in found.items())
+    told: list[str] = []
+    grey = dict(grey_frames(frames, 0, 39, told.append))
+    assert list(grey) == [*range(40)] and len(told) == len(lost)
+    assert [k for k, one in grey.items() if not one.any()] == lost
+    assert_approved(told[0])
+    assert list(dict(grey_frames(frames, lost[0], 30))) == [*range(lost[0], 31)]
+    with refused(VopdError):
+        next(frames.pictures(lost))

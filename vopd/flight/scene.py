@@ -191,7 +191,8 @@ class FlightScene:
             try:
                 video = open_frames([str(one) for one in self._flight.video])
                 pillow = optional_package("PIL.Image", "images", "showing frames")
-                for number, picture in video.decoded(min(place), max(place)):
+                ends = min(place), max(place)
+                for number, picture in video.decoded(*ends, lost=lambda _: None):
                     if number in place:
                         yield place.pop(number), pillow.fromarray(picture)
             except VopdError as error:

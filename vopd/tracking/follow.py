@@ -349,7 +349,8 @@ def follow(
         message += f"{frames}{less}"
         findings.append(Finding(message, project.name, severity="warning"))
     if unread:
-        text = f"{count_text(len({*unread}), 'image')} not tracked: {unread[0]}"
+        kind = "image" if footage.frames.images else "frame"
+        text = f"{count_text(len({*unread}), kind)} not tracked: {unread[0]}"
         findings.insert(0, Finding(text, project.name, severity="warning"))
     if seen < last:
         message = (
