@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.simulated_flights import Errors, Plan, body_to_ned, write_flight
 from tests.tolerances import assert_close
 from vopd.cli.new import write_project
@@ -53,6 +53,24 @@ def test_the_mount_is_within_its_standard_deviations(tmp_path: Path, keys: str) 
     assert_close("mount", sigma, SENSOR_DEG / np.sqrt(20.0))
     off = np.array([one.after for one in found]) - [1.0, -2.0, 3.0]
     assert (np.abs(off) < 4.0 * sigma).all()
+
+
+@pytest.mark.parametrize(("sigma_deg", "said"), [(0.12, False), (0.05, True)])
+def test_attitudes_that_are_not_one_mount_apart_are_told(
+    sigma_deg: float, said: bool, tmp_path: Path
+) -> None:
+    """They are .3 degree off: twice what is stated, or six times."""
+    write(tmp_path, [1.0, -2.0, 3.0], "frame,second", np.random.default_rng(1))
+    file = tmp_path / "flight.toml"
+    stated = f"attitude_sigma_deg = {SENSOR_DEG}"
+    text = file.read_text(encoding="utf-8")
+    assert stated in text
+    text = text.replace(stated, f"attitude_sigma_deg = {sigma_deg}")
+    file.write_text(text, encoding="utf-8")
+    findings = adjust(file, ["mount"]).result.findings
+    found = [one.message for one in findings if one.message.startswith("free mount:")]
+    assert len(found) == said
+    assert_approved(found)
 
 
 def test_late_frames_have_the_attitude_of_their_own_moment(tmp_path: Path) -> None:

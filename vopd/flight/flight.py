@@ -389,6 +389,9 @@ class VehicleAttitudes(NamedTuple):
     sigma_rad: Floats  # (T,) about each axis, each attitude by itself
     turned_deg: Floats | None = None  # (3,) of the mount, about the vehicle's forward, right, down
     covariance_deg2: Floats | None = None  # (3, 3) of that
+    apart: tuple[float, float] = (0.0, 0.0)
+    """Root mean square, about an axis, of what frames differ by from that mount, and what is
+    expected of it, degrees."""
 
 
 class NotHeld(NamedTuple):

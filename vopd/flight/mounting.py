@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.files import read_csv
 from vopd.flight.flight import Flight, VehicleAttitudes
@@ -21,6 +21,7 @@ from vopd.geometry.rotations import FORWARD, mount_by_angles, rotation_matrices
 
 AXES = ("forward", "right", "down")
 PASSES = 5  # of a mean of rotations: each squares what is left
+MOST_APART = 3.0  # times what is expected: more are told
 LARGEST_GAP = 3.0  # usual steps of an attitude's rows: a longer one is not interpolated over
 
 
@@ -95,17 +96,42 @@ def mounted(estimates: FlightEstimates) -> FlightEstimates:
     made = FlightEstimates(replace(estimates.solved, flight=now), joint, estimates.reading)
     by_camera = made.sum_errors(weight[:, None, None] * np.eye(3))
     by_vehicle = ((weight * np.where(known, sigma_rad, 0.0)) ** 2).sum() * np.eye(3)
-    covariance = np.degrees(np.degrees(sum(by_camera.values(), by_vehicle)))
+    of_camera = sum(by_camera.values(), np.zeros((3, 3)))
+    covariance = np.degrees(np.degrees(of_camera + by_vehicle))
+    # errors of the camera's attitudes as if each frame had its own, which is the most they can be
+    least = np.trace(of_camera) / 3.0 / (weight**2).sum() + (sigma_rad[known] ** 2).mean()
+    off = np.sqrt((_rotation_vectors(body @ mount.T) ** 2).mean())
+    apart = float(np.degrees(off)), float(np.degrees(np.sqrt(least)))
     turned = np.degrees(_rotation_vectors((mount @ flight.mount.T)[None])[0])
     if flight.mount_sigma_deg > 0.0:  # the stated mount is one more reading of it
         prior = flight.mount_sigma_deg**2 * np.eye(3)
         gain = prior @ np.linalg.inv(prior + covariance)
         turned, covariance = gain @ turned, gain @ covariance
         now = replace(now, mount=rotation_matrices(np.radians(turned)[None])[0] @ flight.mount)
-    attitudes = flight.vehicle._replace(turned_deg=turned, covariance_deg2=covariance)
+    attitudes = flight.vehicle._replace(turned_deg=turned, covariance_deg2=covariance, apart=apart)
     sigma_deg = float(np.sqrt(np.trace(covariance) / 3.0))
     now = replace(now, vehicle=attitudes, mount_sigma_deg=sigma_deg)
     return FlightEstimates(replace(estimates.solved, flight=now), joint, estimates.reading)
+
+
+def mount_findings(flight: Flight) -> list[Finding]:
+    """Warn of a vehicle whose attitudes are not the camera's, turned by one mount.
+
+    Args:
+        flight: whose mount has been solved
+    """
+    if flight.vehicle is None:
+        return []
+    off_deg, expected_deg = flight.vehicle.apart
+    if off_deg <= MOST_APART * expected_deg:
+        return []
+    times = off_deg / expected_deg
+    message = (
+        f"free mount: attitudes of {flight.vehicle.name} are {off_deg:.2g} degrees from those of "
+        f"the camera and one mount, {times:.1f} times what the standard deviations explain: "
+        "are they degrees, of this vehicle and on this clock?"
+    )
+    return [Finding(message, flight.source, severity="warning")]
 
 
 def _at_frames(flight: Flight, late_s: Floats) -> tuple[Floats, Floats]:
