@@ -119,6 +119,16 @@ def test_doubts_about_the_track_are_warnings_behind_those_about_picks(
     assert {(one.severity, one.source) for one in found} == {("warning", str(path))}
 
 
+def test_frames_without_a_time_are_told_apart_from_those_without_a_position(
+    tmp_path: Path,
+) -> None:
+    text = TOML.replace("frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0\n", 'times = "t.csv"\n')
+    assert text != TOML
+    path = write_project(tmp_path, text)
+    (tmp_path / "t.csv").write_text("frame,t_s\n0,2\n2,2.2\n4,99\n", encoding="utf-8")
+    assert_approved([one.message for one in read_flight(str(path)).findings])
+
+
 @pytest.mark.parametrize("apart", [0.0, 0.001])
 def test_copies_of_picks_are_told(apart: float, tmp_path: Path) -> None:
     path = write_project(tmp_path)

@@ -72,6 +72,7 @@ COPIED = (
     "picks of one landmark in one frame are the same to the last digit: if these are copies, "
     "remove them, for they make the angles look surer than they are"
 )
+NO_POSITION = "the track has no position for"
 LONGEST_READOUT = 1.1  # of a rolling shutter, in the time from a frame to the next
 
 # The lens: an inline table, or a file
@@ -899,15 +900,18 @@ def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str],
 def frames_uncovered(
     project: Project, path: CameraPath, times: FrameTimes, label: Callable[[int], str]
 ) -> list[Finding]:
-    """Warn of frames for which the track has no position."""
-    lost = np.flatnonzero(np.isnan(path.position_m[:, 0])).tolist()
-    if not lost:
-        return []
-    message = f"the track has no position for {first_of([label(k) for k in lost], 3)}"
-    if path.row_s is not None:
+    """Warn of frames that have no time, or for which the track has no position."""
+    by_time, lost = path.row_s is not None, np.isnan(path.position_m[:, 0])
+    untimed = lost & by_time & np.isnan(times.time_s)
+    messages = []
+    for some, what in ((untimed, "there is no time for"), (lost & ~untimed, NO_POSITION)):
+        if some.any():
+            labels = [label(k) for k in np.flatnonzero(some).tolist()]
+            messages.append(f"{what} {first_of(labels, 3)}")
+    if path.row_s is not None and (lost & ~untimed).any():
         offset_s = project.section("track").number("offset_s")
-        message += covering_text(path.row_s, times.time_s, offset_s)
-    return [Finding(message, project.name, severity="warning")]
+        messages[-1] += covering_text(path.row_s, times.time_s, offset_s)
+    return [Finding(one, project.name, severity="warning") for one in messages]
 
 
 def mount_of(section: Section) -> Floats:
