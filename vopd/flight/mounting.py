@@ -123,7 +123,7 @@ def mount_findings(flight: Flight) -> list[Finding]:
     if flight.vehicle is None:
         return []
     off_deg, expected_deg = flight.vehicle.apart
-    if off_deg <= MOST_APART * expected_deg:
+    if not off_deg > MOST_APART * expected_deg > 0.0:
         return []
     times = off_deg / expected_deg
     message = (
