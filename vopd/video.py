@@ -209,12 +209,13 @@ class VideoFrames:
             k = int(np.searchsorted(one.tick, one.tick[low]))  # two may be shown at one time
             try:
                 for picture in decode(one, k, high, grey):
-                    if k >= low and picture is not None:
-                        yield one.first + k, picture
-                    elif k >= low and lost is not None:
-                        lost(one.first + k)
-                    elif k >= low:
-                        raise self.lost_frame(one.first + k)
+                    if k >= low:
+                        if picture is not None:
+                            yield one.first + k, picture
+                        elif lost is None:
+                            raise self.lost_frame(one.first + k)
+                        else:
+                            lost(one.first + k)
                     k += 1
             except NoDecoderError:
                 raise

@@ -99,16 +99,18 @@ def mounted(estimates: FlightEstimates) -> FlightEstimates:
     of_camera = sum(by_camera.values(), np.zeros((3, 3)))
     covariance = np.degrees(np.degrees(of_camera + by_vehicle))
     # errors of the camera's attitudes as if each frame had its own, which is the most they can be
-    least = np.trace(of_camera) / 3.0 / (weight**2).sum() + (sigma_rad[known] ** 2).mean()
-    off = np.sqrt((_rotation_vectors(body @ mount.T) ** 2).mean())
-    apart = float(np.degrees(off)), float(np.degrees(np.sqrt(least)))
+    expected = np.trace(of_camera) / 3.0 / (weight**2).sum() + (sigma_rad[known] ** 2).mean()
+    found = (_rotation_vectors(body @ mount.T) ** 2).mean()
+    off_deg, expected_deg = np.degrees(np.sqrt([found, expected])).tolist()
     turned = np.degrees(_rotation_vectors((mount @ flight.mount.T)[None])[0])
     if flight.mount_sigma_deg > 0.0:  # the stated mount is one more reading of it
         prior = flight.mount_sigma_deg**2 * np.eye(3)
         gain = prior @ np.linalg.inv(prior + covariance)
         turned, covariance = gain @ turned, gain @ covariance
         now = replace(now, mount=rotation_matrices(np.radians(turned)[None])[0] @ flight.mount)
-    attitudes = flight.vehicle._replace(turned_deg=turned, covariance_deg2=covariance, apart=apart)
+    attitudes = flight.vehicle._replace(
+        turned_deg=turned, covariance_deg2=covariance, apart=(off_deg, expected_deg)
+    )
     sigma_deg = float(np.sqrt(np.trace(covariance) / 3.0))
     now = replace(now, vehicle=attitudes, mount_sigma_deg=sigma_deg)
     return FlightEstimates(replace(estimates.solved, flight=now), joint, estimates.reading)

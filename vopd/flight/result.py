@@ -392,11 +392,6 @@ def solve_flight_read(
     blunders = found.pick | swapped
     doubts = flight_findings(flight, without, apart, found.landmark, usual, blunders)
     estimates.contradict(doubts.sentence)
-    of_mount: list[Finding] = []
-    if flight.vehicle is not None:
-        from vopd.flight.mounting import mount_findings  # of few flights
-
-        of_mount = mount_findings(estimates.flight)
     if doubts.misfits:  # of a flight as a whole it is not said which frames are not searched
         swaps = swaps._replace(not_searched=0)
         from vopd.flight.check_flight import far_landmarks  # which takes results
@@ -404,7 +399,10 @@ def solve_flight_read(
         far = [Finding(one, flight.source, severity="warning") for one in far_landmarks(flight)]
         doubts = doubts._replace(findings=[*far, *doubts.findings])
     findings = [*doubts.findings, *not_held_findings(flight), *solved_findings(without.joint)]
-    findings += of_mount
+    if flight.vehicle is not None:
+        from vopd.flight.mounting import mount_findings  # of few flights
+
+        findings += mount_findings(estimates.flight)
     findings += exchange_findings(swaps, flight, apart)
     findings += blunder_findings(found, flight, doubts.misfits, doubts.explained)
     if flight.picks.followed is not None and without.joint is not None:
