@@ -12,6 +12,7 @@ import re
 import stat
 import tomllib
 from collections.abc import Iterable, Iterator, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -40,6 +41,22 @@ TOO_DEEP = "lists or tables stand in each other by the hundreds"
 DOTTED = re.compile(
     rf"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){{{MOST_PARTS}}}"""
 )
+
+
+YEAR = re.compile(r"=\s*\d{5,}-\d\d-\d\d[T ]")
+
+
+def no_date(text: str) -> str:
+    """Say of a line of TOML with a date that datetime does not have what to write instead.
+
+    Args:
+        text: the line
+
+    Returns:
+        Empty for others.
+    """
+    found = LEAP_SECOND.search(text)
+    return leap_second(found[0]) if found else "a year has four digits" * bool(YEAR.search(text))
 
 
 # Files
@@ -244,6 +261,34 @@ def whole_number(text: str) -> int:
     return int(text)
 
 
+LATE_S = 3e8
+"""No flight lasts so many seconds: they are counted from 1970."""
+LAST_S = 1e10  # since 1970, in 2286
+LATEST_CLOCK_S = 1e9
+"""In 2001: clocks count from a date before, of 1970, 1980 or 2000; a flight from its own."""
+
+
+def since_1970(epoch: datetime | None, first_s: float) -> str:
+    """Say of times that are counted from 1970 that the date of their zero is another.
+
+    Args:
+        epoch: the date that is stated for t = 0, if any
+        first_s: the least of the times
+
+    Returns:
+        Empty for others.
+    """
+    if epoch is None or not LATE_S <= first_s <= LAST_S or epoch.timestamp() < LATEST_CLOCK_S:
+        return ""
+    return (
+        f"is the moment of t = 0, and the frames' times are from {first_s:.10g} s on, as seconds "
+        "since 1970 are: write 1970-01-01T00:00:00Z"
+    )
+
+
+LEAP_SECOND = re.compile(r"[\d-]*[T ]\d\d:?59:?60(?!\d)[\d.Z:+-]*")
+
+
 def leap_second(text: str) -> str:
     """Say of a date and time in a leap second, which datetime does not have, what to write instead.
 
@@ -253,7 +298,7 @@ def leap_second(text: str) -> str:
     Returns:
         Empty for others.
     """
-    if not re.search(r"[T ]\d\d:?59:?60(?!\d)", text):
+    if not LEAP_SECOND.search(text):
         return ""
     return f"{text!r} is in a leap second, which is not read: write the second before or after it"
 

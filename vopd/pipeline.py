@@ -110,10 +110,10 @@ def run(
             does not have a row for every frame; where the deck cannot be read, or it is a flight
     """
     if isinstance(jobs, str | PathLike):
-        if is_flight(str(jobs)) or os.path.isdir(jobs):  # noqa: PTH112 (the name may be too long)
+        if is_flight(str(jobs)) or os.path.isfile(os.path.join(jobs, "flight.toml")):  # noqa: PTH113, PTH118
             raise VopdError(f"{jobs}: a flight project: vopd.solve_flight({str(jobs)!r}) solves it")
         jobs = read_deck(jobs)
-    if not isinstance(jobs, Sequence) and not isinstance(jobs, Job):
+    if isinstance(jobs, bytes) or (not isinstance(jobs, Sequence) and not isinstance(jobs, Job)):
         raise VopdError(
             f"{type(jobs).__name__} is no deck of jobs: vopd.run takes the path of a deck, or what "
             "vopd.read_deck returns; vopd.solve_flight solves a flight project"

@@ -108,7 +108,11 @@ class Run(Shown, Sequence[Results]):
     def __getitem__(self, index: int | slice) -> Results | Sequence[Results]:
         if isinstance(index, slice):
             return tuple(job.results for job in self.jobs[index])
-        return self.jobs[index].results
+        try:
+            return self.jobs[index].results
+        except (TypeError, IndexError) as error:
+            has = f"a run of {count_text(len(self), 'job')} has no job {index!r}"
+            raise type(error)(f"{has}: jobs are counted from 0") from None
 
     def __repr__(self) -> str:
         frames = sum(len(one.frame) for one in self)

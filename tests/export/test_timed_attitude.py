@@ -268,7 +268,8 @@ def test_times_that_have_no_date(
     """Without an epoch up to a million million seconds; with one the years 1 to 9999."""
     frames, said = kept(moved([0.0, sign * time_s, 2.0, 3.0]), epoch)
     assert (1 in frames, len(frames)) == (there, 3 + there)
-    why = f"its time of {sign * time_s:g} s is outside the years 1 to 9999"
+    zero = "" if epoch is None else f" after {epoch:%Y-%m-%dT%H:%M:%S}Z"
+    why = f"its time of {sign * time_s:g} s{zero} is outside the years 1 to 9999"
     assert said == ([] if there else [GONE.format(1, 2, why)])
 
 

@@ -242,6 +242,24 @@ def test_a_project_states_its_own_epoch(tmp_path: Path) -> None:
     assert "zero is 2020-01-01T00:00:00.000000Z" in aem and "2026-05-01T11" not in aem
 
 
+START_S = 1_777_636_722  # 2026-05-01T11:58:42Z, since 1970
+
+
+def test_times_since_1970_have_no_other_zero(tmp_path: Path) -> None:
+    """Frames whose times a CSV has beside a project without epoch, and the option."""
+    text = "frame,t_s\n" + "".join(f"{k},{START_S + 2.0 + k / 10}\n" for k in range(5))
+    (tmp_path / "times.csv").write_text(text)
+    toml = TOML.replace("epoch = 2026-05-01T11:58:42Z\n", "")
+    rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0\n"
+    toml = toml.replace(rate, 'times = "times.csv"\n')
+    path = write_project(tmp_path, toml.replace("sigma_t_s", f"offset_s = {START_S}\nsigma_t_s"))
+    ran = run("attitude", path, "--format", "aem", "--epoch", "2026-05-01T11:58:42Z")
+    assert ran.status == 1
+    assert_approved(ran.stderr)
+    aem = run("attitude", path, "--format", "aem", "--epoch", "1970-01-01T00:00:00Z").stdout
+    assert "START_TIME = 2026-05-01T11:58:44.000000" in aem
+
+
 def test_projects_without_one_epoch_have_no_dates(tmp_path: Path) -> None:
     dated = write_project(tmp_path / "dated")
     toml = TOML.replace("epoch = 2026-05-01T11:58:42Z\n", "")

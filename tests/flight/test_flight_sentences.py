@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -119,6 +120,10 @@ def test_whose_epoch_the_times_of_a_track_of_images_have(
     assert times.epoch == (given if clock == "seconds" else zero)
     assert own is not None and own.tolist() == [2.75 + before, 4.75 + before]
     assert np.array_equal(times.time_s, [4.75 + before, 2.75 + before, np.nan], equal_nan=True)
+    if clock == "seconds" and given is not None:
+        late = replace(rows, time_s=seconds + START.timestamp())
+        with refused(VopdError):
+            times_of_track(section, late, none)
     dated = none._replace(time_s=np.array([7.0, 8.0, 9.0]))
     assert times_of_track(section, rows, dated)[0].time_s.tolist() == [7.0, 8.0, 9.0]
 

@@ -182,6 +182,12 @@ def project(folder: Path, text: str | bytes) -> Project:
     return read_project("as given", str(folder / "p.toml"))
 
 
+@pytest.mark.parametrize("when", ["2016-12-31T23:59:60Z", "12026-05-01T11:58:42Z"])
+def test_dates_that_toml_does_not_have(when: str, tmp_path: Path) -> None:
+    text = f"# ä\n[flight]\nepoch = {when}\n{GOOD}"
+    assert_approved(told(lambda: project(tmp_path, text)))
+
+
 def test_a_project_is_named_as_the_user_named_it(tmp_path: Path) -> None:
     found = project(tmp_path, b"\xef\xbb\xbf" + GOOD.encode())
     assert (found.name, found.folder) == ("as given", tmp_path)

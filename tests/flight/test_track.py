@@ -24,6 +24,7 @@ from vopd.flight.formats.track import TrackRows, photo_number
 from vopd.flight.project import Project, Section
 from vopd.flight.stated import Notes
 from vopd.flight.track import (
+    BRING_TIMES,
     FrameTimes,
     PathRead,
     covering_text,
@@ -407,6 +408,7 @@ def test_what_is_said_of_a_track_that_has_other_images_or_another_clock() -> Non
     when = times((5.0,))._replace(epoch=datetime.fromtimestamp(1.7e9 - 60.0, UTC))
     said = why_nowhere(section, track_rows(clock="utc", time_s=since), when)
     assert_approved(said)
+    assert_approved(why_nowhere(section, track_rows(clock="seconds", time_s=since), when))
 
 
 def test_an_offset_covers_frames_that_are_a_little_beyond_a_track() -> None:
@@ -526,6 +528,10 @@ def test_times_by_the_rate_of_the_frames(epoch: Any, tmp_path: Path) -> None:
     ):  # fmt: skip
         said = told(lambda wrong=wrong: frames(tmp_path, NUMBERS, **wrong))
         assert_approved(said)
+    late = {"frame_rate_hz": 20, "first_frame_t_s": 1_777_636_722.5}
+    for zero in (None, datetime(1970, 1, 1, tzinfo=UTC), datetime(2000, 1, 1, 12, tzinfo=UTC)):
+        assert frames(tmp_path, NUMBERS, zero, **late)[1].time_s[0] == 1_777_636_722.7
+    assert_approved(told(lambda: frames(tmp_path, NUMBERS, EPOCH, **late)))
     both = {"frame_rate_hz": 20, "times": "t"}
     assert_approved(told(lambda: frames(tmp_path, NAMED, **both)))
 
@@ -606,22 +612,38 @@ def test_a_later_frame_has_a_later_time(
     )
 
 
-@pytest.mark.parametrize("rows", ["5,1\n5,2\n", "5,2\n5,1\n", "5,1\n5,1\n", "4,0\n5,2\n6,3\n5,1\n"])
+@pytest.mark.parametrize("rows", ["5,1\n5,2\n", "5,2\n5,1\n", "4,0\n5,2\n6,3\n5,1\n"])
 def test_a_frame_has_one_time(rows: str, tmp_path: Path) -> None:
     (tmp_path / "t").write_text("frame,t_s\n" + rows)
     said = told(lambda: frames(tmp_path, NUMBERS, times="t"))
     assert_approved(said)
 
 
+def test_picks_with_a_column_of_times_are_the_file_of_times(tmp_path: Path) -> None:
+    """It is named where the frames have no time; with another name of the column, too."""
+    for own in ("t_s", "Time"):
+        text = f"frame,landmark,u_px,v_px,{own}\n7,a,1,2,5.5\n7,b,1,2,5.5\n9,a,1,2,6\n"
+        (tmp_path / "p").write_text(text)
+        bring = frames(tmp_path, NUMBERS, file="p")[1].bring
+        assert_approved(bring)
+        times = frames(tmp_path, np.array([9, 7]), times="p")[1]
+        assert times.time_s.tolist() == [5.5, 6.0]
+    (tmp_path / "p").write_text("frame,landmark,u_px,v_px\n7,a,1,2\n")
+    assert frames(tmp_path, NUMBERS, file="p")[1].bring == BRING_TIMES
+
+
 def test_zero_is_a_whole_second() -> None:
+    section = Section("p.toml", "picks", {"times": "t.csv"})
+
+    def zero(*utc_s: float) -> datetime:
+        return first_whole_second(np.array(utc_s), section, "times")
+
     start = EPOCH.timestamp()
     for given in ([0.25, 5.0], [np.nan, 0.25], [7.0, 0.999], [0.0, np.nan]):
-        assert first_whole_second(start + np.array(given)) == EPOCH
-    assert first_whole_second(np.array([-0.5])) == datetime(1969, 12, 31, 23, 59, 59, tzinfo=UTC)
+        assert zero(*(start + np.array(given))) == EPOCH
+    assert zero(-0.5) == datetime(1969, 12, 31, 23, 59, 59, tzinfo=UTC)
     for wrong in (1e18, 1e300, -1e15):
-        assert_approved(
-            told(lambda wrong=wrong: first_whole_second(np.array([wrong]))), parts=[f"{wrong:g}"]
-        )
+        assert_approved(told(lambda wrong=wrong: zero(wrong)), parts=[f"{wrong:g}"])
 
 
 # Clocks of tracks

@@ -171,6 +171,10 @@ def test_points_of_gpx_that_are_refused(wrong: str) -> None:
     assert_approved(told(gpx(point(), wrong, point(), wrong)), parts=["track point 2"])
 
 
+def test_a_point_of_gpx_in_a_leap_second() -> None:
+    assert_approved(told(gpx(point(), point().replace("12:00:00", "23:59:60"))))
+
+
 @pytest.mark.parametrize("wrong", [point(lat="x"), point() + "<"])
 def test_what_is_no_gpx(wrong: str) -> None:
     said = told(gpx(point(), wrong, point(), wrong))

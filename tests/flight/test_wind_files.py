@@ -44,8 +44,8 @@ CSV = "h_m,from_deg,{}\n{}\n"
     ("column", "unit", "metres"), [("speed_m_s", "m/s", 1.0), ("speed_kt", "knots", KNOT)]
 )
 def test_levels_of_a_table(column: str, unit: str, metres: float) -> None:
-    """In the order of height; of two at one height the first."""
-    rows = read(CSV.format(column, "300,90,6\n-5,0,0\n300,180,7\n100,360,2\n50,0,3"))
+    """In the order of height; of two at one height the first, where they are nearly the same."""
+    rows = read(CSV.format(column, "300,90,6\n-5,0,0\n300,100,7\n100,360,2\n50,0,3"))
     assert rows.height_m.tolist() == [-5.0, 50.0, 100.0, 300.0]
     speeds = np.array([[0, 0], [-3, 0], [-2, 0], [0, -6]])
     assert_close("ratio", rows.toward_m_s, metres * speeds)
@@ -62,6 +62,7 @@ def test_levels_of_a_table(column: str, unit: str, metres: float) -> None:
         assert_approved(told(text), parts=[name])
     assert_approved(told(CSV.format(column, "1,0,0")))
     assert_approved(told(CSV.format(column, "1,0,0\n1,2,3")))
+    assert_approved(told(CSV.format(column, "300,90,6\n5,0,0\n300,180,7")))
 
 
 def test_columns_of_a_table_of_winds() -> None:

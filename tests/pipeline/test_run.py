@@ -178,7 +178,7 @@ def test_no_job() -> None:
 def test_a_flight_is_no_deck_and_a_deck_is_no_flight(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each says which function solves the other."""
     monkeypatch.chdir(DECKS / "appendix_h")
-    for other in ("flight.toml", "."):
+    for other in ("flight.toml", ".", "../../examples/hill"):
         with refused(vopd.VopdError):
             vopd.run(other)
     for no_flight in (vopd.read_deck(STACKED), "cases_1_2_3.dat"):

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -79,6 +80,7 @@ def test_warnings_of_a_run_load_no_masked_arrays() -> None:
 
 
 JOBS = vopd.read_deck(CASE_4)
+HILL = ROOT / "examples" / "hill" / "flight.toml"
 OTHER_KINDS: dict[str, Callable[[], object]] = {
     "a name with a null character": lambda: vopd.read_deck("a\0b"),
     "a name with half a character": lambda: vopd.run("\ud800"),
@@ -97,6 +99,16 @@ OTHER_KINDS: dict[str, Callable[[], object]] = {
     "sigmas of a flight by name": lambda: vopd.solve_flight("x", sigmas={"reading": 1}),
     "one sigma of a history": lambda: vopd.run(JOBS).histories(1.0),
     "a sigma in words": lambda: vopd.Sigmas(reading="1 px"),
+    "a sigma that is true": lambda: vopd.Sigmas(reading=True),
+    "a sigma of hundreds of digits": lambda: vopd.Sigmas(mount_deg=10**400),
+    "no sigma of landmarks": lambda: vopd.Sigmas(landmark=None),
+    "bytes in the place of a path": lambda: vopd.run(b"case4.dat"),
+    "a folder without a project": lambda: vopd.run(ROOT / "decks" / "appendix_h"),
+    "nothing to free": lambda: vopd.adjust(HILL, None),
+    "numbers to free": lambda: vopd.adjust(HILL, [3]),
+    "bytes to free": lambda: vopd.adjust(HILL, b"focal"),
+    "a location by number": lambda: vopd.solve_flight(HILL, 5),
+    "zero in the place of sigmas": lambda: vopd.solve_flight(HILL, sigmas=0),
 }
 
 
@@ -105,3 +117,9 @@ def test_arguments_of_another_kind(kind: str) -> None:
     """Python's own errors, endless recursion, and a start that was the closed form unasked."""
     with refused(vopd.VopdError):
         OTHER_KINDS[kind]()
+
+
+@pytest.mark.parametrize(("job", "kind"), [(1, IndexError), (-2, IndexError), ("1", TypeError)])
+def test_a_job_that_a_run_does_not_have(job: Any, kind: type[Exception]) -> None:
+    with refused(kind):
+        vopd.run(JOBS)[job]

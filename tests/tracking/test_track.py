@@ -278,6 +278,36 @@ def test_images_that_cannot_be_read_cost_the_others_nothing(flight: Path) -> Non
     assert found == whole
 
 
+def test_images_of_another_size_cost_the_others_nothing(flight: Path) -> None:
+    """The first one, too; with the clicks in frame 80 alone those before it are followed backward.
+
+    An image that is clicked must have the lens's size, and one that cannot be read has none.
+    """
+    true = truth()
+    in_images_by_tens()
+    clicks(*((80, mark, *true[8, mark]) for mark in FRAME_8))
+    left_out = ("0", "50", "100", "110")
+
+    def others() -> list[dict[str, str]]:
+        every = [row for row in rows(flight / "tracked.csv") if row["frame"] not in left_out]
+        return [row | {"sigma_px": ""} for row in every]  # scaled by the residuals of all
+
+    vopd("track", "flight.toml")
+    whole = others()
+    for name in left_out[:-1]:
+        picture = Path("images", f"{int(name):04d}.png")
+        with Image.open(picture) as image:
+            image.resize((SIZE[0] // 2, SIZE[1])).save(picture)
+    Path("images", "0110.png").write_bytes(b"\x89PNG")
+    ran = vopd("track", "flight.toml")
+    assert ran.status == 3
+    assert_approved(ran.stderr.splitlines()[0])
+    assert others() == whole
+    with Image.open("images/0080.png") as image:
+        image.resize((SIZE[0] // 2, SIZE[1])).save("images/0080.png")
+    assert_approved(vopd("track", "flight.toml").stderr)
+
+
 def test_lost_images_are_told_by_their_numbers(
     flight: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -64,10 +64,11 @@ class Sigmas:
         for field in fields(self):
             value = getattr(self, field.name)
             most = HALF_A_TURN_DEG if field.name.endswith("_deg") else LARGEST_SIGMA
-            is_number = isinstance(value, Real)
-            if value is not None and not (is_number and 0.0 <= value <= most):
+            is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
+            may_lack = field.default is None and value is None
+            if not may_lack and not (is_number and 0.0 <= value <= most):
                 name = field.name.removesuffix("_s").removesuffix("_deg").replace("_", " ")
-                shown = f"{value:g}" if is_number else repr(value)
+                shown = f"{value:g}" if is_number and value < 2.0 * most else repr(value)[:80]
                 raise VopdError(f"{name} sigma: {shown} is not a standard deviation: 0 to {most:g}")
 
 

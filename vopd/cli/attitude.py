@@ -9,6 +9,7 @@ from shlex import quote
 from typing import Any
 
 import click
+import numpy as np
 
 from vopd.attitude.history import History, has_photographs
 from vopd.attitude.included import errors_texts, largest_component
@@ -30,6 +31,7 @@ from vopd.export import (
 )
 from vopd.files import whole_file
 from vopd.findings import VopdError
+from vopd.inputs import since_1970
 from vopd.pipeline import is_flight
 
 _DEFAULTS: dict[str, Any] = {
@@ -278,9 +280,14 @@ def _with_epoch(
     """Add the epoch of the sources to the request if no option gives one.
 
     Raises:
-        VopdError: where the format needs one and there is none
+        VopdError: where the format needs one and there is none, or the option's is not that of
+            the times
     """
     if request.epoch is not None:
+        for one in histories:
+            first_s = float(np.fmin.reduce(one.estimate.time_s, initial=np.inf))
+            if wrong := since_1970(request.epoch, first_s):
+                raise VopdError(f"{one.about.source}: --epoch {wrong}")
         return request
     epoch = own_epoch(histories)
     if chosen.needs_epoch and epoch is None:

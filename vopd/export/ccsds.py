@@ -55,7 +55,8 @@ def timed_attitudes(
     left = [one for one in found if len(one.frames)]
     if not left:
         timeless = not any(np.isfinite(h.estimate.time_s).any() for h in histories)
-        raise VopdError("no frame has an attitude, a time and a position" + NO_TIME * timeless)
+        message = "no frame has an attitude, a time and a position" + NO_TIME * timeless
+        raise VopdError(f"{histories[0].about.source}: {message}" if histories else message)
     return left
 
 
@@ -73,7 +74,8 @@ def timed_attitude(history: History, epoch: datetime | None, report: Report) -> 
     kept: dict[int, int] = {}
     for k in order.tolist():
         if abs(time_s[k]) > LATEST_S or not _dated(epoch, moment := round(time_s[k] * 1e6)):
-            why = f"its time of {time_s[k]:g} s is outside the years 1 to 9999"
+            zero = "" if epoch is None else f" after {utc(epoch, 0)[:19]}Z"
+            why = f"its time of {time_s[k]:g} s{zero} is outside the years 1 to 9999"
             report(_left_out(history, k, why))
         elif kept.setdefault(moment, k) != k:
             report(_left_out(history, k, f"it has the time of row {kept[moment] + 1}"))

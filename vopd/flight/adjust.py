@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from os import PathLike
@@ -106,6 +106,9 @@ class Adjustment:
         return self.result.plot(name, frame)
 
 
+NAMES = 'names of free parameters, such as "focal" or ["focal", "k1"]'
+
+
 def adjust(
     source: Flight | str | PathLike[str],
     free: str | Sequence[str],
@@ -126,7 +129,11 @@ def adjust(
     kinds = (Flight, str, PathLike)
     refuse_other_kind(source, kinds, "vopd.adjust", "the path of a flight project, or a flight")
     flight = source if isinstance(source, Flight) else flight_to_adjust(str(source))[0]
-    names = tuple(dict.fromkeys(names_of(free) if isinstance(free, str) else free))
+    refuse_other_kind(free, (str, Iterable), "vopd.adjust", NAMES)
+    given = names_of(free) if isinstance(free, str) else free
+    for name in given:
+        refuse_other_kind(name, str, "vopd.adjust", NAMES)
+    names = tuple(dict.fromkeys(given))
     freed = replace(flight, options=replace(flight.options, free=names, kept=()))
     check_free(freed)
     return adjustment_of(solve_flight_read(freed, tell))

@@ -33,6 +33,7 @@ from vopd.files import (
 )
 from vopd.findings import VopdError, count_text
 from vopd.inputs import (
+    LATE_S,
     LEAST_SIGMA,
     LONGEST_LINE,
     MOST_BYTES,
@@ -379,7 +380,6 @@ FROM_GROUND = re.compile(
 )
 """Those of them that say the ground, or the place of the take-off."""
 M_PER_FT = 0.3048
-LATE = 3e8  # no flight lasts so many seconds: they are counted from 1970
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 COORDINATES = (*PLANE, *GEODETIC)
 HEIGHTS = ("h_m", "z_m")
@@ -459,9 +459,9 @@ def _time_name(cell: str, own: str) -> str:
         value = plain_number(cell)
     except ValueError:
         return "t_utc"
-    if value >= 1e3 * LATE:
+    if value >= 1e3 * LATE_S:
         return "t_unix_ms"
-    return "t_s" if value < LATE or MILLISECONDS.search(own) else "t_unix_s"
+    return "t_s" if value < LATE_S or MILLISECONDS.search(own) else "t_unix_s"
 
 
 OF_STARS = f"; if these are stars, {TAKES_STARS} takes them"
@@ -712,7 +712,7 @@ class CsvTable:
             raise self.error(f"{text[:LONG_WORD]} is not a finite number{hint}", row, name)
         if abs(value) > self._most(name):
             message = f"{text[:LONG_WORD]} is too large: {self._most(name):.0e} at most"
-            if name in TIME and 1e3 * LATE < value < 1e13:
+            if name in TIME and 1e3 * LATE_S < value < 1e13:
                 message += "; milliseconds since 1970? then name the column t_unix_ms"
             raise self.error(message, row, name)
         return value

@@ -31,6 +31,7 @@ from vopd.inputs import (
     MOST_NUMBER,
     MOST_SETTINGS,
     beyond_sigmas,
+    no_date,
     no_file,
     parse_toml,
     read_limited,
@@ -635,7 +636,11 @@ def read_project(name: str, location: str | None = None) -> Project:
     except UnicodeDecodeError as error:
         raise VopdError(f"{name}: {not_utf8(error.object, error.start)}") from error
     except (ValueError, RecursionError) as error:
-        raise VopdError(f"{name}: not valid TOML: {reason(error)}") from error
+        why = reason(error)
+        line = re.match(r"line (\d+)", why)
+        if line and (wrong := no_date(path.read_text("utf-8-sig").splitlines()[int(line[1]) - 1])):
+            raise VopdError(f"{name}: line {line[1]}: {wrong}") from error
+        raise VopdError(f"{name}: not valid TOML: {why}") from error
     sections = {}
     for section, inside in values.items():
         if section not in SECTIONS:

@@ -685,7 +685,11 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     shutter, rate_hz = shutter_of(project.section("camera")), _frame_rate_hz(project, times)
     if shutter is not None and rate_hz and shutter.readout_s * rate_hz > LONGEST_READOUT:
         frame = f"a frame of {1e3 / rate_hz:.4g} ms"
-        doubts.append(f"[camera] readout_ms: {1e3 * shutter.readout_s:g} is longer than {frame}")
+        doubts.append(
+            f"[camera] readout_ms: {1e3 * shutter.readout_s:g} is longer than {frame}: write the "
+            "milliseconds from the first row to the last, 10 to 30 of most cameras, or the frames' "
+            "own [picks] frame_rate_hz"
+        )
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, times, label)
     refraction = refraction_of(project.section("atmosphere"))

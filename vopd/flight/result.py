@@ -268,7 +268,7 @@ def solve_flight(
     Raises:
         VopdError: where a file cannot be read, no frame has two landmarks, or it is a deck
     """
-    sigmas = sigmas or Sigmas()
+    sigmas = Sigmas() if sigmas is None else sigmas
     refuse_other_kind(sigmas, Sigmas, "vopd.solve_flight", AS_SIGMAS)
     if isinstance(source, Flight):
         return solve_flight_read(with_sigmas(source, sigmas))
@@ -279,6 +279,7 @@ def solve_flight(
             f"a {type(source).__name__} is no flight project: vopd.run solves the jobs of a deck"
         )
     name = str(source)
+    refuse_other_kind(location or "", (str, PathLike), "vopd.solve_flight", "a path as location")
     path = Path(location or name)
     if os.path.isdir(path):  # noqa: PTH112 (a path that is too long for the system is none)
         name, location = str(Path(name) / NAME), str(path / NAME)

@@ -13,7 +13,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import VopdError, count_text, first_of
 from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positions
-from vopd.flight.files import TIME, InputFile, frames_of_column, read_csv
+from vopd.flight.files import TIME, InputFile, frames_of_column, has_columns, read_csv
 from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import (
@@ -36,10 +36,16 @@ from vopd.flight.velocity import (
     with_gaps,
 )
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
+from vopd.inputs import LATE_S, since_1970
 
 # Frames and their times: by numbers, a CSV, or tags of images
 
 ZONE = "utc_offset_h"
+
+
+BRING_TIMES = (
+    "give [picks] frame_rate_hz and first_frame_t_s, or times, a CSV or the folder of the images"
+)
 
 
 class FrameTimes(NamedTuple):
@@ -51,6 +57,7 @@ class FrameTimes(NamedTuple):
     said: str = ""  # where the times come from, for a sentence
     whole_seconds: bool = False  # a camera's clock without parts of a second
     doubts: tuple[str, ...] = ()  # warnings about images that have no time
+    bring: str = BRING_TIMES  # what to give where frames need times and have none
 
 
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
@@ -99,12 +106,31 @@ def number_frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
     return number, (), in_four_bytes(np.searchsorted(number, frame))
 
 
-def first_whole_second(utc_s: Floats) -> datetime:
-    """Find the date and time of zero where a project gives none: the second of the first time."""
+def first_whole_second(utc_s: Floats, section: Section, key: str) -> datetime:
+    """Find the date and time of zero where a project gives none: the second of the first time.
+
+    Args:
+        utc_s: times since 1970, (F,)
+        section: that of the file with the times
+        key: which names it
+    """
     try:
         return datetime.fromtimestamp(float(np.floor(np.nanmin(utc_s))), UTC)
     except (OverflowError, ValueError, OSError) as error:
-        raise VopdError(f"{np.nanmin(utc_s):g} s after 1970 is no date of a frame") from error
+        text = f"{section.values.get(key)}: {np.nanmin(utc_s):g} s after 1970 is no date of a frame"
+        raise section.error(key, f"{text}: it is beyond the years 1 to 9999") from error
+
+
+def refuse_since_1970(project: str, times: FrameTimes) -> FrameTimes:
+    """Refuse frames in seconds since 1970 beside the date of another zero.
+
+    Args:
+        project: its name
+        times: of the frames, on a clock whose zero the project's epoch is
+    """
+    if wrong := since_1970(times.epoch, float(np.fmin.reduce(times.time_s, initial=np.inf))):
+        raise Section(project, "flight", {}).error("epoch", wrong)
+    return times
 
 
 def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
@@ -125,14 +151,17 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
                 f"{rate:g} a second, and by its own times the frames of {said}: they differ by "
                 f'{off_s:.3g} s over the flight; write times = "video" in its place',
             )
-        return FrameTimes(time_s, image, epoch, "" if np.isfinite(shown_s).all() else said)
+        said = "" if np.isfinite(shown_s).all() else said
+        return refuse_since_1970(project.name, FrameTimes(time_s, image, epoch, said))
     if not section.has("times"):
-        return FrameTimes(np.full(len(number), np.nan), image, epoch)
+        times = FrameTimes(np.full(len(number), np.nan), image, epoch)
+        return times._replace(bring=_bring_times(project))
     if section.text("times") == VIDEO:
         if image or not section.has("video"):
             message = "the picks name images, which have no place in a video" if image else ""
             raise section.error("times", message or "the key video is missing, which names it")
-        return FrameTimes(section.number("first_frame_t_s") + shown_s, image, epoch, said)
+        time_s = section.number("first_frame_t_s") + shown_s
+        return refuse_since_1970(project.name, FrameTimes(time_s, image, epoch, said))
     file = project.open("picks", "times")
     whole = False
     if file.path.is_dir():
@@ -144,10 +173,21 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
     time_s = np.array([known.get(one, np.nan) for one in wanted])
     if not np.isfinite(time_s).any():
         raise section.error("times", f"{file.name}: none of the frames is there ({wanted[0]})")
-    if utc:
-        epoch = epoch or first_whole_second(time_s)
-        time_s = time_s - epoch.timestamp()
-    return FrameTimes(time_s, image, epoch, said, whole)
+    if not utc:
+        return refuse_since_1970(project.name, FrameTimes(time_s, image, epoch, said))
+    epoch = epoch or first_whole_second(time_s, section, "times")
+    return FrameTimes(time_s - epoch.timestamp(), image, epoch, said, whole)
+
+
+def _bring_times(project: Project) -> str:
+    """Say what brings the frames their times; the picks themselves if they have a column of it."""
+    section = project.section("picks")
+    name = section.values.get("file")
+    if isinstance(name, str) and (project.folder / name).is_file():  # not yet, where nobody clicked
+        file = replace(project.open("picks"), columns=None)
+        if has_columns(file, TIME, *((name,) for name in TIME)):
+            return f'{file.name} has a column of times: write [picks] times = "{file.name}"'
+    return BRING_TIMES
 
 
 def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
@@ -203,9 +243,11 @@ def times_of_csv(
             earlier, later = order[back[0]], order[back[0] + 1]
             message = f"frame {keys[later]} is not after frame {keys[earlier]}"
             raise table.error(message, int(later), "t_utc" if utc else "t_s")
-    known = dict(zip(keys, time_s.tolist(), strict=True))
-    if len(known) < len(keys):
-        raise section.error("times", f"{file.name}: a frame has two times")
+    known = dict[str, float]()
+    for row, (frame_key, one) in enumerate(zip(keys, time_s.tolist(), strict=True)):
+        if known.setdefault(frame_key, one) != one:  # as often as it has picks
+            message = f"{frame_key} has two times, {known[frame_key]:.10g} and {one:.10g} s"
+            raise section.error("times", str(table.error(message, row)))
     return known, utc
 
 
@@ -341,12 +383,12 @@ def times_of_track(
         return times, None
     time_s = track_clock(section, rows) + section.number("offset_s")
     if rows.clock != "seconds":
-        times = times._replace(epoch=times.epoch or first_whole_second(time_s))
-        assert times.epoch is not None
-        time_s = time_s - times.epoch.timestamp()
+        epoch = times.epoch or first_whole_second(time_s, section, "file")
+        times, time_s = times._replace(epoch=epoch), time_s - epoch.timestamp()
     if not np.isfinite(times.time_s).any():
         row = rows_of_images(section, rows, times.image)
         times = times._replace(time_s=np.where(row >= 0, time_s[row], np.nan))
+        times = refuse_since_1970(section.project, times) if rows.clock == "seconds" else times
     return times, time_s
 
 
@@ -617,7 +659,7 @@ def path_by_time(
     if len(time_s) < 2:
         raise section.error("file", f"{name}: one position is no track: give it as [position]")
     if not np.isfinite(times.time_s).any():
-        why = "; ".join(times.doubts) or BRING_TIMES
+        why = "; ".join(times.doubts) or times.bring
         raise section.error("file", f"is by time, and the frames have none: {why}")
     way = section.text("interpolate")
     notes.said.append(f"positions between those of the track: {way}")
@@ -748,11 +790,6 @@ def path_errors(
     if way == "linear" and (off[:, 1:] * twist[before] > LEAST_TWISTED * least_m).any():
         return with_gaps(fixes, time_s, bend, twist)
     return with_gaps(fixes, time_s, bend)
-
-
-BRING_TIMES = (
-    "give [picks] frame_rate_hz and first_frame_t_s, or times, a CSV or the folder of the images"
-)
 
 
 def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> list[str]:
@@ -889,7 +926,9 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
     first, last = float(np.nanmin(times.time_s)), float(np.nanmax(times.time_s))
     gap = first - own[-1] if first > own[-1] else own[0] - last  # of the frame next to the track
     apart = f"{gap:.3g} s apart{covering_text(own, times.time_s, section.number('offset_s'))}"
-    if hours := round(gap / 3600.0):
+    if rows.clock == "seconds" and own[0] >= LATE_S > last:
+        apart = "apart: the track's t_s are seconds since 1970, call the column t_unix_s"
+    elif hours := round(gap / 3600.0):
         apart = f"{gap / 3600.0:.2f} h apart" + ", a time zone?" * (hours <= 14)
     return (
         f"does not cover any frame: the track is from {own[0]:.7g} to {own[-1]:.7g} s, the "

@@ -259,7 +259,7 @@ def read_within(text: str) -> Within:
         text: numbers of 0 or more, each with its unit: deg, ft, in, mm or s
 
     Raises:
-        VopdError: for anything else.
+        VopdError: for anything else, or for two of one unit.
     """
     found: dict[str, Decimal] = {}
     for one in text.split(","):
@@ -267,6 +267,8 @@ def read_within(text: str) -> Within:
         if parts is None or parts[2] not in WITHIN_UNITS:
             units = f"{', '.join(WITHIN_UNITS[:-1])} or {WITHIN_UNITS[-1]}"
             raise VopdError(f"{one.strip()!r} is not a number with its unit, {units}")
+        if parts[2] in found:
+            raise VopdError(f"{parts[2]} is there twice: give one number for it")
         found[parts[2]] = Decimal(parts[1])
     if "ft" in found:
         found["1000 ft"] = found["ft"] / 1000

@@ -238,21 +238,35 @@ def _in_range(footage: Footage, first: int, last: int) -> ClickedPixels:
 
 
 def _checked(
-    pictures: Iterator[tuple[int, Any]], lens: Lens, footage: Footage, tell: Callable[[], object]
-) -> Iterator[tuple[int, Any]]:
-    """Check the size of frames as they come, and count them."""
+    pictures: Iterator[tuple[int, Any]], lens: Lens, footage: Footage,
+    tell: Callable[[str], object] = lambda _: None,
+) -> Iterator[tuple[int, Any]]:  # fmt: skip
+    """Check the size of frames as they come: one of another size is black, and is told.
+
+    Raises:
+        VopdError: where it is a frame with clicks
+    """
+    clicked = {*footage.clicks.frame.tolist()}
+    width, height = lens.size_px
     for frame, grey in pictures:
         size = grey.shape[1], grey.shape[0]
-        if size != lens.size_px:
+        if size == lens.size_px:
+            yield frame, grey
+            continue
+        known = grey.any()  # one that cannot be read is black, and is told already
+        if known and frame in clicked:
             name = footage.frames.label(frame)
             what = name if footage.frames.image_name else footage.frames.source
             raise footage.project.section("camera").error(
                 "image_size_px",
-                f"the lens is for {lens.size_px[0]} x {lens.size_px[1]}, and {what} has "
+                f"the lens is for {width} x {height}, and {what} has "
                 f"{size[0]} x {size[1]}; a calibration serves the pictures that it was made of",
             )
-        yield frame, grey
-        tell()
+        if known:
+            name = footage.frames.label(frame)
+            what = name if footage.frames.image_name else f"{footage.frames.source}: frame {name}"
+            tell(f"{what} has {size[0]} x {size[1]}, and the lens is for {width} x {height}")
+        yield frame, np.zeros((height, width), np.uint8)
 
 
 # The run
@@ -305,7 +319,9 @@ def follow(
 
     def pictures(low: int, high: int) -> Iterator[tuple[int, Any]]:
         read = grey_frames(footage.frames, low, high, unread.append)
-        return _checked(read, run.scene.lens, footage, tell)
+        for one in _checked(read, run.scene.lens, footage, unread.append):
+            yield one
+            tell()
 
     seen = _forward(run, journal, pictures(first, last))
     _backward(run, journal, footage)
@@ -423,7 +439,8 @@ def _backward(run: Tracker, journal: Journal, footage: Footage) -> None:
         return
     found = []
     for start, low in run.gaps():
-        found += list(run.backward(grey_frames_backward(footage.frames, start, low)))
+        read = grey_frames_backward(footage.frames, start, low)
+        found += list(run.backward(_checked(read, run.scene.lens, footage)))
     block = np.zeros(len(found), ATTITUDE)
     block["frame"] = found
     for name, values in (

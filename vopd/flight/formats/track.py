@@ -45,7 +45,7 @@ from vopd.flight.image_tags import (
 )
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices
-from vopd.inputs import parse_json, plain_number, whole_number
+from vopd.inputs import LEAP_SECOND, leap_second, parse_json, plain_number, whole_number
 
 # Positions of a receiver, of which nothing better is known: 3 m, and upward 5 m, each times
 # the dilution of precision if the file has it
@@ -247,7 +247,9 @@ def read_gpx(file: InputFile) -> TrackRows:
         raise file.error("no track point is in the file")
     for k, point in enumerate(points, 1):
         if point.time is None or point.elevation is None:
-            raise file.error(f"track point {k} has no {'ele' if point.time else 'time'}")
+            leap = LEAP_SECOND.search(file.text) if point.time is None else None
+            message = f"track point {k} has no {'ele' if point.time else 'time'}"
+            raise file.error(f"{message}: {leap_second(leap[0])}" if leap else message)
     coordinate = np.array([[p.longitude, p.latitude, p.elevation] for p in points])
     wrong = np.flatnonzero(~np.isfinite(coordinate).all(axis=1) | (abs(coordinate[:, 1]) > 90.0))
     if len(wrong):

@@ -22,6 +22,7 @@ from vopd.inputs import plain_number
 
 M_S_PER_KNOT = 1852.0 / 3600.0
 ROUNDED = 0.02  # of a speed that is given in two units
+CONTRARY_M_S = 2.0  # between winds at one height that are not of one sounding
 RADIUS_M = 6_356_766.0  # of the geopotential metre
 
 
@@ -43,15 +44,23 @@ def upward(file: InputFile, height_m: Floats, toward_m_s: Floats, said: str) -> 
     """Sort the levels that are known by height; of several at one height the first is taken.
 
     Raises:
-        VopdError: where fewer than two are, or all are at one height
+        VopdError: where fewer than two are, all are at one height, or two at one height contradict
+            each other
     """
     known = np.isfinite(height_m) & np.isfinite(toward_m_s).all(axis=1)
-    height, index = np.unique(height_m[known], return_index=True)
+    height, index, level = np.unique(height_m[known], return_index=True, return_inverse=True)
     if len(height) < 2:
         message = "fewer than two levels have height and wind"
         if known.sum() > 1:
             message = f"{known.sum()} levels are at one height, {height[0]:g} m: two are needed"
         raise file.error(message)
+    apart = np.linalg.norm(toward_m_s[known] - toward_m_s[known][index][level], axis=1)
+    if (apart > CONTRARY_M_S).any():
+        row = int(np.argmax(apart > CONTRARY_M_S))
+        raise file.error(
+            f"two winds at {height_m[known][row]:g} m are {apart[row]:.3g} m/s apart: are two "
+            "soundings in the file? leave one of them out"
+        )
     return WindRows(height, toward_m_s[known][index], f"{file.name}: {said}, {len(height)} levels")
 
 
