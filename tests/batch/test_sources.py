@@ -40,6 +40,21 @@ def test_a_folder_has_these_in_the_order_of_their_names(tmp_path: Path) -> None:
     assert [one.flight for one in sources] == [False] * 4 + [True]
 
 
+def test_a_folder_in_a_folder_that_cannot_be_read_is_not_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home, scandir = place(tmp_path) / "in", os.scandir
+
+    def closed(path: Any) -> Any:
+        if str(path).endswith("deep"):
+            raise PermissionError(13, "Permission denied", path)
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", closed)
+    with refused(VopdError):
+        found(tmp_path, str(home))
+
+
 def test_the_order_is_that_of_the_names_however_they_are_given(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

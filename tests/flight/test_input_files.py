@@ -63,6 +63,15 @@ def test_the_first_byte_that_is_not_utf_8_is_named(
     assert_approved(said, parts=[before])
 
 
+def test_a_folder_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def closed(self: Path) -> Any:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "iterdir", closed)
+    (tmp_path / "images").mkdir()
+    assert_approved(told(lambda: open_input("images", tmp_path)), parts=[tmp_path])
+
+
 def test_a_file_that_cannot_be_opened_is_said_at_once(tmp_path: Path) -> None:
     assert_approved(told(lambda: open_input("x/a", tmp_path)), parts=[tmp_path])
     for name in ("", " \t"):

@@ -235,6 +235,37 @@ def test_a_matrix_that_is_no_camera_matrix(matrix: list[list[float]], tmp_path: 
     assert_approved(told(tmp_path, json.dumps(OPENCV | {"camera_matrix": matrix})))
 
 
+def test_numbers_of_an_opencv_file_that_no_model_has_are_not_ignored(tmp_path: Path) -> None:
+    """A skew is read; coefficients of other names, a part of the picture and more are refused."""
+    fx, fy = [900, 0.5, 45], [0, 800, 35]
+    skewed = read(tmp_path, json.dumps(OPENCV | {"camera_matrix": [fx, fy, [0, 0, 1]]}))
+    assert (skewed.lens.skew_px, numbers(skewed)) == (0.5, [900, 800, 45, 35])
+    assert_approved(skewed.said)
+    for more in (
+        {"camera_matrix": [[900, 0, 45], [0.5, 800, 35], [0, 0, 1]]},
+        {"distortion_coeffs": [0.1, 0, 0, 0, 0]}, {"k1": 0.1}, {"Dist_Coefs": [0.1]},
+        {"binning_x": 2}, {"roi": {"x_offset": 5, "y_offset": 0}}, {"roi": {"y_offset": 7}},
+    ):  # fmt: skip
+        assert_approved(told(tmp_path, json.dumps(OPENCV | more)))
+    plain = {"D": [0.1] * 5, "distortion_model": "plumb_bob", "k1": 7, "distortion_type": "x",
+             "binning_x": 0, "roi": {"x_offset": 0, "y_offset": 0}}  # fmt: skip
+    assert numbers(read(tmp_path, json.dumps(OPENCV | plain)))[4:] == [0.1] * 5
+
+
+def test_cameras_of_files_that_have_one_or_two(tmp_path: Path) -> None:
+    """M1 and M2 are those of a stereo calibration; a camera that a file cannot name is refused."""
+    matrix = OPENCV["camera_matrix"]
+    size = {"image_width": 90, "image_height": 70, "of": "camera_matrix"}
+    one, other = {"M1": matrix, "D1": [0.1] * 5}, {"M2": [[700, 0, 1], [0, 600, 2], [0, 0, 1]]}
+    stereo = size | one | other | {"D2": [0.2] * 5}
+    assert numbers(read(tmp_path, json.dumps(stereo), camera="1")) == [900, 800, 45, 35, *[0.1] * 5]
+    assert numbers(read(tmp_path, json.dumps(stereo), camera="2")) == [700, 600, 1, 2, *[0.2] * 5]
+    for camera in (None, "3"):
+        assert_approved(told(tmp_path, json.dumps(stereo), camera=camera))
+    for text in (json.dumps(OPENCV), repr(MODEL), json.dumps({"intrinsics": [9.0] * 11})):
+        assert_approved(told(tmp_path, text, camera="2"))
+
+
 # A lens in the project itself
 
 
@@ -444,7 +475,10 @@ def test_a_size_is_the_calibration_s_and_then_the_sensor_s(
 def test_what_metashape_s_files_are_refused_for() -> None:
     for k4 in ("1e-9", "-1e-9"):
         assert_approved(no_lens(calibration(f"{SIZE}<k4>{k4}</k4>")))
-    assert lens_of(calibration(f"{SIZE}<k4>0</k4>")).lens.k.tolist() == [0.0] * 12
+    for name in ("p3", "p4"):
+        assert_approved(no_lens(calibration(f"{SIZE}<p1>1e-3</p1><{name}>1e-9</{name}>")))
+    zeros = f"{SIZE}<k4>0</k4><p3>0</p3><p4>0</p4>"
+    assert lens_of(calibration(zeros)).lens.k.tolist() == [0.0] * 12
     for name in ("f", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2", "b1", "b2", "width"):
         text = calibration(SIZE.replace("400", "x") if name == "width" else f"{SIZE}")
         text = text.replace(">200<", ">x<") if name == "f" else text
@@ -525,7 +559,8 @@ def test_what_opensfm_s_files_are_refused_for() -> None:
 def test_a_reconstruction_of_opensfm_is_the_first() -> None:
     one, other = json.loads(opensfm()), json.loads(opensfm(focal=0.75))
     text = "\n" + json.dumps([{"cameras": one}, {"cameras": other}])
-    assert_close("ratio", lens_of(text).lens.focal_px, [200.0, 200.0])
+    for named in ({}, {"camera": "a"}):
+        assert_close("ratio", lens_of(text, **named).lens.focal_px, [200.0, 200.0])
     assert_close("ratio", lens_of(opensfm(focal_x=0.75)).lens.focal_px, [300.0, 300.0])
     text = opensfm().replace('"a"', '"camera_matrix"')  # also a word of OpenCV's
     assert_approved(lens_of(text).said)

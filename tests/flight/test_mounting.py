@@ -12,6 +12,7 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.simulated_flights import Errors, Plan, body_to_ned, write_flight
 from tests.tolerances import assert_close
 from vopd.cli.new import write_project
+from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, adjust
 from vopd.flight.adjusted_project import adjusted_project
 from vopd.flight.project import read_project
@@ -126,3 +127,13 @@ def test_what_is_missing_is_said(tmp_path: Path, what: str) -> None:
         rows.write_text("\n".join([head, *(f"9{one}" for one in lines)]), encoding="utf-8")
     with refused():
         adjust(file, ["mount"])
+
+
+@pytest.mark.parametrize("rows", ["", "0,1,2,3\n1,1,2,3\n0,9,2,3\n", "1.7,1,2,3\n", "-1,1,2,3\n"])
+@pytest.mark.parametrize("by", ["frame", "image"])
+def test_attitudes_that_are_of_no_frame_or_twice_of_one(by: str, rows: str, tmp_path: Path) -> None:
+    """None at all, twice of one frame, and numbers that are no frame's: 1.7 was frame 1."""
+    write(tmp_path, [1.0, -2.0, 3.0], "frame,second", np.random.default_rng(1))
+    (tmp_path / "ins.csv").write_text(f"{by},yaw_deg,pitch_deg,roll_deg\n{rows}")
+    with refused(VopdError):
+        adjust(tmp_path / "flight.toml", ["mount"])

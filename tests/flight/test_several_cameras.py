@@ -123,6 +123,7 @@ def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:
         (rows.replace("3,b.json\n", ""), ""),
         (rows + "3,a.json\n", ""),
         ("frame,lens\n", ""),
+        (rows.replace("3,b.json", "3,"), ""),
         (rows, '[solve]\nfree = ["focal"]\n'),
         (rows, '[solve]\nframes = "one"\n'),
     ):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -169,6 +170,20 @@ def point(lat: str = "47.5", lon: str = "16.5", ele: str = "500", second: str = 
 )  # fmt: skip
 def test_points_of_gpx_that_are_refused(wrong: str) -> None:
     assert_approved(told(gpx(point(), wrong, point(), wrong)), parts=["track point 2"])
+
+
+@pytest.mark.skipif(not hasattr(time, "tzset"), reason="the zone of a process is not changed there")
+def test_times_of_gpx_without_a_zone_are_utc(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TZ", "America/New_York")
+    time.tzset()
+    try:
+        zoned, bare = (
+            read(gpx(point(), one)).time_s for one in (point(), point().replace("Z", ""))
+        )
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+    assert np.array_equal(zoned, bare)
 
 
 def test_a_point_of_gpx_in_a_leap_second() -> None:

@@ -126,5 +126,27 @@ def test_levels_of_a_csv_list() -> None:
     assert_close("ratio", read(longer).toward_m_s, [[0, 20], [10, 0]])
 
 
+@pytest.mark.parametrize("wind", [(9999, 5), (-90, 5), (361, 5), (90, -1)])
+def test_winds_of_a_list_that_are_none(wind: tuple[int, int]) -> None:
+    """Numbers that stand for no reading, which a direction takes for one."""
+    body = line(1000, 0, 5, 270, 20) + line(900, 300, 5, *wind) + line(800, 400, 5, 0, 0)
+    assert_approved(told(HEAD.format("SPED") + body))
+    assert_approved(told(LIST + "x,300,180,10\nx,0,{},{}\n".format(*wind)))
+
+
+@pytest.mark.parametrize("units", ["hPa ft C deg m/s", "hPa m C deg mph", "hPa m C rad m/s"])
+def test_units_of_a_list_are_those_that_its_heading_has(units: str) -> None:
+    first, _, rule = HEAD.format("SPED").splitlines()
+    body = line(1000, 0, 5, 270, 20) + line(900, 300, 5, 90, 5)
+    assert_approved(told("\n".join([first, line(*units.split()).rstrip(), rule, body])))
+    good = "\n".join([first, line("hPa", "m", "C", "deg", "m/s").rstrip(), rule, body])
+    assert len(read(good).height_m) == 2
+
+
+def test_a_speed_in_another_unit_is_not_called_metres_a_second() -> None:
+    for name in ("speed_km_h", "wind_speed_mph", "Speed (km/h)", "kph", "speed"):
+        assert_approved(told(f"h_m,from_deg,{name}\n1,0,9\n2,0,9\n"))
+
+
 def test_a_sounding_of_json_is_none() -> None:
     assert told(json.dumps({"h_m": 1})).startswith("w: the format is not recognised")

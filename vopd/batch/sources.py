@@ -154,8 +154,16 @@ def _matching(one: str, name: str) -> Iterator[tuple[str, str]]:
 
 
 def _in_folder(folder: str) -> Iterator[tuple[str, str]]:
-    """List the decks and projects of a folder and its folders; hidden ones are left out."""
-    for place, folders, files in os.walk(folder):
+    """List the decks and projects of a folder and its folders; hidden ones are left out.
+
+    Raises:
+        VopdError: where one of the folders cannot be read
+    """
+
+    def refuse(error: OSError) -> None:
+        raise VopdError(f"{error.filename}: {error.strerror}") from error
+
+    for place, folders, files in os.walk(folder, onerror=refuse):
         folders[:] = [one for one in folders if not one.startswith(".")]
         for file in files:
             if file.lower().endswith(IN_FOLDERS) and not file.startswith("."):

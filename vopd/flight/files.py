@@ -218,6 +218,8 @@ def open_input(
             raise VopdError("the name of a file is needed")
         if kind := no_file(path):
             raise VopdError(f"{name}: {kind}")
+        if path.is_dir():
+            next(path.iterdir(), None)  # to see that it can be read
         file = InputFile(name, path, columns=columns, crs=crs, clock=clock)
         _ = file.head
         return file
@@ -368,6 +370,7 @@ MILLISECONDS = re.compile(r"(^|_)(ms|msec|milliseconds)$")
 """Ends of names of columns of times in thousandths of a second."""
 LIKE_HEIGHT = re.compile(r"(^|_)(h|z|alt\w*|elev\w*|height|high)(_|$)")
 IN_FEET = re.compile(r"(^|_)(ft|feet)(?=_|$)")
+OTHER_SPEED = re.compile(r"(?:km_?h|kmph|kph|mph)$")
 IN_METRES = re.compile(r"(^|_)(m|meters?|metres?)(?=_|$)")
 BESIDE = re.compile(r"(^|_)(gps|gnss|utm|wgs84|deg|degrees?|dd|decimal)(?=_|$)")
 """Words of the name of a coordinate that leave it the same: its receiver, system or unit."""
@@ -593,6 +596,13 @@ class CsvTable:
         feet = [one for one in free if IN_FEET.search(plain_name(one))]
         if name in COORDINATES and name not in HEIGHTS and feet:
             return f": {feet[0]} seems to be in feet; multiply by 0.3048 and call it {name}"
+        speeds = [one for one in near or free if OTHER_SPEED.search(plain_name(one))]
+        if name == "speed_m_s" and speeds:
+            unit = OTHER_SPEED.search(plain_name(speeds[0]))
+            assert unit is not None
+            factor = 0.44704 if unit[0].startswith("mp") else 1.0 / 3.6
+            how = f"multiply by {factor:.5g} and call it {name}"
+            return f": {speeds[0]} seems to be in {unit[0].replace('_', '/')}; {how}"
         if name in HEIGHTS:
             free = [one for one in free if LIKE_HEIGHT.search(plain_name(one))] or free
         only = near or free[: len(free) == 1]

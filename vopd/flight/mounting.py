@@ -13,7 +13,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.files import read_csv
+from vopd.flight.files import frames_of_column, read_csv
 from vopd.flight.flight import Flight, VehicleAttitudes
 from vopd.flight.project import Project
 from vopd.geometry.earth import NED_FROM_ENU
@@ -56,6 +56,8 @@ def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes:
             f"is needed, above 0: {file.name} does not say in a column sigma_deg how well each "
             "attitude is known, degrees about each axis, as 0.2 of a small inertial sensor",
         )
+    if not len(angles):
+        raise file.error("no attitude is in the file")
     keys = table.column(by)
     time_s = np.full(len(angles), np.nan)
     if by == "t_s":
@@ -64,7 +66,12 @@ def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes:
         if len(back):
             raise table.error("its time is not after the one before", int(back[0]) + 1, by)
     elif by == "frame":
-        keys = [str(int(one)) for one in table.numbers(by).tolist()]
+        keys = list(map(str, np.asarray(frames_of_column(table)).tolist()))
+    first = dict[str, int]()
+    for row, key in enumerate(keys):
+        if first.setdefault(key, row) != row:
+            earlier = f"it is in line {table.line[first[key]]} already"
+            raise table.error(f"{key} has two attitudes, {earlier}: remove one", row, by)
     return VehicleAttitudes(file.name, by, tuple(keys), time_s, body_to_ned, np.radians(sigma_deg))
 
 

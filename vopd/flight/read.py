@@ -281,6 +281,8 @@ def read_camera(project: Project) -> CameraLens:
     for image, file, camera in zip(rows.image, rows.file, rows.camera, strict=True):
         own = file, camera
         if own not in found:
+            if not file and not section.has("lens"):
+                raise table.error(f"{shown(image)} has no file in lens, nor has [camera] lens one")
             lens = (Path(table.name).parent / file).as_posix() if file else ""
             of_this = project
             for key, one in (("lens", lens), ("camera", camera)):
@@ -800,6 +802,8 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
     section = project.section("landmarks")
     file = project.open("landmarks")
     rows = read_by_content(LANDMARK_FORMATS, file)
+    if not rows.name:
+        raise file.error("no landmark is in the file")
     _refuse_long(file, rows.name)
     doubled = [name for name, count in Counter(rows.name).items() if count > 1]
     if doubled:

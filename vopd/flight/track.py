@@ -657,7 +657,9 @@ def path_by_time(
     if wrong := row_out_of_order(rows):
         raise section.error("file", f"{name}: {wrong}")
     if len(time_s) < 2:
-        raise section.error("file", f"{name}: one position is no track: give it as [position]")
+        few = "one position is no track: give it as [position]"
+        few = few if len(time_s) else "no position is in the file"
+        raise section.error("file", f"{name}: {few}")
     if not np.isfinite(times.time_s).any():
         why = "; ".join(times.doubts) or times.bring
         raise section.error("file", f"is by time, and the frames have none: {why}")

@@ -112,6 +112,12 @@ def coefficients_said(k: Sequence[float], model: str) -> str:
     return f"{model}, {named}"
 
 
+def refuse_camera(file: InputFile, question: LensQuestion) -> None:
+    """Refuse the name of a camera where the file has one, which has no name."""
+    if question.camera is not None:
+        raise file.error(f"it has one camera: leave [camera] camera, {question.camera}, out")
+
+
 # mrcal's .cameramodel: a Python dict of literals, pixels from the first pixel's centre
 
 COUNTS_MRCAL = {"PINHOLE": 0, "OPENCV4": 4, "OPENCV5": 5, "OPENCV8": 8, "OPENCV12": 12}
@@ -124,6 +130,7 @@ def recognises_mrcal(file: InputFile) -> bool:
 
 def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens of a .cameramodel."""
+    refuse_camera(file, question)
     try:
         found = ast.literal_eval(file.text.strip())
         name = found.get("lensmodel", found.get("lens_model", found.get("distortion_model")))
@@ -191,6 +198,9 @@ def _calibration(
         raise file.error(f"projection {kind.strip()} is not known; frame is")
     if number("k4"):
         raise file.error("k4 is of the eighth power, which no model here has: calibrate without")
+    for name in ("p3", "p4"):
+        if number(name):
+            raise file.error(f"{name} is of a model that is not here: calibrate without p3 and p4")
     resolution = found.find("resolution")
     if resolution is None:
         resolution = inside.find("resolution")
@@ -272,7 +282,9 @@ def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
     parts = found if isinstance(found, list) else [found]
     if question.camera is None:
         parts = parts[:1]
-    cameras = {name: one for part in parts for name, one in part.get("cameras", part).items()}
+    cameras: dict[str, Any] = {}  # the first reconstruction is the largest
+    for part in reversed(parts):
+        cameras |= part.get("cameras", part)
     name = _chosen(file, list(cameras), question, "name one of its keys")
     return _camera(file, name, cameras[name])
 
@@ -365,6 +377,7 @@ MODELS_OPENCV = {
     "fisheye": "fisheye",
 }
 COUNTS_OPENCV = MODELS[LensKind.BROWN].counts
+OTHER_COEFFICIENTS = re.compile(r"dist(?!\w*_?(model|type)$)|[kp][1-6]$")
 LEVELS = 3  # of lists in lists: a matrix has two; deeper ones are refused
 MOST = 100  # elements of a camera matrix or of a list of coefficients
 
@@ -378,9 +391,13 @@ def recognises_opencv(file: InputFile) -> bool:
 
 def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens of an OpenCV file."""
-    values = {key.lower(): value for key, value in _mapping(file).items()}
+    values = _of_one(file, {str(key).lower(): one for key, one in _mapping(file).items()}, question)
     matrix = _numbers(file, _first(file, values, MATRIX, "camera matrix"))
     k = _numbers(file, _first(file, values, COEFFICIENTS, "distortion coefficients", needed=False))
+    for key in values if not {*COEFFICIENTS} & {*values} else ():
+        if OTHER_COEFFICIENTS.match(key):
+            wanted = "distortion_coefficients: [k1, k2, p1, p2, k3]"
+            raise file.error(f"{key} is not known: write {wanted}")
     if len(matrix) != 9:
         raise file.error(f"the camera matrix has {len(matrix)} elements, not 9")
     if matrix[6:] != [0.0, 0.0, 1.0]:
@@ -388,6 +405,8 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
         turned = ", its third column is" * (matrix[2::3] == [0.0, 0.0, 1.0])
         message = f"the camera matrix's third row is {third}, not 0 0 1{turned}"
         raise file.error(f"{message}: write its rows as fx 0 cx, 0 fy cy, 0 0 1")
+    if matrix[3]:
+        raise file.error(f"the camera matrix has {matrix[3]:g} in the place of 0 before fy")
     model = _model(file, values, question, k)
     if model == "fisheye" and len(k) != 4:
         raise file.error(f"a fisheye has 4 coefficients, not {len(k)}")
@@ -402,9 +421,29 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
         size_px = int(width), int(height)
     if size_px is None:
         raise file.error("the image's size is not in the file: give [camera] image_size_px")
-    lens = make_lens(model, size_px, (matrix[0], matrix[4]), (matrix[2], matrix[5]), k)
+    centre, skew = (matrix[2], matrix[5]), matrix[1]
+    lens = make_lens(model, size_px, (matrix[0], matrix[4]), centre, k, skew)
     said = f"{file.name}: OpenCV, {coefficients_said(k, model)}, centre grid"
+    said += f", a skew of {skew:g} px" if skew else ""
     return LensRead(checked(file, lens), said)
+
+
+def _of_one(file: InputFile, values: dict[str, Any], question: LensQuestion) -> dict[str, Any]:
+    """Take the values of one camera: of two, M1, D1 and M2, D2, that which the project names."""
+    if "m2" not in values:
+        refuse_camera(file, question)
+        roi = values.get("roi")
+        own = {"binning_x": values.get("binning_x")} | (roi if isinstance(roi, dict) else {})
+        for key in ("binning_x", "x_offset", "y_offset"):
+            if str(own.get(key)).strip() not in ("None", "0", "1" * (key == "binning_x")):
+                message = f"{key} {shown(own[key])}: the pictures are not what was calibrated"
+                raise file.error(f"{message}: give the matrix of the pictures, and leave it out")
+        return values
+    if question.camera not in ("1", "2"):
+        raise file.error('2 cameras, M1 and M2: name one, [camera] camera = "1" or "2"')
+    rest = {key: one for key, one in values.items() if key not in ("m1", "m2", "d1", "d2")}
+    chosen = ((key, f"{key}{question.camera}") for key in ("m", "d"))
+    return rest | {key: values[own] for key, own in chosen if own in values}
 
 
 def _model(file: InputFile, values: dict[str, Any], question: LensQuestion, k: list[float]) -> str:
@@ -597,7 +636,7 @@ def recognises_matlab_lens(file: InputFile) -> bool:
 
 def read_matlab_lens(file: InputFile, question: LensQuestion) -> LensRead:
     """Read CIRN's 11 intrinsics, NU NV c0U c0V fx fy d1 d2 d3 t1 t2, or Caltech's fc, cc, kc."""
-    return _toolbox_lens(file, file.matlab(CIRN, *CALTECH))
+    return _toolbox_lens(file, file.matlab(CIRN, *CALTECH), question)
 
 
 def recognises_json_intrinsics(file: InputFile) -> bool:
@@ -615,11 +654,12 @@ def read_json_intrinsics(file: InputFile, question: LensQuestion) -> LensRead:
     numbers = isinstance(values, list) and all(type(one) in (int, float) for one in values)
     if not numbers:
         raise file.error(f"{CIRN} is not a list of 11 numbers")
-    return _toolbox_lens(file, {CIRN: values})
+    return _toolbox_lens(file, {CIRN: values}, question)
 
 
-def _toolbox_lens(file: InputFile, found: Mapping[str, Any]) -> LensRead:
+def _toolbox_lens(file: InputFile, found: Mapping[str, Any], question: LensQuestion) -> LensRead:
     """Make the lens of CIRN's intrinsics or of Caltech's values."""
+    refuse_camera(file, question)
     if CIRN in found:
         said, shift, corner = "CIRN's intrinsics", GRID_TO_CENTRE["one-based"], "(1, 1)"
         values = np.asarray(found[CIRN], dtype=np.float64).ravel()

@@ -254,7 +254,8 @@ def read_gpx(file: InputFile) -> TrackRows:
     wrong = np.flatnonzero(~np.isfinite(coordinate).all(axis=1) | (abs(coordinate[:, 1]) > 90.0))
     if len(wrong):
         raise file.error(f"track point {wrong[0] + 1} has a number that is no position")
-    time_s = np.array([p.time.timestamp() for p in points])
+    times = (p.time if p.time.tzinfo else p.time.replace(tzinfo=UTC) for p in points)  # as GPX says
+    time_s = np.array([one.timestamp() for one in times])
     dilution: Floats = np.array(
         [
             [

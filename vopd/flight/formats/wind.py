@@ -40,6 +40,22 @@ def from_direction(direction_deg: Floats, speed_m_s: Floats) -> Floats:
     return np.stack([-speed_m_s * np.cos(angle), -speed_m_s * np.sin(angle)], axis=1)
 
 
+def of_list(file: InputFile, direction_deg: Floats, speed_m_s: Floats) -> Floats:
+    """Resolve winds of a list, where those that were not measured are NaN.
+
+    Raises:
+        VopdError: where a direction or a speed is none, as the numbers that stand for no reading
+    """
+    for wrong, what in (
+        (direction_deg[abs(direction_deg - 180.0) > 180.0], "direction of {:g}, which is 0 to 360"),
+        (speed_m_s[speed_m_s < 0.0], "speed of {:.4g} m/s, which is not below 0"),
+    ):
+        if len(wrong):
+            kept = "leave blank what was not measured"
+            raise file.error(f"a level has a {what.format(wrong[0])}: {kept}")
+    return from_direction(direction_deg, speed_m_s)
+
+
 def upward(file: InputFile, height_m: Floats, toward_m_s: Floats, said: str) -> WindRows:
     """Sort the levels that are known by height; of several at one height the first is taken.
 
@@ -99,6 +115,11 @@ def read(file: InputFile) -> WindRows:
 
 # Soundings of the University of Wyoming: its text list in knots, and its CSV in m/s
 
+UNITS = {
+    "HGHT": ("m", "ft", "feet", "km"), "DRCT": ("deg", "rad"),
+    "SKNT": ("knot", "m/s", "mph", "km/h"), "SPED": ("m/s", "knot", "kt", "mph", "km/h"),
+}  # fmt: skip
+"""The unit of each column, and others that may stand below its name."""
 WIDTH = 7  # columns of each field
 HEAD = re.compile(r"^\s*PRES\s+HGHT\s+.*\bDRCT\s+(SKNT|SPED)\b", re.M)
 KINDS = ("geopotential height", "wind direction", "wind speed")
@@ -115,6 +136,11 @@ def read_text(file: InputFile) -> WindRows:
     assert found is not None
     names = found.group(0).split()
     lines = file.text[found.end() :].splitlines()[1:]  # below the heading
+    units = next((cells for cells in map(str.split, lines[:2]) if cells[:1] == ["hPa"]), [])
+    for name, unit in zip(names, units, strict=False):
+        known, *others = UNITS.get(name, ("",))
+        if len(units) == len(names) and unit.lower() in others:
+            raise file.error(f"{name} is in {unit}, {known} is known")
     rows = []
     for line in lines:
         cells = [line[k * WIDTH : (k + 1) * WIDTH].strip() for k in range(len(names))]
@@ -126,7 +152,7 @@ def read_text(file: InputFile) -> WindRows:
     table = np.array(rows).reshape(-1, len(names))
     knots = found.group(1) == "SKNT"
     speed = table[:, names.index(found.group(1))] * (M_S_PER_KNOT if knots else 1.0)
-    toward = from_direction(table[:, names.index("DRCT")], speed)
+    toward = of_list(file, table[:, names.index("DRCT")], speed)
     height = geometric_m(table[:, names.index("HGHT")])
     return upward(file, height, toward, f"Wyoming text, {'knots' if knots else 'm/s'}")
 
@@ -147,7 +173,7 @@ def read_csv_list(file: InputFile) -> WindRows:
             raise file.error(f"{kind} is in {given}, {unit} is known", 1)
         columns.append(table.numbers(name, UNKNOWN))
     height, direction, speed = columns
-    return upward(file, geometric_m(height), from_direction(direction, speed), "Wyoming CSV, m/s")
+    return upward(file, geometric_m(height), of_list(file, direction, speed), "Wyoming CSV, m/s")
 
 
 def _named(header: list[str], kind: str) -> str:
