@@ -92,7 +92,7 @@ def test_sums_and_propagated_errors_are_those_of_the_dense_equations(loss: str, 
     change = rng.normal(size=(len(dense.residual) // 2, 2, 2))
     weighted = dense.weight[:, None] * change.reshape(-1, 2)
     expected = -(dense.inverse @ dense.rows.T @ weighted)
-    moved, common = propagated(solution, change)
+    moved, _, common = propagated(solution, change)
     scaled_close("joint algebra", moved, expected[: 3 * dense.frames].reshape(-1, 3, 2))
     scaled_close("joint algebra", common, expected[dense.common :])
 

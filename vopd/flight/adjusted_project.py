@@ -22,7 +22,7 @@ from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT
 from vopd.flight.files import read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
 from vopd.flight.free import LANDMARK, MOUNT, UNIT, shown_name, stated_value, unit_factor
-from vopd.flight.joint import JointSolution, covariance_by_picks, propagated
+from vopd.flight.joint import JointSolution, covariance_by_picks
 from vopd.flight.new import NAME, NewProject
 from vopd.flight.project import Project, project_text, toml_text
 from vopd.flight.read import landmark_crs
@@ -289,8 +289,7 @@ def common_with_stated(joint: JointSolution) -> tuple[Floats, Floats, list[str]]
     """
     first, last = len(joint.model.names), joint.model.of_landmarks.stop  # clicks come after
     solved, own_picks = (one[:last, :last] for one in covariance_by_picks(joint))
-    sigma, change = joint.stated
-    moved = propagated(joint, change)[1][:last]  # by one sigma of each
+    sigma, moved = joint.stated[0], joint.by_stated[2][:last]  # by one sigma of each
     own = np.diag(list(sigma.values())) if sigma else np.zeros((0, 0))
     by = np.concatenate([moved[:first], own, moved[first:]])
     total, by_picks = by @ by.T, np.zeros((len(by), len(by)))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import COMMON_PART
 from vopd.findings import VopdError
@@ -96,18 +96,10 @@ def _with_position_sigma(path: CameraPath, sigma_m: float) -> CameraPath:
     return replace(path, fixes=replace(fixes, sigma_m=own_m))
 
 
-def stated_changes(solution: JointSolution) -> dict[str, Floats]:
-    """Differentiate the images by errors that are stated and not solved for.
-
-    Returns:
-        Changes of the computed images by one standard deviation of each, in standard deviations
-        of the picks, (P, 2, C), by component; P picks take part.
-    """
-    sigma, change = solution.stated
-    component = [COMPONENT[name] for name in sigma]
-    return {
-        name: change[..., [one == name for one in component]] for name in dict.fromkeys(component)
-    }
+def stated_components(solution: JointSolution) -> dict[str, Bools]:
+    """Mark which of the errors that are stated and not solved for are of each component, (C,)."""
+    component = np.array([COMPONENT[name] for name in solution.stated[0]])
+    return {name: component == name for name in dict.fromkeys(component.tolist())}
 
 
 def places_by_stated(solution: JointSolution) -> Floats:
@@ -118,9 +110,7 @@ def places_by_stated(solution: JointSolution) -> Floats:
     Returns:
         East, north, up of every frame, m^2, (F, 3, 3).
     """
-    model, (sigma, change) = solution.model, solution.stated
-    weighted = -change * solution.normal.weight[:, None, None]
-    _, fix, common = solution.factored.solve(solution.normal.right_side(weighted))
+    model, sigma, (_, fix, common) = solution.model, solution.stated[0], solution.by_stated
     place = model.place_by_common(np.arange(model.frames)) @ common
     if solution.normal.fixes is not None:
         place = place + solution.normal.fixes.at_frames(fix)
@@ -168,8 +158,7 @@ def held_effects(solution: JointSolution) -> HeldEffects | None:
         if len(held.landmark):
             own = own + rows.by_landmark @ by_mark[model.landmark[rows.picks]]
         change[rows.picks] = own
-    weighted = -change * solution.normal.weight[:, None, None]
-    turn, fix, moved = solution.factored.solve(solution.normal.right_side(weighted))
+    turn, fix, moved = propagated(solution, change)
     by_common = full.place_by_common(np.arange(model.frames))
     place = by_common[:, :, first : first + count] @ held.root[:count]
     if solution.normal.fixes is not None:
@@ -191,14 +180,13 @@ def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) ->
     model, sigma = solution.model, solution.stated[0]
     found = {name: _roots(one) for name, one in solution.covariance.component.items()}
     own_s = model.late_by([*sigma]) * np.array([*sigma.values()])
-    component = [COMPONENT[name] for name in sigma]
-    for name, change in stated_changes(solution).items():
+    turn, _, common = solution.by_stated
+    late_s = model.late_by(model.names) @ common[: len(model.names)] + own_s
+    for name, own in stated_components(solution).items():
         part = name + COMMON_PART
         solved_for = [found[part]] if part in found else []
-        turn, common = propagated(solution, change)
-        late_s = model.late_by(model.names) @ common[: len(model.names)]
-        late_s += own_s[:, [one == name for one in component]]
-        found[part] = np.concatenate([*solved_for, _with_late(turn, late_s)], axis=2)
+        moved = _with_late(turn[..., own], late_s[:, own])
+        found[part] = np.concatenate([*solved_for, moved], axis=2)
     if held is not None:
         every = _with_late(held.turn, held.late_s)
         found |= {name + COMMON_PART: every[..., own] for name, own in held.component.items()}
@@ -215,11 +203,8 @@ def covariance_of_common(solution: JointSolution) -> Floats:
 
     That of the joint solution, and what errors that are stated and not solved for add to it.
     """
-    total = np.array(solution.factored.common)
-    for change in stated_changes(solution).values():
-        moved = propagated(solution, change)[1]
-        total += moved @ moved.T
-    return total
+    moved = solution.by_stated[2]
+    return np.asarray(solution.factored.common + moved @ moved.T)
 
 
 def errors_of_sums(
@@ -236,12 +221,12 @@ def errors_of_sums(
     for part, own in covariance_of_sums(solution, weight)[1].items():
         name = part.removesuffix(COMMON_PART)
         found[name] = found.get(name, 0.0) + own
-    for name, change in stated_changes(solution).items():
-        moved = np.einsum("fik,fic->kc", weight, propagated(solution, change)[0])
+    for name, columns in stated_components(solution).items():
+        moved = np.einsum("fik,fic->kc", weight, solution.by_stated[0][..., columns])
         found[name] = found.get(name, 0.0) + moved @ moved.T
     if held is not None:
-        for name, columns in held.component.items():
-            moved = np.einsum("fik,fic->kc", weight, held.turn[..., columns])
+        for name, some in held.component.items():
+            moved = np.einsum("fik,fic->kc", weight, held.turn[..., some])
             found[name] = found.get(name, 0.0) + moved @ moved.T
     return found
 

@@ -34,7 +34,7 @@ from vopd.flight.errors import (
     errors_of_sums,
     held_effects,
     places_by_stated,
-    stated_changes,
+    stated_components,
     turns_by_errors,
 )
 from vopd.flight.flight import Flight, FrameSlots, Refraction
@@ -539,8 +539,8 @@ class FlightEstimates:
     @cached_property
     def _further(self) -> dict[str, Floats]:
         """Changes of the images by errors that are only propagated and have no `Responses`."""
-        changes = stated_changes(self._joint)
-        found = {name: self._pixels(one) for name, one in changes.items() if name in FURTHER}
+        change, parts = self._joint.stated[1], stated_components(self._joint).items()
+        found = {name: self._pixels(change[..., own]) for name, own in parts if name in FURTHER}
         if self._held is not None:
             found[ADJUSTED] = self._pixels(self._held.change)
         return found

@@ -31,6 +31,7 @@ MOST_LANDMARKS = 24  # of a frame, the worst, that are exchanged in twos
 MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
 SEARCHED_PICKS = 100_000  # of all exchanges together: frames beyond are not searched
 KEPT = 4  # exchanges of a frame, the best by its rotation alone, whose place is solved for
+RANKING_PASSES = 2  # from Wahba's rotation: of one that fits the cost is known to a thousandth
 TRIAL_PASSES = 20  # which are enough for a rotation that fits
 ALIKE = 6.0  # in twice the log likelihood: what explains the residuals as well
 OF_ONE_PICK = 4.0  # in the same: two numbers that one gross pick has, and an exchange has not
@@ -172,10 +173,9 @@ def _exchanges(
         if total + more <= SEARCHED_PICKS:
             searched[frame], total = True, total + more
             groups += some
-    groups = [
-        [group[0], *(group[1 + k] for k in np.argsort(cost[1:], kind="stable")[:KEPT])]
-        for group, (cost, _) in zip(groups, _fitted(flight, None, groups), strict=True)
-    ]
+    fits = _fitted(flight, None, groups)
+    groups = [_best(group, cost) for group, (cost, _) in zip(groups, fits, strict=True)]
+    groups = [group for group in groups if len(group) > 1]
     likely, alone = [], []
     fits = _fitted(flight, place_m, groups)
     for (plain, *rest), (costs, rms_px) in zip(groups, fits, strict=True):
@@ -232,6 +232,12 @@ def _groups_of_frame(
     return groups
 
 
+def _best(group: list[_Trial], cost: Floats) -> list[_Trial]:
+    """Keep the labels as they are, and of the exchanges that fit better the best."""
+    better = [1 + k for k in np.argsort(cost[1:], kind="stable")[:KEPT]]
+    return [group[0], *(group[k] for k in better if cost[k] < cost[0])]
+
+
 def _fitted(
     flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]
 ) -> list[tuple[Floats, Floats]]:
@@ -257,7 +263,7 @@ def _fitted(
     fixes = TrackFixes(np.arange(frames), np.ones((frames, 1)), own_m)
     priors = Priors(fixes if (own_m > LEAST_SIGMA_M).any() else None)
     try:
-        first = solve(copies, ~used, TRIAL_PASSES)
+        first = solve(copies, ~used, RANKING_PASSES if place_m is None else TRIAL_PASSES)
         found = solve_jointly(copies, priors, used, first=first)
         normal = found.normal
     except VopdError:  # nothing is known of these frames

@@ -15,8 +15,6 @@ from vopd.flight.free import LANDMARK, free_landmarks, free_parameters, joined, 
 from vopd.flight.joint import (
     Covariance,
     JointSolution,
-    marginals,
-    propagated,
     solvable,
     solve_jointly,
 )
@@ -136,10 +134,9 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
     if joint is None or not free:
         return None
     model, sigma = joint.model, np.sqrt(np.diag(joint.factored.common))
-    stated, change = joint.stated
-    by_stated = np.abs(propagated(joint, change)[1])
+    stated, by_stated = joint.stated[0], np.abs(joint.by_stated[2])
     left = np.sqrt(np.diag(covariance_of_common(joint)))
-    turn, _, _, by_common = marginals(joint.factored)
+    turn, _, _, by_common = joint.marginals
     with np.errstate(invalid="ignore", divide="ignore"):
         spread = np.sqrt(np.einsum("fii->fi", turn))[..., None] * sigma
         with_angles = np.nan_to_num(np.abs(by_common / spread)).max(axis=0)  # (3, K)

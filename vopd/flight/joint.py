@@ -108,6 +108,21 @@ class JointSolution:
             raise no_solution(model.flight)
         return sigma, change * list(sigma.values())
 
+    @cached_property
+    def by_stated(self) -> tuple[Floats, Floats, Floats]:
+        """Propagate one standard deviation of each of them, as `propagated` does."""
+        return propagated(self, self.stated[1])
+
+    @cached_property
+    def unfollowed_stated(self) -> Floats:
+        """What the unknowns do not follow of them, as `unfollowed` has it."""
+        return _unfollowed(self, self.stated[1], self.by_stated)
+
+    @cached_property
+    def marginals(self) -> tuple[Array, Array, Array, Array]:
+        """The covariances of turns, places, and what is common, as `marginals` has them."""
+        return marginals(self.factored)
+
     def with_rotations(self, solved: SolvedFlight, flight: Flight) -> JointSolution:
         """Take the same places and parameters with other rotations, and the picks of these.
 
@@ -455,10 +470,10 @@ def covariance(solution: JointSolution) -> Covariance:
     is carried through the elimination as an imaginary part.
     """
     model, robust = solution.model, solution.model.loss is not LOSSES["least-squares"]
-    factored = solution.factored
+    factored, (turn, place, mixed, by_common) = solution.factored, solution.marginals
     if model.priors.fixes is not None:
         factored = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE)
-    turn, place, mixed, by_common = marginals(factored)
+        turn, place, mixed, by_common = marginals(factored)
     late = _late_by_common(model)
     whole = _with_late(turn, by_common, late, factored.common)
     late_by = late[:, None] @ factored.common.real
@@ -641,8 +656,9 @@ def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats,
     return sum(found.values(), np.zeros((k, k))), found
 
 
-def propagated(solution: JointSolution, change: Floats) -> tuple[Floats, Floats]:
-    """Propagate errors that are not solved for: turns (F, 3, k), and what is common (K, k).
+def propagated(solution: JointSolution, change: Floats) -> tuple[Floats, Floats, Floats]:
+    """Propagate errors that are not solved for: turns (F, 3, k), fixes (J, 3, k), and what is
+    common (K, k).
 
     Args:
         solution: of the flight
@@ -650,8 +666,7 @@ def propagated(solution: JointSolution, change: Floats) -> tuple[Floats, Floats]
             deviations of the picks, (P, 2, k)
     """
     weighted = -change * solution.normal.weight[:, None, None]
-    turn, _, common = solution.factored.solve(solution.normal.right_side(weighted))
-    return turn, common
+    return solution.factored.solve(solution.normal.right_side(weighted))
 
 
 def weighed(joint: JointSolution, change: Floats) -> tuple[Floats, Floats]:
@@ -677,11 +692,15 @@ def unfollowed(joint: JointSolution, change: Floats) -> Floats:
         joint: the solution of a flight
         change: of the computed images, in standard deviations of the picks, (P, 2, k)
     """
-    normal = joint.normal
-    weighted = change * normal.weight[:, None, None]
-    turn, fix, common = joint.factored.solve(normal.right_side(weighted))
+    return _unfollowed(joint, change, propagated(joint, change))
+
+
+def _unfollowed(
+    joint: JointSolution, change: Floats, moved: tuple[Floats, Floats, Floats]
+) -> Floats:
+    normal, (turn, fix, common) = joint.normal, moved
     place = np.zeros_like(turn)
     if normal.fixes is not None:
         place = normal.fixes.at_frames(fix)
-    followed = normal.seen(turn, place, common) * normal.weight[:, None, None]
-    return np.asarray(weighted - followed)
+    left = change + normal.seen(turn, place, common)
+    return np.asarray(left * normal.weight[:, None, None])

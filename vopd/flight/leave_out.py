@@ -234,7 +234,7 @@ def _add_landmarks(joint: JointSolution, to: _Collected) -> None:
         others = model.landmark[:, None] != some
         squared = ((left / model.scale[:, None, None]) ** 2).sum(axis=1)
         rms_px = np.sqrt((squared * others).sum(axis=0) / (2.0 * others.sum(axis=0)))
-        turn, _ = propagated(joint, error)
+        turn, _, _ = propagated(joint, error)
         tests = _tests(
             LANDMARK, len(some), landmark=some, freedom=freedom[tested], gain=gain[tested],
             error=np.where(known[tested, None], value, np.nan), rms_px=rms_px,

@@ -396,7 +396,7 @@ def _solved_with(
 def _moves_an_angle(joint: JointSolution, trial: Floats, stated: Floats, one: Significant) -> bool:
     """Tell whether an error turns a frame, or all in the mean, by more than the half-width."""
     columns = trial[..., list(one.error.columns)] @ one.value[:, None]
-    turn, _ = propagated(joint, np.concatenate([columns, stated], axis=2))
+    turn, _, _ = propagated(joint, np.concatenate([columns, stated], axis=2))
     variance = np.einsum("fii->fi", joint.covariance.turn) + (turn[..., 1:] ** 2).sum(axis=2)
     with np.errstate(invalid="ignore"):
         if (np.abs(turn[..., 0]) > WIDE_95 * np.sqrt(variance)).any():

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from vopd.arrays import Array, Bools, Floats
-from vopd.flight.joint import DERIVATIVE, JointSolution, unfollowed
+from vopd.flight.joint import DERIVATIVE, JointSolution
 from vopd.flight.normal import Factored
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def _by_stated(solution: JointSolution, frames: Bools) -> float:
     if not change.size:
         return 0.0
     own = frames[model.flight.picks.frame[model.pick]]
-    left = unfollowed(solution, change)
+    left = solution.unfollowed_stated
     square = np.einsum("pik,pil->kl", change[own], left[own])
     residual = normal.residual * normal.weight[:, None]
     right = np.einsum("pik,pi->k", change[own], residual[own])
