@@ -421,6 +421,7 @@ class FlightEstimates:
         self.origin_axes = local_axes(self.origin_m[None])[0]
         self.landmark_names = dict(zip(marks.number.tolist(), marks.name, strict=True))
         self.largest_lean_deg = lean_of_verticals_deg(camera_m)
+        self._begun: dict[bytes, Estimate] = {}  # whatever the reading sigma
         self._made: dict[bytes, Estimate] = {}
         self._outlier: Bools | None = None  # (P,)
         self._exchanged = np.zeros(0)  # (P,)
@@ -476,25 +477,29 @@ class FlightEstimates:
         made = self._made.get(key)
         if made is None:
             part = self.blocks.part(frames)
-            made = flight_estimate(self.solved.part(part), self)
-            if self.joint is not None:
-                made = self._with_joint(made, part, self.joint)
+            begun = self._begun.get(key) or self._without_reading(part)
+            made = begun if self.joint is None else self._with_errors(begun, part, self.joint)
             made = self._with_marks(made, part)
+            about = made.about._replace(doubt=self.doubt)
+            made = replace(made, about=about, scene=self.scene)
             if self.layout.total <= MOST_KEPT:
-                self._made[key] = made
+                self._begun[key], self._made[key] = begun, made
         return made
 
-    def _with_joint(self, one: Estimate, part: FlightPart, joint: JointSolution) -> Estimate:
-        """Add to the estimate of some frames what the joint solution knows of them."""
+    def _without_reading(self, part: FlightPart) -> Estimate:
+        """Estimate some frames, but for what the reading sigma moves."""
+        one, joint = flight_estimate(self.solved.part(part), self), self.joint
+        if joint is None:
+            return one
         slots, here = _slots(part), np.tile(one.used, 2)
         further = {name: slots.coordinates(own[part.picks]) for name, own in self._further.items()}
         further = {name: np.where(here[..., None], own, 0.0) for name, own in further.items()}
         one = replace(one, further={**one.further, **further})
-        if joint.passes:
-            one = self._with_stated_residual(one, part, joint)
-        elif self._held is None:
-            return one
-        if self.reading is None:
+        return self._with_stated_residual(one, part, joint) if joint.passes else one
+
+    def _with_errors(self, one: Estimate, part: FlightPart, joint: JointSolution) -> Estimate:
+        """Add to the estimate of some frames the errors that were solved for, or are held."""
+        if self.reading is None or not (joint.passes or self._held is not None):
             return one
         known = np.isfinite(self.solved.camera_m[part.frames])
         place_m2 = (joint.covariance.place_m2 + self._places_by_stated)[part.frames]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
+from math import comb
 from typing import NamedTuple
 
 import numpy as np
@@ -167,12 +168,12 @@ def _exchanges(
     flight = replace(flight, options=replace(flight.options, loss="least-squares", free=()))
     blocks, searched, total = FlightBlocks(flight), ~frames, 0
     groups: list[list[_Trial]] = []
-    for frame in np.flatnonzero(frames):
-        some = _groups_of_frame(blocks, int(frame), out, off_px)
-        more = sum(len(one.picks) for group in some for one in group)
+    for frame in np.flatnonzero(frames).tolist():
+        plain = _plain(blocks, frame)
+        more = _picks_of_trials(plain, out)
         if total + more <= SEARCHED_PICKS:
             searched[frame], total = True, total + more
-            groups += some
+            groups += _groups_of_frame(plain, out, off_px) if more else []
     fits = _fitted(flight, None, groups)
     groups = [_best(group, cost) for group, (cost, _) in zip(groups, fits, strict=True)]
     groups = [group for group in groups if len(group) > 1]
@@ -204,21 +205,34 @@ def _exchanges(
     return few._replace(not_searched=int((~searched).sum()))
 
 
-def _groups_of_frame(
-    blocks: FlightBlocks, frame: int, out: Bools, off_px: Floats
-) -> list[list[_Trial]]:
+def _plain(blocks: FlightBlocks, frame: int) -> _Trial:
+    """Take a frame with its labels as they are."""
+    picks = blocks.picks(np.array([frame]))
+    label = blocks.flight.picks.landmark[picks]
+    return _Trial(frame, picks, label, blocks.flight.landmarks.takes_part[label])
+
+
+def _picks_of_trials(plain: _Trial, out: Bools) -> int:
+    """Count the picks of all that `_groups_of_frame` lists; 0: the frame has too few or too many.
+
+    Args:
+        plain: the frame
+        out: picks that do not fit, (P,)
+    """
+    used, gross = int(plain.used.sum()), int((plain.used & out[plain.picks]).sum())
+    if not LEAST_IN_FRAME <= used <= MOST_IN_A_FRAME:
+        return 0
+    alone = comb(gross, 2) if gross > 2 and used - gross + 2 >= LEAST_IN_FRAME else 0
+    return len(plain.picks) * (1 + comb(min(used, MOST_LANDMARKS), 2) + 2 * alone)
+
+
+def _groups_of_frame(plain: _Trial, out: Bools, off_px: Floats) -> list[list[_Trial]]:
     """List what is tried of a frame, in groups of the same picks: first their own labels.
 
     All exchanges of its worst landmarks, with all picks; and where more than two picks do not fit,
     the exchanges of any two of these without the others of them.
     """
-    flight = blocks.flight
-    picks = blocks.part(np.array([frame])).picks
-    label = flight.picks.landmark[picks]
-    used = flight.landmarks.takes_part[label]
-    if not LEAST_IN_FRAME <= used.sum() <= MOST_IN_A_FRAME:
-        return []
-    plain = _Trial(frame, picks, label, used)
+    picks, used = plain.picks, plain.used
     size = np.where(used, np.nan_to_num(off_px[picks], nan=np.inf), -1.0)
     worst = np.sort(np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)])
     groups = [[plain, *(plain.exchanged(*pair) for pair in combinations(worst.tolist(), 2))]]

@@ -421,12 +421,14 @@ class FlightBlocks:
             if chosen[frames].any():
                 yield self.part(frames[chosen[frames]])
 
+    def picks(self, frames: Ints) -> Ints:
+        """Locate the picks of some frames, one frame after the other: their indices."""
+        rows = self.layout.rows(frames)
+        return rows if self._order is None else np.asarray(self._order[rows])
+
     def part(self, frames: Ints) -> FlightPart:
         """Take some of the frames as a flight of their own."""
-        flight = self.flight
-        rows = self.layout.rows(frames)
-        if self._order is not None:
-            rows = self._order[rows]
+        flight, rows = self.flight, self.picks(frames)
         if len(frames) == len(flight.frame):
             return FlightPart(frames, np.arange(len(flight.picks.frame)), flight)
         picks = replace(
