@@ -159,7 +159,8 @@ def _own_values(
     ]
 
 
-OTHER_STEP = 1e-4  # of a coefficient
+DENOMINATOR = ("k4", "k5", "k6")  # of Brown's lens
+DENOMINATOR_STEP = 1e-4
 
 
 @np.errstate(all="ignore")
@@ -191,9 +192,13 @@ def by_lens_parameters(
     for column, name in enumerate(names):
         if name in ("centre_u", "centre_v"):
             out[..., int(name == "centre_v"), column] = 1.0
-        elif name in coefficients or name in ("focal", "aspect"):
+        elif name in coefficients and not (lens.kind is LensKind.BROWN and name in DENOMINATOR):
+            moved = with_parameters(lens, names, values + _unit(column, len(names)))
+            at = np.stack(moved.model.distort(moved.coefficients, x, y)[0], axis=-1)
+            out[..., column] = (at - seen.distorted) @ moved.pixels_by_distorted.T
+        elif name in (*coefficients, "focal", "aspect"):
             found = []
-            step = OTHER_STEP if name in coefficients else 1.0
+            step = DENOMINATOR_STEP if name in coefficients else 1.0
             for side in (step, -step):
                 moved = with_parameters(lens, names, values + side * _unit(column, len(names)))
                 at = seen.distorted

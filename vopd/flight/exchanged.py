@@ -174,8 +174,8 @@ def _exchanges(
         if total + more <= SEARCHED_PICKS:
             searched[frame], total = True, total + more
             groups += _groups_of_frame(plain, out, off_px) if more else []
-    fits = _fitted(flight, None, groups)
-    groups = [_best(group, cost) for group, (cost, _) in zip(groups, fits, strict=True)]
+    costs_alone = _costs_of_rotations(flight, groups)
+    groups = [_best(group, cost) for group, cost in zip(groups, costs_alone, strict=True)]
     groups = [group for group in groups if len(group) > 1]
     likely, alone = [], []
     fits = _fitted(flight, place_m, groups)
@@ -252,14 +252,31 @@ def _best(group: list[_Trial], cost: Floats) -> list[_Trial]:
     return [group[0], *(group[k] for k in better if cost[k] < cost[0])]
 
 
+def _costs_of_rotations(flight: Flight, groups: list[list[_Trial]]) -> list[Floats]:
+    """Solve each trial for its rotation alone: the weighted squares of each group's trials.
+
+    They are infinite where a pick has no image. An antenna's place, which turns with the camera,
+    is the camera's.
+    """
+    trials = [one for group in groups for one in group]
+    if not trials:
+        return []
+    copies, used = _copies(replace(flight, path=replace(flight.path, lever_arm_m=None)), trials)
+    found = solve(copies, ~used, RANKING_PASSES)
+    squares = (pick_distances_px(found) / copies.picks.sigma_px) ** 2
+    cost = np.bincount(copies.picks.frame[used], squares[used], len(trials))
+    cost = np.where(np.isfinite(cost), cost, np.inf)
+    return np.split(cost, np.cumsum([len(group) for group in groups])[:-1])
+
+
 def _fitted(
-    flight: Flight, place_m: Floats | None, groups: list[list[_Trial]]
+    flight: Flight, place_m: Floats, groups: list[list[_Trial]]
 ) -> list[tuple[Floats, Floats]]:
     """Solve each trial for its rotation, and its place.
 
     Args:
         flight: the flight
-        place_m: standard deviations of places, (F, 3); None: they are exact
+        place_m: standard deviations of places, (F, 3)
         groups: the trials
 
     Returns:
@@ -269,15 +286,13 @@ def _fitted(
     trials = [one for group in groups for one in group]
     if not trials:
         return []
-    if place_m is None:  # an antenna's place turns with the camera: rotations are first tried alone
-        flight = replace(flight, path=replace(flight.path, lever_arm_m=None))
     copies, used = _copies(flight, trials)
     frames = len(trials)
-    own_m = np.zeros((frames, 3)) if place_m is None else place_m[[one.frame for one in trials]]
+    own_m = place_m[[one.frame for one in trials]]
     fixes = TrackFixes(np.arange(frames), np.ones((frames, 1)), own_m)
     priors = Priors(fixes if (own_m > LEAST_SIGMA_M).any() else None)
     try:
-        first = solve(copies, ~used, RANKING_PASSES if place_m is None else TRIAL_PASSES)
+        first = solve(copies, ~used, TRIAL_PASSES)
         found = solve_jointly(copies, priors, used, first=first)
         normal = found.normal
     except VopdError:  # nothing is known of these frames

@@ -188,9 +188,13 @@ class Normal:
                 return
             for slot in np.flatnonzero(weight.any(axis=0)):
                 fix = first * self.fixes.together + slot
+                values, columns = left[..., 3:] * weight[:, slot, None, None], index
+                if (index == index[0]).all():  # the same landmarks: one sum of a fix's frames
+                    at = np.flatnonzero(np.diff(fix, prepend=-1))
+                    fix, columns = fix[at], index[at]
+                    values = np.add.reduceat(values, at, axis=0)
                 row = (3 * fix)[:, None, None] + np.arange(3)[:, None]
-                values = left[..., 3:] * weight[:, slot, None, None]
-                _add(self._border, row * self._wide + index[:, None], values)
+                _add(self._border, row * self._wide + columns[:, None], values)
 
     def _hand_on_wide(self, frames: Ints, left: Array, index: Ints) -> None:
         """Hand what frames say of their places and of what is common to blocks of many fixes."""
