@@ -19,7 +19,7 @@ from scipy.special import chdtrc, fdtrc
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.findings import VopdError
-from vopd.flight.blunders import NO_EXCHANGE, Exchanges, pick_distances_px
+from vopd.flight.blunders import NO_EXCHANGE, Exchanges, pick_distances_px, pick_errors_px
 from vopd.flight.equations import LEAST_SIGMA_M, Priors
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
@@ -29,6 +29,8 @@ from vopd.flight.solve import FlightBlocks, SolvedFlight, path_part, solve
 
 LEAST_IN_FRAME = 3  # landmarks
 MOST_LANDMARKS = 24  # of a frame, the worst, that are exchanged in twos
+FEW_LANDMARKS = 4  # of a frame: all its exchanges are tried
+FARTHER = 3.0  # times as far from the other's image as from their own: no exchange in a larger one
 MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
 SEARCHED_PICKS = 100_000  # of all exchanges together: frames beyond are not searched
 KEPT = 4  # exchanges of a frame, the best by its rotation alone, whose place is solved for
@@ -55,8 +57,8 @@ def gross_exchanges(solved: SolvedFlight, suspected: Bools, out: Bools) -> Excha
     if flight.path.fixes is not None:
         place_m = np.hypot(place_m, flight.path.fixes.frame_sigma_m)
     wide = widened_by(flight, (flight.landmarks.sigma_m**2).mean(axis=1))
-    off_px = pick_distances_px(solved)
-    return _exchanges(wide, place_m, suspected, out, off_px, np.zeros(len(flight.frame)))
+    error_px = pick_errors_px(solved)
+    return _exchanges(wide, place_m, suspected, out, error_px, np.zeros(len(flight.frame)))
 
 
 def exchanges(estimates: FlightEstimates, frames: Bools, out: Bools) -> Exchanges:
@@ -90,8 +92,8 @@ def exchanges(estimates: FlightEstimates, frames: Bools, out: Bools) -> Exchange
     place_m = np.zeros_like(path.position_m) if fixes is None else fixes.frame_sigma_m
     part = np.bincount(flight.picks.frame[model.pick], minlength=model.frames)
     others = np.maximum(reading.freedom - np.maximum(2.0 * part - 3.0, 0.0), 0.0)
-    off_px = pick_distances_px(estimates.solved)
-    return _exchanges(wide, place_m, frames, out, off_px, others)
+    error_px = pick_errors_px(estimates.solved)
+    return _exchanges(wide, place_m, frames, out, error_px, others)
 
 
 def exchanged_places(
@@ -147,7 +149,7 @@ class _Likely(NamedTuple):
 
 
 def _exchanges(
-    flight: Flight, place_m: Floats, frames: Bools, out: Bools, off_px: Floats, others: Floats
+    flight: Flight, place_m: Floats, frames: Bools, out: Bools, error_px: Floats, others: Floats
 ) -> Exchanges:
     """Find exchanged labels.
 
@@ -162,7 +164,7 @@ def _exchanges(
         place_m: standard deviations of those places, east, north, up, (F, 3)
         frames: those that are searched, (F,)
         out: picks that do not fit, (P,)
-        off_px: distance of each pick from its landmark's image, (P,)
+        error_px: each pick less its landmark's image, (P, 2)
         others: degrees of freedom of the reading sigma by other frames, (F,); 0: it is not known
     """
     flight = replace(flight, options=replace(flight.options, loss="least-squares", free=()))
@@ -173,7 +175,7 @@ def _exchanges(
         more = _picks_of_trials(plain, out)
         if total + more <= SEARCHED_PICKS:
             searched[frame], total = True, total + more
-            groups += _groups_of_frame(plain, out, off_px) if more else []
+            groups += _groups_of_frame(plain, out, flight.picks.pixel, error_px) if more else []
     costs_alone = _costs_of_rotations(flight, groups)
     groups = [_best(group, cost) for group, cost in zip(groups, costs_alone, strict=True)]
     groups = [group for group in groups if len(group) > 1]
@@ -226,16 +228,21 @@ def _picks_of_trials(plain: _Trial, out: Bools) -> int:
     return len(plain.picks) * (1 + comb(min(used, MOST_LANDMARKS), 2) + 2 * alone)
 
 
-def _groups_of_frame(plain: _Trial, out: Bools, off_px: Floats) -> list[list[_Trial]]:
+def _groups_of_frame(
+    plain: _Trial, out: Bools, pixel: Floats, error_px: Floats
+) -> list[list[_Trial]]:
     """List what is tried of a frame, in groups of the same picks: first their own labels.
 
     All exchanges of its worst landmarks, with all picks; and where more than two picks do not fit,
     the exchanges of any two of these without the others of them.
     """
     picks, used = plain.picks, plain.used
-    size = np.where(used, np.nan_to_num(off_px[picks], nan=np.inf), -1.0)
+    size = np.where(used, np.nan_to_num(np.hypot(*error_px[picks].T), nan=np.inf), -1.0)
     worst = np.sort(np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)])
-    groups = [[plain, *(plain.exchanged(*pair) for pair in combinations(worst.tolist(), 2))]]
+    pairs = np.array(list(combinations(worst.tolist(), 2)))
+    if used.sum() > FEW_LANDMARKS:
+        pairs = pairs[~_far_apart(pixel[picks[pairs]], error_px[picks[pairs]])]
+    groups = [[plain, *(plain.exchanged(*pair) for pair in pairs.tolist())]]
     gross = np.flatnonzero(used & out[picks])
     for pair in combinations(gross.tolist(), 2) if len(gross) > 2 else ():
         rest = used.copy()
@@ -250,6 +257,16 @@ def _best(group: list[_Trial], cost: Floats) -> list[_Trial]:
     """Keep the labels as they are, and of the exchanges that fit better the best."""
     better = [1 + k for k in np.argsort(cost[1:], kind="stable")[:KEPT]]
     return [group[0], *(group[k] for k in better if cost[k] < cost[0])]
+
+
+def _far_apart(pixel: Floats, error_px: Floats) -> Bools:
+    """Mark pairs of picks (N, 2, 2) that lie far from each other's image as the frame is solved.
+
+    Their own labels may have turned the frame, but not so far where others hold it.
+    """
+    others = pixel - (pixel - error_px)[:, ::-1]
+    theirs, own = ((one**2).sum(axis=(1, 2)) for one in (others, error_px))
+    return np.asarray(theirs > FARTHER**2 * own)
 
 
 def _costs_of_rotations(flight: Flight, groups: list[list[_Trial]]) -> list[Floats]:
