@@ -369,7 +369,9 @@ def polynomial_weights(tau: Floats, variance: Floats, degree: int = 2) -> Floats
     """
     variance = np.where(np.isnan(variance), 1.0, variance)
     scale = np.abs(tau).max(axis=1)[:, None]
-    powers = (tau / scale)[..., None] ** np.arange(min(tau.shape[1] - 1, degree) + 1)
+    powers = np.ones((*tau.shape, min(tau.shape[1] - 1, degree) + 1))
+    powers[..., 1:] = (tau / scale)[..., None]
+    powers = np.cumprod(powers, axis=2)
     weighted = powers / variance[..., None] * variance.mean(axis=1)[:, None, None]
     solved = inverse(powers.swapaxes(1, 2) @ weighted) @ weighted.swapaxes(1, 2)
     out = np.zeros((len(tau), 3, tau.shape[1]))
@@ -392,12 +394,12 @@ def missed_curvature(tau: Floats, weight: Floats) -> Floats:
     for side in (1.0, -1.0):
         t, c = (tau, weight) if side > 0.0 else (-tau[:, ::-1], weight[:, ::-1])
         # sums over this and all later fixes, of c, c t and c t^2
-        sums = [np.cumsum((c * t**k)[:, ::-1], axis=1)[:, ::-1] for k in range(3)]
+        sums = [np.cumsum(one[:, ::-1], axis=1)[:, ::-1] for one in (c, c * t, c * t * t)]
         start = np.maximum(np.concatenate([np.full((len(t), 1), -np.inf), t[:, :-1]], axis=1), 0.0)
         length = np.maximum(t - start, 0.0)
         s = start[..., None] + length[..., None] * GAUSS
         kernel = (sums[2][..., None] - 2.0 * s * sums[1][..., None] + s**2 * sums[0][..., None]) / 2
-        total += ((kernel**2 * GAUSS_WEIGHT).sum(axis=2) * length).sum(axis=1)
+        total += ((kernel**2 @ GAUSS_WEIGHT) * length).sum(axis=1)
     return total
 
 
