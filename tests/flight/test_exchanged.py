@@ -67,6 +67,30 @@ def test_labels_that_are_dropped_leave_the_flight_without_them(tmp_path: Path) -
     assert dropped.estimate.used.sum(axis=1).tolist() == [4 - 2 * (not one) for one in others]
 
 
+def test_only_picks_near_each_other_s_images_are_exchanged_in_larger_frames() -> None:
+    """Images at (0, 0), (100, 0): exchanged picks are 5 px off the other's, 100 px off their own.
+
+    Of the second pair each pick is 10 px off its own image, and 90 and 110 px off the other's.
+    """
+    pixel = np.array([[[105.0, 0.0], [-5.0, 0.0]], [[10.0, 0.0], [110.0, 0.0]]])
+    image = np.array([[0.0, 0.0], [100.0, 0.0]])
+    assert exchanged._far_apart(pixel, pixel - image).tolist() == [False, True]
+    unseen = np.full((1, 2, 2), np.nan)
+    assert not exchanged._far_apart(pixel[1:], unseen).any()
+
+
+@pytest.mark.parametrize("gross", [0, 2, 3, 5])
+@pytest.mark.parametrize("landmarks", [3, 4, 24, 26])
+def test_trials_of_a_frame_are_counted_before_they_are_made(landmarks: int, gross: int) -> None:
+    picks, used = np.arange(landmarks + 1) + 7, np.arange(landmarks + 1) > 0
+    plain = exchanged._Trial(0, picks, picks, used)
+    out = np.isin(np.arange(50), picks[1 : 1 + gross])
+    pixel, error_px = np.zeros((50, 2)), np.full((50, 2), np.nan)  # nothing is far from anything
+    groups = exchanged._groups_of_frame(plain, out, pixel, error_px)
+    made = sum(len(one.picks) for group in groups for one in group)
+    assert exchanged._picks_of_trials(plain, out) == made > 0
+
+
 def told(counts: list[int], frames: list[int], drop: bool = False) -> list[str]:
     """Findings of a flight in some of whose frames the first two landmarks are exchanged."""
     flight = replace(uneven_flight(counts), options=replace(HELD, drop_blunders=drop))

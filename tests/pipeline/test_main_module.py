@@ -79,6 +79,22 @@ def test_signals_are_handled_before_anything_else_is_loaded(
     assert main_module.SIGNALS == ("SIGINT", "SIGTERM", "SIGHUP")
 
 
+def test_freed_memory_is_kept_where_the_c_library_has_such_options(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By the numbers of glibc's malloc.h; macOS and musl have none, Windows no such library."""
+    told: list[tuple[int, int]] = []
+    library = SimpleNamespace(mallopt=lambda option, value: told.append((option, value)))
+    monkeypatch.setattr("ctypes.CDLL", lambda name: library)
+    main_module.keep_freed_memory()
+    assert told == [(-3, 33_554_432), (-1, 134_217_728)]
+    monkeypatch.setattr("ctypes.CDLL", lambda name: SimpleNamespace())
+    main_module.keep_freed_memory()
+    monkeypatch.setattr("ctypes.CDLL", lambda name: len(name))
+    main_module.keep_freed_memory()
+    assert len(told) == 2
+
+
 @pytest.mark.parametrize("own", [None, "3"])
 def test_a_process_takes_one_thread_of_openblas_unless_told_otherwise(own: str | None) -> None:
     """Its threads wait in a loop: of a flight with free parameters two took four times as long."""
