@@ -13,7 +13,7 @@ from typing import overload
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, count_text
 from vopd.landmark_layout import LandmarkLayout
 from vopd.records import ByLandmark, FrameRecord, Record, Rows
 
@@ -197,7 +197,11 @@ class Deck(Sequence[Job]):
     @overload
     def __getitem__(self, index: slice) -> Sequence[Job]: ...
     def __getitem__(self, index: int | slice) -> Job | Sequence[Job]:
-        return self.jobs[index]
+        try:
+            return self.jobs[index]
+        except (TypeError, IndexError) as error:
+            has = f"{self.name or 'a deck'} of {count_text(len(self), 'job')} has no job {index!r}"
+            raise type(error)(f"{has}: they are counted from 0") from None
 
     def chosen(self, number: int | None) -> Job:
         """Take one job.

@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import pytest
@@ -214,6 +217,15 @@ def test_the_scheduler_is_killed(cluster: Cluster, tmp_path: Path) -> None:
     assert contents(tmp_path / "out") == contents(tmp_path / "one")
 
 
+def greet(server: socket.socket) -> None:
+    """Answer as a server of the web does, or of shells: dask takes the first bytes for a size."""
+    with suppress(OSError):
+        while True:
+            caller, _ = server.accept()
+            with caller:
+                caller.sendall(b"HTTP/1.0 400 Bad Request\r\n\r\n")
+
+
 def test_no_scheduler_no_workers_another_version(cluster: Cluster, tmp_path: Path) -> None:
     """Each is one message, and no folder is made."""
     out = tmp_path / "out"
@@ -224,6 +236,10 @@ def test_no_scheduler_no_workers_another_version(cluster: Cluster, tmp_path: Pat
         return messages
 
     assert "no scheduler answers" in refused("tcp://127.0.0.1:9")
+    with socket.create_server(("127.0.0.1", 0)) as other_server:
+        Thread(target=greet, args=(other_server,), daemon=True).start()
+        port = other_server.getsockname()[1]
+        assert "no scheduler answers" in refused(f"tcp://127.0.0.1:{port}")
     for address in ("nonsense", "tcp://127.0.0.1:99999", "mail://127.0.0.1:9"):
         assert "not an address such as" in refused(address)
     assert "the cluster has no workers" in refused(cluster.address)

@@ -102,7 +102,8 @@ def test_a_projected_system() -> None:
     [
         ("WGS84 UTM 16N", "EPSG:32616"), ("wgs 84 utm 5s", "EPSG:32705"),
         ("WGS84UTM33N", "EPSG:32633"), ("wgs84 utm 33n", "EPSG:32633"),
-        ("'WGS84 UTM 1 N'", "EPSG:32601"),
+        ("'WGS84 UTM 1 N'", "EPSG:32601"), ("WGS84 UTM 60S", "EPSG:32760"),
+        ("WGS84 UTM 61N", "WGS84 UTM 61N"), ("WGS84 UTM 0N", "WGS84 UTM 0N"),
         (' "EPSG:31256"  ', "EPSG:31256"), ("WGS84 UTM 16X", "WGS84 UTM 16X"),
         ("+proj=utm +zone=3", "+proj=utm +zone=3"),
     ],

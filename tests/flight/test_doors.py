@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 import zlib
 from pathlib import Path
@@ -176,11 +177,15 @@ def test_files_of_cirn_and_caltech(tmp_path: Path) -> None:
         (LANDMARK_FORMATS, json.dumps(CONTROL).replace('"latitude"', '"lat"')),
         (LANDMARK_FORMATS, json.dumps(CONTROL).replace('"longitude"', '"lon"')),
         (LANDMARK_FORMATS, KML % "relativeToGround"),
+        (LANDMARK_FORMATS, KML % "relativeToSeaFloor"),
         (TRACK_FORMATS, json.dumps([SHOTS[0] | {"shots": {}}])),
         (TRACK_FORMATS, '[{"shots": []}]'),
         (TRACK_FORMATS, json.dumps(SHOTS_GEOJSON).replace("48.0", "148.0")),
         (LANDMARK_FORMATS, MARKERS.replace("512345.5", "1e999")),
         (LANDMARK_FORMATS, MARKERS.replace("label", "name")),
+        (LANDMARK_FORMATS, re.sub('"latitude": [0-9.]+', '"latitude": true', json.dumps(CONTROL))),
+        (PICK_FORMATS, re.sub(r'tion": \[[^]]*', 'tion": [true, 0.1', json.dumps(CONTROL))),
+        (PICK_FORMATS, re.sub(r'tion": \[[^]]*', 'tion": [1, 2, 3', json.dumps(CONTROL))),
     ],
 )  # fmt: skip
 def test_files_that_are_refused(formats: Any, text: str) -> None:

@@ -251,7 +251,8 @@ def test_clocks_of_exif(
         time.tzset()
 
 
-@pytest.mark.parametrize("text", ["+2:00", "02:00", "+02:00:00", "+0200", "x+02:00", ""])
+@pytest.mark.parametrize("text", ["+2:00", "02:00", "+02:00:00", "+0200", "x+02:00", "", "+14:01",
+                                  "-99:00", "+01:60"])  # fmt: skip
 def test_zones_that_are_none(text: str) -> None:
     assert same(zone_of_tags({ZONE: text}), NAN)
 

@@ -148,6 +148,7 @@ def test_points_of_geojson() -> None:
     assert (marks.geodetic, marks.crs, marks.said) == (True, "EPSG:4326", "GeoJSON")
     assert marks.sigma_m is None
     assert read(json.dumps(points[1])).name == ["A"]
+    assert_approved(told(collection(feature(True, 2.0, 3.0))))
 
 
 def test_the_first_of_a_feature_s_names_counts() -> None:

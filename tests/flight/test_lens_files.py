@@ -495,6 +495,9 @@ def test_what_metashape_s_files_are_refused_for() -> None:
     ]
     for cx in ("100.5", "-100.5"):
         assert_approved(no_lens(calibration(f"{SIZE}<cx>{cx}</cx>")))
+    assert lens_of(calibration(SIZE + "<cy>75</cy>")).lens.centre_px.tolist() == [199.5, 224.5]
+    for cy in ("75.5", "-75.5"):
+        assert_approved(no_lens(calibration(f"{SIZE}<cy>{cy}</cy>")))
     assert_approved(no_lens("<a><sensor/>" + "<calibration/>" + "</a>"))
     assert_approved(no_lens(calibration(SIZE)[:-1]), others_after="not valid XML:")
     filled = f"\n <?xml version='1.0'?><!-- {'x' * 30_000}\n -->"

@@ -340,6 +340,17 @@ def test_annotations_of_cvat_that_python_does_not_read(text: str, start: str) ->
     assert_approved(told(text), others_after=start)
 
 
+def test_a_shape_of_cvat_with_more_points_than_anybody_clicks() -> None:
+    """Three million, of 12 MB, took 1.1 GB."""
+
+    def well(count: int) -> str:
+        points = ";".join(["1,2"] * count)
+        return cvat(f'<image name="a"><points label="well" points="{points}"/></image>')
+
+    assert len(read(well(10_000)).landmark) == 10_000
+    assert_approved(told(well(10_001)))
+
+
 def test_shapes_of_cvat_that_are_no_points_are_counted() -> None:
     """Each in its frame, and not where its track has ended; points without a place too."""
     boxes = '<box frame="1" outside="0"/><box frame="2" outside="1"/><points frame="1" points=""/>'

@@ -153,6 +153,13 @@ def test_standard_deviations() -> None:
         one = doubt(principal_px=values)
         assert_approved(told(lambda one=one: one.sigma("principal_px")), parts=[least])
     assert_approved(told(lambda: track(sigma_m=[1, 2]).sigma("sigma_m")))
+    for key in ("mount_sigma_deg", "attitude_sigma_deg"):
+        for degrees in (180, 181):
+            one = Section("p.toml", "vehicle", {key: degrees})
+            if degrees == 180:
+                assert one.sigma(key) == (180.0,)
+            else:
+                assert_approved(told(lambda one=one, key=key: one.sigma(key)))
 
 
 def test_inline_tables_have_keys_of_their_own() -> None:

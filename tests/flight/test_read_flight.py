@@ -348,6 +348,7 @@ TURN = Rotation.from_euler("ZYX", [30.0, -20.0, 10.0], degrees=True).as_matrix()
         (TURN, True), (TURN + 1e-7, True), (TURN + 1e-5, False), (-TURN, False),
         (TURN * [1, 1, -1], False), (2.0 * TURN, False), (TURN[:2], False), ("x", False),
         ([[1, 0, 0], [0, "a", 0], [0, 0, 1]], False), (None, False),
+        ([[1, 0, 0], [0, "1", 0], [0, 0, 1]], False), ([[1, 0, 0], [0, True, 0], [0, 0, 1]], False),
     ],
 )  # fmt: skip
 def test_a_mount_is_a_right_handed_rotation(matrix: Any, good: bool) -> None:

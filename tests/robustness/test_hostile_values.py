@@ -108,6 +108,9 @@ OTHER_KINDS: dict[str, Callable[[], object]] = {
     "numbers to free": lambda: vopd.adjust(HILL, [3]),
     "bytes to free": lambda: vopd.adjust(HILL, b"focal"),
     "a location by number": lambda: vopd.solve_flight(HILL, 5),
+    "no name of a figure": lambda: vopd.run(JOBS).plot(None),
+    "a rate in words": lambda: vopd.run(JOBS).histories(max_rate_deg_s="10"),
+    "a rate that is true": lambda: vopd.run(JOBS).histories(max_rate_deg_s=True),
     "zero in the place of sigmas": lambda: vopd.solve_flight(HILL, sigmas=0),
 }
 
@@ -121,5 +124,6 @@ def test_arguments_of_another_kind(kind: str) -> None:
 
 @pytest.mark.parametrize(("job", "kind"), [(1, IndexError), (-2, IndexError), ("1", TypeError)])
 def test_a_job_that_a_run_does_not_have(job: Any, kind: type[Exception]) -> None:
-    with refused(kind):
-        vopd.run(JOBS)[job]
+    for jobs in (vopd.run(JOBS), JOBS):
+        with refused(kind):
+            jobs[job]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -262,7 +263,11 @@ def has_photographs(one: History) -> bool:
 
 def check_rate(max_rate_deg_s: float | None) -> None:
     """Refuse a maximum rate that is not above 0 degrees a second."""
-    if max_rate_deg_s is not None and not max_rate_deg_s > 0.0:
+    if max_rate_deg_s is None:
+        return
+    if not isinstance(max_rate_deg_s, Real) or isinstance(max_rate_deg_s, bool | np.bool_):
+        raise VopdError(f"maximum rate: {max_rate_deg_s!r} is no number of degrees a second")
+    if not max_rate_deg_s > 0.0:
         raise VopdError(f"maximum rate: {max_rate_deg_s:g} degrees a second, must be above 0")
 
 

@@ -444,7 +444,7 @@ def client_of(address: str) -> Any:
         raise VopdError(f"--dask {address}: not an address such as tcp://10.0.0.1:8786")
     try:
         return Client(address, timeout=ANSWER_S, set_as_default=False)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, MemoryError) as error:  # the last by another server's first words
         raise VopdError(f"--dask {address}: no scheduler answers at this address") from error
 
 

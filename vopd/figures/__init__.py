@@ -20,7 +20,7 @@ from vopd.figures.map import draw_map
 from vopd.figures.patches import draw_patches, has_patches
 from vopd.figures.residuals import draw_residuals
 from vopd.figures.style import Inches, matplotlib_figure, ready, wrapped
-from vopd.findings import VopdError
+from vopd.findings import VopdError, refuse_other_kind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,6 +106,7 @@ def _as_names(name: str | Sequence[str]) -> list[str]:
     Raises:
         VopdError: where there is no such figure
     """
+    refuse_other_kind(name, (str, Sequence), "plot", "the name of a figure, or several")
     names = [name] if isinstance(name, str) else list(name)
     for one in names:
         if one not in (*FIGURES, "all"):

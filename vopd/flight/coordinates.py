@@ -152,7 +152,7 @@ def crs_name(text: str) -> str:
     if CRS84.match(stripped):  # the axes of all files are x before y
         return "EPSG:4326"
     utm = UTM.match(stripped)
-    if utm:
+    if utm and 1 <= int(utm[1]) <= 60:  # EPSG's codes go on with other grids
         return f"EPSG:{326 if utm[2].upper() == 'N' else 327}{int(utm[1]):02d}"
     return stripped
 

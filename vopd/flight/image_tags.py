@@ -42,6 +42,7 @@ DILUTION_SAID = "the dilution of precision, times 3 m, and upward 5 m"
 GIMBAL = ("GimbalYawDegree", "GimbalPitchDegree", "GimbalRollDegree")
 UNREADABLE = (OSError, ValueError, TypeError, KeyError, IndexError, ZeroDivisionError, SyntaxError)
 NONE = float("nan")
+FARTHEST_ZONE_S = 14 * 3600.0  # from UTC
 MOST_PIXELS = 20_000_000  # pixels of an image that is neither JPEG nor TIFF
 
 
@@ -252,7 +253,8 @@ def zone_of_tags(exif: dict[int, Any]) -> float:
         found = re.fullmatch(r"([+-])(\d\d):(\d\d)", _text(exif.get(tag, "")), re.ASCII)
         if found:
             size = 3600.0 * int(found[2]) + 60.0 * int(found[3])
-            return -size if found[1] == "-" else size
+            if size <= FARTHEST_ZONE_S and int(found[3]) < 60:
+                return -size if found[1] == "-" else size
     return NONE
 
 

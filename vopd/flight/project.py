@@ -11,6 +11,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+from vopd.attitude.sigmas import HALF_A_TURN_DEG
 from vopd.files import not_utf8, reason
 from vopd.findings import NeededError, VopdError
 from vopd.flight.coordinates import GIVE_METRES, HEIGHTS
@@ -432,6 +433,10 @@ class Section:
             raise self.error(key, f"{min(found):g}: a standard deviation is not below 0")
         if beyond := beyond_sigmas(found):
             raise self.error(key, f"{beyond}, or 0")
+        if key.endswith("_deg") and max(found) > HALF_A_TURN_DEG:
+            raise self.error(
+                key, f"{max(found):g} degrees: {HALF_A_TURN_DEG:g} at most, half a turn"
+            )
         return found
 
     def numbers(self, key: str) -> tuple[float, ...]:

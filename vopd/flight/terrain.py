@@ -22,6 +22,7 @@ from vopd.geometry.earth import geodetic
 from vopd.inputs import no_file
 
 MOST_BYTES = 2**28  # of a block, which GDAL reads as a whole, and up to four at once
+CACHE_MB = 100  # of blocks that were read; GDAL's own is a twentieth of the memory
 MOST_CELLS = 1000  # along a side of what is read at once: of more, each second, third ... one
 LOWEST_M, HIGHEST_M = -500.0, 9000.0  # of land: what is beyond, as -9999, is no height
 ABOVE_M = 15.0  # of a landmark above the ground, beyond the others': it is said
@@ -46,6 +47,7 @@ class Terrain:
         self._rasterio = optional_package("rasterio", "terrain")
         self._transform = optional_package("rasterio.warp", "terrain").transform
         self._refused = optional_package("rasterio._err", "terrain")  # GDAL's own, not public
+        self._covered = np.zeros(0, bool)  # places that were read, whether they are in the file
         self._odd_m = float("nan")  # of a cell that was read, beyond the heights of land
 
     def heights_m(self, position_m: Floats) -> Floats:
@@ -68,6 +70,7 @@ class Terrain:
         down = grid.d * x + grid.e * y + grid.f
         u, v = across - 0.5, down - 0.5
         inside = (across >= 0.0) & (down >= 0.0) & (across <= data.width) & (down <= data.height)
+        self._covered = inside
         if not inside.any():
             return found
         u = np.clip(u[inside], 0.0, data.width - 1.0)
@@ -78,7 +81,8 @@ class Terrain:
         shape = np.minimum(size, MOST_CELLS)
         window = self._rasterio.windows.Window(*low.tolist(), *size.tolist())
         try:
-            with self._rasterio.Env():  # without one GDAL writes to standard error
+            # without one GDAL writes to standard error
+            with self._rasterio.Env(GDAL_CACHEMAX=CACHE_MB):
                 cells = data.read(1, window=window, out_shape=tuple(shape[::-1]), masked=True)
         except self._rasterio.errors.RasterioError as error:
             raise self._section.error(
@@ -214,6 +218,8 @@ class Terrain:
         longitude, latitude = self._converted(self._dataset.crs, "EPSG:4326", x, y)
         place = f"latitude {here.latitude_deg.mean():.4f}, "
         place += f"longitude {here.longitude_deg.mean():.4f}"
+        if self._covered.any():
+            return f"{self.name} has no height at the landmarks, {place}: its cells there are empty"
         if not (np.abs([*longitude, *latitude]) <= 360.0).all():
             return f"{self.name} has no height at the landmarks, {place}: is it of this place?"
         return (

@@ -36,7 +36,7 @@ from vopd.flight.velocity import (
     with_gaps,
 )
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
-from vopd.inputs import LATE_S, since_1970
+from vopd.inputs import LAST_S, LATE_S, since_1970
 
 # Frames and their times: by numbers, a CSV, or tags of images
 
@@ -928,7 +928,8 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
     first, last = float(np.nanmin(times.time_s)), float(np.nanmax(times.time_s))
     gap = first - own[-1] if first > own[-1] else own[0] - last  # of the frame next to the track
     apart = f"{gap:.3g} s apart{covering_text(own, times.time_s, section.number('offset_s'))}"
-    if rows.clock == "seconds" and own[0] >= LATE_S > last:
+    assert rows.time_s is not None
+    if rows.clock == "seconds" and LAST_S >= rows.time_s[0] >= LATE_S > last:
         apart = "apart: the track's t_s are seconds since 1970, call the column t_unix_s"
     elif hours := round(gap / 3600.0):
         apart = f"{gap / 3600.0:.2f} h apart" + ", a time zone?" * (hours <= 14)

@@ -259,7 +259,7 @@ def read_geojson(file: InputFile) -> LandmarkRows:
 def _is_number_geojson(value: object) -> bool:
     """Say if a value is a finite number; a whole one beyond 1e308 is none."""
     try:
-        return isinstance(value, int | float) and isfinite(value)
+        return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
     except OverflowError:
         return False
 
@@ -304,8 +304,10 @@ def read_kml(file: InputFile) -> LandmarkRows:
     for place in root.iterfind(".//{*}Placemark"):
         for point in place.iterfind(".//{*}Point"):
             name = (place.findtext("{*}name") or "").strip()
-            if (point.findtext("{*}altitudeMode") or "").strip() == "relativeToGround":
-                raise file.error(f"{name}: its height is above the ground: give heights in a CSV")
+            mode = (point.findtext("{*}altitudeMode") or "").strip()
+            if mode in ("relativeToGround", "relativeToSeaFloor"):
+                what = "the ground" if mode == "relativeToGround" else "the sea floor"
+                raise file.error(f"{name}: its height is above {what}: give heights in a CSV")
             values = [*map(plain_number, (point.findtext("{*}coordinates") or "").split(","))]
             points.append((name, values[0], values[1], values[2] if len(values) > 2 else None))
     if points and not any(height for *_, height in points):
@@ -318,6 +320,8 @@ def _named_points(file: InputFile, points: list[Any], what: str, said: str) -> L
     if not points:
         raise file.error(f"no {what} is in the file")
     for k, (name, longitude, latitude, height) in enumerate(points, 1):
+        if any(isinstance(one, bool) for one in (longitude, latitude, height)):
+            raise file.error(f"{name}: a coordinate is true or false, and no number")
         if not name or height is None:
             raise file.error(f"{what} {k} has no {'height' if name else 'name'}")
         if not np.isfinite([longitude, height]).all() or not abs(latitude) <= 90.0:

@@ -210,8 +210,11 @@ def _calibration(
     if not (width and height):
         raise file.error("the image's width and height are missing")
     f = number("f")
-    if abs(number("cx")) > width / 4.0:
-        raise file.error("cx is far from the image's middle: is it counted from the corner?")
+    for name, side in (("cx", width), ("cy", height)):
+        if abs(number(name)) > side / 4.0:
+            raise file.error(
+                f"{name} is far from the image's middle: is it counted from the corner?"
+            )
     lens = make_lens(
         "brown",
         (int(width), int(height)),

@@ -333,7 +333,14 @@ def _one_size(sizes: Sizes) -> tuple[int, int] | Sizes | None:
     return sizes if len(different) > 1 else different.pop() if different else None
 
 
+MOST_POINTS = 10_000  # of one shape, each of them a pick of one landmark in one image
+
+
 def _pixels(file: InputFile, text: str) -> list[tuple[float, float]]:
+    if (count := text.count(";") + 1) > MOST_POINTS:
+        raise file.error(
+            f"a shape of {count} points: {MOST_POINTS} at most are picks of a landmark"
+        )
     try:
         pairs = [pair.split(",") for pair in text.split(";") if pair]
         return [(plain_number(u), plain_number(v)) for u, v in pairs]
@@ -413,11 +420,11 @@ def read_gcp_picks(file: InputFile) -> PickRows:
 
 def read_control_picks(file: InputFile) -> PickRows:
     """Read the observations of the points."""
-    found = [
-        (str(one["shot_id"]), str(point["id"]), *map(float, one["projection"]))
-        for point in control_points(file)
-        for one in point.get("observations", [])
-    ]
+    found = []
+    for point in control_points(file):
+        for one in point.get("observations", []):
+            u, v = (plain_number(str(part)) for part in one["projection"])  # true is 1 for float()
+            found.append((str(one["shot_id"]), str(point["id"]), u, v))
     if not found:
         raise file.error("no point has observations")
     rows = _rows(found, "centre", None, "OpenSfM ground control")
