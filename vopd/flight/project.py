@@ -108,7 +108,7 @@ KEYS: tuple[Key, ...] = (
     Key("flight", "name", "text", '"my flight"', "a title", default=""),
     Key("flight", "epoch", "date", "2026-05-01T11:58:42Z", "the moment of t = 0",
         "the moment of t = 0, with its zone. Needed where frames are in seconds and the track is "
-        "in UTC", option="--epoch"),
+        "in UTC; 1970-01-01T00:00:00Z where those seconds count from there", option="--epoch"),
     Key("camera", "lens", "file", '"lens.yml"',
         'or a table: { model = "brown", fx_px = 1500.0 }', "the calibration, or a table: "
         '`{ model = "brown", fx_px = 1500, fy_px = 1490, cx_px = 959.5, cy_px = 539.5, '
@@ -172,9 +172,9 @@ KEYS: tuple[Key, ...] = (
         option="--first-frame"),
     Key("picks", "times", "file", '"times.csv"',
         "instead: frame or image, t_s or t_utc; or the images", "in the place of both a CSV with "
-        "`frame` or `image`, and `t_s` or `t_utc`; or the folder of the images, whose EXIF tags "
-        "have the times; or `video`: those at which the frames of `video` are shown, after "
-        "`first_frame_t_s`", option="--images"),
+        "`frame` or `image`, and `t_s` or `t_utc`, which may be that of the picks; or the folder "
+        "of the images, whose EXIF tags have the times; or `video`: those at which the frames of "
+        "`video` are shown, after `first_frame_t_s`", option="--images"),
     Key("picks", "video", "files", '"flight.mp4"', "the video or images that were picked in",
         "the video that was picked in, for `times = \"video\"` and for `vopd pick`; the list of "
         "its files where the camera began a new one: `[\"GH010042.MP4\", \"GH020042.MP4\"]`, "
