@@ -184,6 +184,7 @@ def test_files_of_cirn_and_caltech(tmp_path: Path) -> None:
         (LANDMARK_FORMATS, MARKERS.replace("512345.5", "1e999")),
         (LANDMARK_FORMATS, MARKERS.replace("label", "name")),
         (LANDMARK_FORMATS, re.sub('"latitude": [0-9.]+', '"latitude": true', json.dumps(CONTROL))),
+        (PICK_FORMATS, MARKERS.replace("</cameras>", '<camera id="4" label="B.JPG"/></cameras>')),
         (PICK_FORMATS, re.sub(r'tion": \[[^]]*', 'tion": [true, 0.1', json.dumps(CONTROL))),
         (PICK_FORMATS, re.sub(r'tion": \[[^]]*', 'tion": [1, 2, 3', json.dumps(CONTROL))),
     ],

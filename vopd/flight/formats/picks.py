@@ -446,10 +446,11 @@ def _rows(
 def read_marker_picks(file: InputFile) -> PickRows:
     """Read the projections that a person has set, which are pinned."""
     root, names = marker_tree(file)
-    images = {
-        one.get("id", one.get("camera_id", "")): one.get("label", "")
-        for one in root.findall(".//camera[@label]")
-    }
+    images = dict[str, str]()
+    for one in root.findall(".//camera[@label]"):
+        number, label = one.get("id", one.get("camera_id", "")), one.get("label", "")
+        if images.setdefault(number, label) != label:
+            raise file.error(f"camera {number} is {images[number]} and {label}: export one chunk")
     found, own = list[Any](), 0
     for marker in root.findall(".//marker[@marker_id]"):
         for place in marker.findall("location"):
