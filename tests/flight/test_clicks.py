@@ -188,6 +188,21 @@ def test_a_frame_of_two_landmarks_with_a_place_that_is_far_off_costs_no_other() 
     assert not found.solved[20] and found.solved.sum() == 59
 
 
+@pytest.mark.parametrize("check", ["P0", "P1", "P3", "P5"])
+def test_a_check_landmark_is_not_one_of_the_two_of_a_frame(check: str) -> None:
+    """It takes no part in the solve, so that nothing that is far off is a reading of it."""
+    one = clicked_flight(np.random.default_rng(12), every=60, reach=60)
+    marks, frame = np.array(one.rows.landmark), one.rows.frame
+    rows = one.rows.where((frame != 20) | np.isin(marks, ("P2", "P4", check)))
+    pixel = rows.pixel.copy()
+    pixel[(rows.frame == 20) & (np.array(rows.landmark) == "P2")] += 500.0
+    flight = with_rows(one.flight, replace(rows, pixel=pixel))
+    used = tuple(name != check for name in flight.landmarks.name)
+    found = solve_flight_read(replace(flight, landmarks=replace(flight.landmarks, used=used)))
+    assert_approved(messages(found)[0])
+    assert not found.solved[20] and found.solved.sum() == 59
+
+
 def test_a_place_that_is_far_off_beside_a_wrong_click() -> None:
     one = clicked_flight(np.random.default_rng(12), every=60, reach=60)
     marks, pixel = np.array(one.rows.landmark), one.rows.pixel.copy()

@@ -214,8 +214,10 @@ def _suspected_readings(joint: JointSolution) -> Bools:
     gain[model.pick] += model.clicks.squares(joint.state.click_px)
     of_frame, most = np.zeros((2, model.frames))
     of_frame[tests.frame[whole]] = tests.gain[whole]
-    two = np.bincount(picks.frame[model.pick], minlength=model.frames) == 2
-    gain = np.nan_to_num(np.where(two[picks.frame], of_frame[picks.frame], gain))
+    used = picks.frame[model.pick]
+    two = (np.bincount(used, minlength=model.frames) == 2)[used]
+    gain[model.pick] = np.where(two, of_frame[used], gain[model.pick])
+    gain = np.nan_to_num(gain)
     np.maximum.at(most, picks.frame, gain)
     if np.nanmax(squares) >= most.max():
         return np.asarray(clicks.click == np.nanargmax(squares))

@@ -325,7 +325,7 @@ class Tracker:
             self._state = _State(frame, levels, 0, predicted)
             if predicted > PREDICTED:
                 self._lose(frame + 1 - predicted)
-        if way > 0 and frame in self._first:
+        if frame in self._first:
             self._begin_if_needed(frame, levels)
 
     def _lose(self, frame: int) -> None:
