@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from vopd.screen import aligned, shortened, width, wrapped
 
 ROOT = Path(__file__).parents[2]
 HILL = ROOT / "examples" / "hill"
+CASE_1 = ROOT / "decks" / "appendix_h" / "case1.dat"
 
 
 def test_results_show_themselves_in_print_and_in_a_notebook() -> None:
@@ -27,6 +29,19 @@ def test_results_show_themselves_in_print_and_in_a_notebook() -> None:
     assert flight.history()._repr_html_().count("<tr>") == 6
     run = vopd.run(ROOT / "decks" / "appendix_h" / "case2.dat")
     assert run._repr_html_().count("<tr>") == 2 and "card 59" in run._repr_html_()
+
+
+def test_blanks_at_the_ends_of_a_title_are_not_of_it(tmp_path: Path) -> None:
+    """A card has them, and so may the name of a flight."""
+    project = tmp_path / "flight.toml"
+    shutil.copytree(HILL, tmp_path, dirs_exist_ok=True)
+    text = project.read_text(encoding="utf-8")
+    project.write_text(text.replace('name = "F12"', 'name = "  F12   "'), encoding="utf-8")
+    flight, (job, *_) = vopd.solve_flight(project), vopd.read_deck(CASE_1)
+    assert flight.summary(200).splitlines()[0].endswith(": 5 frames, F12")
+    assert ": 5 frames, F12</p>" in flight._repr_html_()
+    run = vopd.run(replace(job, title="  FLIGHT  12  ".ljust(80)))
+    assert ": 1 frame, FLIGHT  12</p>" in run._repr_html_()
 
 
 def test_each_names_the_other_for_what_it_does_not_take() -> None:

@@ -146,9 +146,11 @@ def test_one_source_that_raises_costs_no_other(
 ) -> None:
     """All are solved together, then each by itself; a known error is told plainly."""
     calls: list[list[str]] = []
+    given_locations: list[Any] = []
 
     def solve(some: Any, digests: Any, given: Any, locations: Any) -> list[SourceRecord]:
         calls.append([one.name for one in some])
+        given_locations.append(locations)
         for one in some:
             if one.name in ("1", "2"):
                 raise VopdError("no room") if one.name == "1" else KeyError("x")
@@ -164,6 +166,11 @@ def test_one_source_that_raises_costs_no_other(
     assert calls == [["0", "1", "2", "3"], ["0"], ["1"], ["2"], ["3"]]
     two = solving.solve_chunk(sources(1, 1), given)
     assert [one.error for one in two] == ["", "1.dat: no room"]
+
+    there = {one.path: f"elsewhere/{one.path}" for one in sources(1, 1)}
+    moved = solving.solve_chunk(sources(1, 1), given, there)
+    assert [one.input_sha256 for one in moved][1] == "hash of elsewhere/1.dat"
+    assert given_locations[-3:] == [there] * 3
 
     def no_space(*_: Any) -> list[SourceRecord]:
         raise OutputError("no space")

@@ -177,6 +177,8 @@ def test_a_stack_that_cannot_be_written() -> None:
         vopd.write_deck([first, calm])
     again = replace(JOB, return_group=4)
     assert jobs(vopd.write_deck([again, calm])) == [again, calm]
+    with refused(VopdError):  # nothing is read behind it, not even a job that is the same
+        vopd.write_deck([replace(JOB, return_group=13), JOB])
 
 
 def test_values_that_do_not_fit() -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from PIL import Image
 
 from tests.approved.texts import assert_approved
@@ -20,6 +21,7 @@ from tests.kit import wgs84_film
 from tests.kit.command import ROOT, vopd
 from tests.kit.figures import labelled, points
 from tests.kit.histories import histories, with_estimate
+from tests.kit.joint_flights import LensTruth, drone, flight_of
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History
 from vopd.attitude.history import history as from_estimate
@@ -28,7 +30,8 @@ from vopd.figures import draw
 from vopd.figures.map import LOOKS_UP, MISSES, STEPS
 from vopd.figures.style import doubts_text, place_names
 from vopd.film import film_estimate
-from vopd.flight.result import solve_flight
+from vopd.flight.equations import Priors
+from vopd.flight.result import solve_flight, solve_flight_read
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.program.vopd import run as solve
 from vopd.report import embedded_photographs
@@ -150,6 +153,30 @@ def test_true_north_on_the_map_of_a_grid() -> None:
     expected = -np.sin(np.radians(camera.latitude_deg[0])) * east_deg
     assert abs(expected) > 2.0 * within("true north on a map")
     assert_close("true north on a map", np.degrees(np.arctan2(right, up)), expected)
+
+
+def test_the_arrow_of_a_picture_from_above_points_to_true_north() -> None:
+    """From its foot to its head and on to the N: as the truth's ray in the picture's middle moves.
+
+    A pinhole has the images of a ray that is moved north by any length on one line.
+    """
+    scene = drone(np.random.default_rng(1), 6, 8)
+    history = solve_flight_read(
+        flight_of(np.random.default_rng(2), scene, 0.01, Priors())
+    ).history()
+    axis = draw("image", [history], 2).subfigs[0].axes[0]
+    (letter,) = (one for one in axis.texts if one.get_text() == "N")
+    (arrow,) = (
+        one for one in axis.texts if isinstance(one, Annotation) and one.arrow_patch and one.xyann
+    )
+    head, foot = np.array(arrow.xy), np.array(arrow.xyann)
+    style = arrow.arrow_patch.get_arrowstyle()
+    assert style.arrow.endswith(">") and not style.arrow.startswith("<")
+    moved = scene.rotation[2].T[:, 2] + [0.0, 0.01, 0.0]  # east, north, up
+    north = LensTruth().image(scene.rotation[2] @ moved) - LensTruth().image(np.eye(3)[2])
+    for way in (head - foot, np.array(letter.get_position()) - foot):
+        off = np.arctan2(north[0] * way[1] - north[1] * way[0], north @ way)
+        assert_close("true north on a map", np.degrees(off), 0.0)
 
 
 def test_the_side_view_is_along_an_azimuth_from_true_north() -> None:

@@ -538,14 +538,15 @@ def test_a_calibration_at_another_size_is_named(
     assert_approved(found)
 
 
-def test_picks_in_smaller_pictures_are_named(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("times", "size"), [(2.0, "960 x 540"), (1.5, "1280 x 720")])
+def test_picks_in_smaller_pictures_are_named(times: float, size: str, tmp_path: Path) -> None:
     """They seemed to be of a camera 300 m away; so far from the middle no lens has these."""
     path = hill_with(tmp_path, ("cx_px = 962.3, cy_px = 534.8, ", ""))
     changed(
-        path, "picks.csv", lambda r: [*r[:2], *(str((float(x) + 0.5) / 2 - 0.5) for x in r[2:])]
+        path, "picks.csv", lambda r: [*r[:2], *(str((float(x) + 0.5) / times - 0.5) for x in r[2:])]
     )
     found = cause(path)
-    assert "960 x 540" in found
+    assert size in found
     assert_approved(found)
 
 

@@ -389,6 +389,22 @@ def test_a_folder_as_a_track(tmp_path: Path) -> None:
         read_by_content(TRACK_FORMATS, file)
 
 
+def test_other_files_beside_images_are_none_of_them(tmp_path: Path) -> None:
+    """Notes, videos, previews and folders beside photographs."""
+    file = folder(tmp_path, HERE | CLOCK, HERE | CLOCK)
+    for name in ("notes.txt", "0.xmp", "0.lrf", "0.dng.lst", "flight.mp4", "Thumbs.db"):
+        (tmp_path / name).write_text("47.5 16.5 0\n")
+    (tmp_path / "2.jpg.d").mkdir()
+    track, (taken, said, _) = read_by_content(TRACK_FORMATS, file), times(file)
+    assert track.image == [*taken] == ["0.jpg", "1.jpg"]
+    assert_approved([track.said, said])
+    new = NewProject()
+    for name in track.image:
+        tagged_image(tmp_path / name, lens={0xA405: 27})
+    look_at_focal(new, {}, tmp_path)
+    assert_approved(new.said)
+
+
 def test_a_folder_without_images_is_no_track(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(b"")
     with refused(VopdError):
@@ -594,8 +610,12 @@ def test_a_track_of_images_with_times_gives_positions_times_and_velocity(tmp_pat
         ({}, np.nan),
     ],
 )
-def test_focal_lengths_by_tags(lens: dict[int, object], focal_px: float, tmp_path: Path) -> None:
-    tagged_image(tmp_path / "a.jpg", lens=lens)
+@pytest.mark.parametrize("size_px", [(64, 48), (48, 64)], ids=["lying", "upright"])
+def test_focal_lengths_by_tags(
+    lens: dict[int, object], focal_px: float, size_px: tuple[int, int], tmp_path: Path
+) -> None:
+    """The longer side of a film's frame is that of the image, be it held upright."""
+    tagged_image(tmp_path / "a.jpg", lens=lens, size_px=size_px)
     assert_close("ratio", read_tags(tmp_path / "a.jpg").focal_px, focal_px)
 
 

@@ -15,7 +15,13 @@ from tests.kit.flight_project import lens_of, no_lens
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.files import open_input, read_by_content
-from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead, coefficients_said
+from vopd.flight.formats.lens import (
+    LENS_FORMATS,
+    NOT_READ_COLMAP,
+    LensQuestion,
+    LensRead,
+    coefficients_said,
+)
 from vopd.flight.project import Project, Section
 from vopd.flight.read import read_lens
 from vopd.geometry.lenses import LensKind
@@ -565,6 +571,10 @@ def test_a_reconstruction_of_opensfm_is_the_first() -> None:
     for named in ({}, {"camera": "a"}):
         assert_close("ratio", lens_of(text, **named).lens.focal_px, [200.0, 200.0])
     assert_close("ratio", lens_of(opensfm(focal_x=0.75)).lens.focal_px, [300.0, 300.0])
+    upright = lens_of(opensfm(width=300, height=400, focal=0.75, c_x=0.1, c_y=0.2)).lens
+    assert_close("ratio", upright.focal_px, [300.0, 300.0])  # by the longer side
+    assert_close("ratio", upright.centre_px, [149.5 + 40.0, 199.5 + 80.0])
+    assert_approved(no_lens(opensfm(width=300, height=400, focal=150)), parts=["0.375"])
     text = opensfm().replace('"a"', '"camera_matrix"')  # also a word of OpenCV's
     assert_approved(lens_of(text).said)
     brown = {"projection_type": "brown", "k1": 1, "k2": 2, "p1": 3, "p2": 4, "k3": 5}
@@ -588,6 +598,14 @@ def test_what_colmap_s_files_are_refused_for() -> None:
     assert_approved(no_lens(two, camera="3"))
     assert lens_of(two, camera="2").lens.focal_px.tolist() == [9.0, 7.0]
     assert lens_of("1 PINHOLE 90 70 9 8 4 3\n", camera="1").lens.size_px == (90, 70)
+
+
+def test_models_of_colmap_that_are_not_read_name_the_one_to_calibrate() -> None:
+    """By the projection that each bends: of a fisheye angles, of the others tangents."""
+    assert NOT_READ_COLMAP.keys() == {
+        "FOV", "THIN_PRISM_FISHEYE", "RAD_TAN_THIN_PRISM_FISHEYE", "SIMPLE_DIVISION", "DIVISION",
+    }  # fmt: skip
+    assert_approved([no_lens(f"1 {name} 90 70 9 8 4 3\n") for name in sorted(NOT_READ_COLMAP)])
 
 
 # What a number of a lens must be, in every format; the keys and models that formats have

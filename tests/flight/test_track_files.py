@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -204,6 +205,35 @@ def test_points_of_gpx_at_their_limits() -> None:
     assert rows.time_s.tolist() == [noon, noon + 0.125]
     assert (rows.geodetic, rows.crs, rows.height, rows.image) == (True, "EPSG:4326", None, [])
     assert rows.sigma_m is None and rows.velocity_m_s is None
+
+
+# shots.geojson
+
+
+def shots(*coordinates: list[float], **more: Any) -> str:
+    """Shots of ODM with these coordinates."""
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"filename": f"{k}.jpg", "rotation": [0, 0, 0]},
+            "geometry": {"type": "Point", "coordinates": one},
+        }
+        for k, one in enumerate(coordinates)
+    ]
+    return json.dumps({"type": "FeatureCollection", "features": features, **more})
+
+
+def test_shots_of_geojson() -> None:
+    rows = read(shots([8.25, 47.5, 500.5], [8.5, 47.75, 510.0]))
+    assert rows.coordinate.tolist() == [[8.25, 47.5, 500.5], [8.5, 47.75, 510.0]]
+    assert (rows.image, rows.geodetic, rows.crs) == (["0.jpg", "1.jpg"], True, "EPSG:4326")
+    assert_approved(rows.said)
+
+
+@pytest.mark.parametrize("place", [[8, 47], [8, 47, 5, 12], [8, "x", 5], [8, None, 5], [8, 95, 5]])
+def test_shots_of_geojson_that_are_refused(place: list[Any]) -> None:
+    """Be they of one shot, or of all."""
+    assert_approved([told(shots([8.0, 47.0, 500.0], place)), told(shots(place, place))])
 
 
 # Tables

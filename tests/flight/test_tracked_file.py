@@ -55,6 +55,7 @@ def test_rows_that_are_written_are_read(tmp_path: Path) -> None:
         [CLICK, TRACK.replace("tracked", "found")],
         [CLICK, TRACK.replace(",0,1.01", ",3,1.01")],
         [CLICK, TRACK.replace(",0,1.01", ",,1.01")],
+        [CLICK, TRACK.replace(",0,1.01", ",x,1.01")],
         [CLICK, TRACK.replace("1.01,0.02", "nan,0.02")],
         [CLICK, TRACK.replace("1.01,0.02", ",0.02")],
         [CLICK, TRACK.replace("1.01,0.02", "1e9,0.02")],
@@ -71,7 +72,7 @@ def test_rows_that_are_written_are_read(tmp_path: Path) -> None:
         [CLICK.replace("clicked", "lost"), TRACK],
     ],
     ids=[
-        "status", "no click", "no source", "nan", "part of a matrix", "stretched", "no u",
+        "status", "no click", "no source", "source", "nan", "part of a matrix", "stretched", "no u",
         "no sigma", "twice", "frame", "no landmark", "click without a pixel",
         "click of another frame", "no row", "correlation", "correlation below -1",
         "click that is lost",

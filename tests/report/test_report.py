@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import json
 import re
 import shutil
 import sys
@@ -18,6 +19,7 @@ import numpy as np
 import pytest
 
 import vopd.report as report_module
+import vopd.report.frames as frames_module
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import DECKS, vopd
 from tests.kit.flight_project import TOML, write_project
@@ -35,7 +37,7 @@ from vopd.findings import VopdError
 from vopd.pipeline import read_deck, run
 from vopd.report import COLUMNS, batch_page, report, style_and_script
 from vopd.report.answer import angle_table
-from vopd.report.frames import SHOWN
+from vopd.report.frames import SHOWN, frames_json, undrawn
 
 CASE_4 = DECKS / "appendix_h" / "case4.dat"
 pytestmark = pytest.mark.usefixtures("not_laid_out")
@@ -393,3 +395,31 @@ def test_frames_of_a_video_that_cannot_be_shown_are_named(
     ran = vopd("report", project, "-o", tmp_path / "r.html", "--photographs")
     assert ran.status == 0
     assert_approved(ran.stderr)
+
+
+def drawn_of(*together: History) -> list[set[str]]:
+    """What a page has of each job besides its table."""
+    return [set(one) for one in json.loads(frames_json(together))["jobs"]]
+
+
+def test_what_a_page_draws_is_decided_by_all_of_its_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a flight, twice: as many picks, frames and places as both have, and one fewer."""
+    (one,) = flight()
+    picks, frames = int(one.landmarks.sum()), len(one.status)
+    (every,) = drawn_of(one)
+    (job,) = json.loads(frames_json([one]))["jobs"]
+    others = len(job["others"]["landmark"])
+    for name, most, gone in (
+        ("MOST_PICKS", 2 * picks, "picks"), ("MOST_FOOTPRINTS", 2 * frames, "horizon"),
+        ("MOST_OTHERS", 2 * (others - 1), "others"),  # by the commas between them
+    ):  # fmt: skip
+        with monkeypatch.context() as patch:
+            patch.setattr(frames_module, name, most)
+            assert drawn_of(one, one) == [every] * 2 and not undrawn([one, one])
+            patch.setattr(frames_module, name, most - 1)
+            assert drawn_of(one) == [every] and not undrawn([one])
+            assert all(gone in every - fewer for fewer in drawn_of(one, one))
+            said = undrawn([one, one])
+            assert bool(said) == (gone == "picks")
+        if said:
+            assert_approved(said)

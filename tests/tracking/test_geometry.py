@@ -166,6 +166,23 @@ def test_a_patch_moved_brighter_and_flatter() -> None:
     assert shift[0].tolist() == [11.0, -9.0]
 
 
+def test_a_patch_seen_from_nearer_by_is_compared_with_a_blurred_frame() -> None:
+    """From half the height the frame shows what the patch's pixels, twice as large, cannot.
+
+    Here the patch's picture twice as large, and waves as strong that are three pixels long.
+    """
+    scene = above(1000.0, 500.0)
+    patch = laid(scene, picture(), (120.0, 70.0))
+    warps = warp(scene, view(1, NADIR), [patch])
+    assert_close("warp of a patch", warps.by_click[0], 2.0 * np.eye(2))
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    seen = drawn(100.0 + (u - 100.7) / 2.0, 80.0 + (v - 79.6) / 2.0)
+    fine = seen + 80.0 * np.cos(2.0 / 3.0 * np.pi * (u + v))
+    found = match(fine, warps, [patch], np.zeros((1, 2)), 4.0)
+    assert found.good.all() and found.correlation[0] > 0.99
+    assert_close("match of a drawn patch", found.shift[0], [0.7, -0.4])
+
+
 def test_a_mast_in_front_of_ground_that_moves_otherwise() -> None:
     """A small patch follows what is in its middle, and not what moves by 1.5 px at its rim."""
     scene = above(1000.0, 1000.0)

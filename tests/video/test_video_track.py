@@ -91,6 +91,21 @@ def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
     assert_approved(rows.said)
 
 
+@pytest.mark.parametrize("is_first", [True, False])
+def test_of_two_streams_that_of_the_better_receiver_is_read(is_first: bool, tmp_path: Path) -> None:
+    """Cameras that have both write GPS9 for its times of day; without a fix in it, GPS5."""
+    nine = gps9([(47.0, 36_000.2, 3), (47.1, 36_000.7, 3)])
+    five = gps5([(48.0, 15.0, 300.0), (48.1, 15.0, 300.0)])
+    both = nine + five if is_first else five + nine
+    rows = read(write_gpmf(tmp_path / "a.mp4", [(0, both)]))
+    assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.1])
+    none = gps9([(47.0, 36_000.2, 0), (47.1, 36_000.7, 0)])
+    lost = none + five if is_first else five + none
+    again = read(write_gpmf(tmp_path / "b.mp4", [(0, lost)]))
+    assert_close("place or time as a file has it", again.coordinate[:, 1], [48.0, 48.1])
+    assert_approved([rows.said, again.said])
+
+
 def test_a_karma_states_its_standard_deviations(tmp_path: Path) -> None:
     """One for east and north, one upward; 0 where it does not know."""
     packets = [(0, karma([(100.0, 47.0, 1.5, 2.5), (100.5, 47.1, 0.0, 3.0)]))]
