@@ -331,6 +331,8 @@ def crooked(values: dict[str, Any]) -> None:
         lambda values: [values[key].pop() for key in ("names", "units", "values")],
         lambda values: values.update(names=["k2" if n == "clock" else n for n in values["names"]]),
         put("values", 0, value=1500.0),
+        put("sigma_px", value=1e-300),
+        put("reading_sigma_px", value=1e-300),
     ],
 )
 def test_a_damaged_covariance_file_is_refused(

@@ -651,6 +651,8 @@ def test_every_format_looks_at_its_numbers(text: Callable[..., str]) -> None:
     assert lens.k[0] == 0.5
     for numbers in ((64, 48, NAN, 60, 2, 0.5), (64, 48, 70, 60, NAN, 0), (64, 48, 70, 60, 2, NAN)):
         assert_approved(no_lens(text(*numbers)))
+    for size in ((64.9, 48), (64, 48.5)):
+        assert_approved(no_lens(text(*size, 70, 60, 2, 0.5)))
     for fx, fy, least in ((1.0, 60, "1"), (60, 1.0, "1"), (0.5, -3, "-3")):
         assert_approved(no_lens(text(64, 48, fx, fy, 2, 0)), parts=[least])
     assert lens_of(text(64, 48, 1.5, 1.25, 2, 0)).lens.focal_px.tolist() == [1.5, 1.25]

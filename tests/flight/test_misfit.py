@@ -19,7 +19,8 @@ from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import misfit
-from vopd.flight.equations import Priors
+from vopd.flight.equations import SHIFT, Priors
+from vopd.flight.flight import CameraPath
 from vopd.flight.joint import JointSolution, weighed
 from vopd.flight.misfit import SPEAK_FOR, even_path, input_errors, sampled, significant_errors
 from vopd.flight.result import solve_flight_read
@@ -102,6 +103,19 @@ def test_an_exchange_is_named_and_the_status_is_3(mistake: str, words: str, tmp_
     if mistake == "v upward":
         done = command("attitude", tmp_path / "flight.toml", "-o", tmp_path / "a.csv")
         assert done.status == 3 and "warning: " in done.stderr and words in done.stderr
+
+
+@pytest.mark.parametrize(("of_position", "words"), [(True, "[position]"), (False, "[track]")])
+def test_the_section_that_the_project_has_is_named(of_position: bool, words: str) -> None:
+    """All frames from one place that is exact: of a track, too, whose images have one."""
+    rng = np.random.default_rng(7)
+    flight = flight_of(rng, drone(rng, 6, 6), 0.3, Priors())
+    place_m = flight.path.position_m[:1] + np.array([0.0, 0.0, 3.0])
+    path = CameraPath(np.repeat(place_m, 6, axis=0), of_position=of_position)
+    solved = solve_flight_read(replace(flight, path=path))
+    tried, _ = input_errors(joint(solved), even_path(joint(solved)))
+    (text,) = (one.text(np.ones(3), np.ones(3)) for one in tried if one.parameters == SHIFT)
+    assert words in text
 
 
 @pytest.mark.parametrize(("height_m", "misfits"), [(399.7, False), (-2936.0, True)])

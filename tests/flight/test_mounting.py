@@ -15,6 +15,7 @@ from vopd.cli.new import write_project
 from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, adjust
 from vopd.flight.adjusted_project import adjusted_project
+from vopd.flight.check_flight import check_flight
 from vopd.flight.project import read_project
 from vopd.flight.result import solve_flight
 
@@ -72,6 +73,18 @@ def test_attitudes_that_are_not_one_mount_apart_are_told(
     found = [one.message for one in findings if one.message.startswith("free mount:")]
     assert len(found) == said
     assert_approved(found)
+
+
+def test_attitudes_that_are_not_used_are_told(tmp_path: Path) -> None:
+    """The mount is not free: nobody heard that the file had no part."""
+    write(tmp_path, [1.0, -2.0, 3.0], "frame,second", np.random.default_rng(1))
+    file = tmp_path / "flight.toml"
+    for found in (solve_flight(file).findings, check_flight(str(file))):
+        assert_approved([one for one in found if "ins.csv" in one.message])
+    with file.open("a", encoding="utf-8") as more:
+        more.write('[solve]\nfree = ["mount"]\n')
+    for found in (solve_flight(file).findings, check_flight(str(file))):
+        assert not any("ins.csv" in one.message for one in found)
 
 
 def test_late_frames_have_the_attitude_of_their_own_moment(tmp_path: Path) -> None:

@@ -107,6 +107,7 @@ OTHER_KINDS: dict[str, Callable[[], object]] = {
     "nothing to free": lambda: vopd.adjust(HILL, None),
     "numbers to free": lambda: vopd.adjust(HILL, [3]),
     "bytes to free": lambda: vopd.adjust(HILL, b"focal"),
+    "a number in the place of a function": lambda: vopd.adjust(HILL, "focal", 5),
     "a location by number": lambda: vopd.solve_flight(HILL, 5),
     "no name of a figure": lambda: vopd.run(JOBS).plot(None),
     "a rate in words": lambda: vopd.run(JOBS).histories(max_rate_deg_s="10"),

@@ -1238,6 +1238,13 @@ def test_images_where_the_distortion_does_not_hold(focal: float, line: int) -> N
         centred_images(file, ImageAxes(focal_mm=focal, k1=-0.2))
 
 
+@pytest.mark.parametrize("k1", [1e9, 1e308])
+def test_a_distortion_that_no_lens_has(k1: float) -> None:
+    """All images were near the axis, and the advice was that very k1."""
+    with refused(InputError):
+        centred_images(star_file("mm"), ImageAxes(focal_mm=2000.0, k1=k1))
+
+
 @pytest.mark.parametrize("k", [0.1, -0.05])
 def test_distortion_of_a_plate_solution(k: float) -> None:
     """Radii over half the width: r (1 - k r**2) / (1 - k)."""

@@ -128,6 +128,7 @@ def adjust(
     """
     kinds = (Flight, str, PathLike)
     refuse_other_kind(source, kinds, "vopd.adjust", "the path of a flight project, or a flight")
+    refuse_other_kind(tell, Callable, "vopd.adjust", "a function as tell")  # type: ignore[arg-type]
     flight = source if isinstance(source, Flight) else flight_to_adjust(str(source))[0]
     refuse_other_kind(free, (str, Iterable), "vopd.adjust", NAMES)
     given = names_of(free) if isinstance(free, str) else free

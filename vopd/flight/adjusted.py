@@ -27,7 +27,7 @@ from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.flight.project import Project, Section
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
-from vopd.inputs import MOST_NUMBER, parse_json
+from vopd.inputs import MOST_NUMBER, beyond_sigmas, parse_json
 
 # The file
 
@@ -251,8 +251,8 @@ def _checked(file: InputFile, values: dict[str, Any]) -> CovarianceFile:
         by_picks,
         unknowns,
         None if before_s is None else float(_numbers(file, "offset_s_before", [before_s], 1)[0]),
-        _positive(file, "sigma_px", values["sigma_px"]),
-        _positive(file, "reading_sigma_px", values["reading_sigma_px"]),
+        _sigma(file, "sigma_px", values),
+        _sigma(file, "reading_sigma_px", values),
         inf if freedom is None else _positive(file, "degrees_of_freedom", freedom),
         source,
         digest,
@@ -293,6 +293,14 @@ def _positive(file: InputFile, where: str, found: Any) -> float:
     if not number > 0.0:
         raise file.error(f"{number:g} is not above 0{AGAIN}", column=where)
     return float(number)
+
+
+def _sigma(file: InputFile, key: str, values: dict[str, Any]) -> float:
+    """Read a standard deviation, whose limits are those of `[picks] sigma_px`."""
+    number = _positive(file, key, values[key])
+    if beyond := beyond_sigmas([number]):
+        raise file.error(f"{beyond}{AGAIN}", column=key)
+    return number
 
 
 def _covariance(file: InputFile, key: str, name: Sequence[str], rows: Any) -> Floats:

@@ -334,6 +334,7 @@ class CameraPath:
         None  # (F, 3) how that changes, of tracked flights; 0: not known
     )
     row_s: Floats | None = None  # (T,) a track's times on the frames' clock; None: it has none
+    of_position: bool = False  # whether `[position]` states it, and no track
 
     def later(self, late_s: Floats) -> CameraPath:
         """Take velocities of frames that are later than they say; the positions stay.

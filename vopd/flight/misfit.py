@@ -561,7 +561,7 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
     if "refraction" in names:
         key = "[atmosphere] refraction: a coefficient of "
         yield TriedError(at("refraction"), keyed("", flight.refraction.k, key), ("refraction",))
-    where = "[position]" if flight.path.stands and flight.path.row_s is None else "[track]"
+    where = "[position]" if flight.path.of_position else "[track]"
     yield TriedError(
         at("up"),
         lambda v, s: (

@@ -247,8 +247,7 @@ def _from_the_pad(project: Project | None, flight: Flight, estimate: Estimate) -
             return
         by_m += float(np.clip(0.5 * (below - above) / bent, -2.0, 2.0)) * step_m
     if abs(by_m - ground_m) < NEAR_PAD_M:
-        stands = flight.path.stands and flight.path.row_s is None
-        yield raised(by_m), (by_m, "position" if stands else "track", by_m)
+        yield raised(by_m), (by_m, "position" if flight.path.of_position else "track", by_m)
 
 
 def _by_another_clock(project: Project, flight: Flight, estimate: Estimate) -> Corrected:

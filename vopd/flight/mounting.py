@@ -124,13 +124,19 @@ def mounted(estimates: FlightEstimates) -> FlightEstimates:
 
 
 def mount_findings(flight: Flight) -> list[Finding]:
-    """Warn of a vehicle whose attitudes are not the camera's, turned by one mount.
+    """Warn of a vehicle whose attitudes are not the camera's, turned by one mount, or not used.
 
     Args:
-        flight: whose mount has been solved
+        flight: as it is solved
     """
     if flight.vehicle is None:
         return []
+    if flight.vehicle.turned_deg is None:
+        message = (
+            f"[vehicle] attitude: {flight.vehicle.name} is not used, for the mount is not free: "
+            'write free = ["mount"] in [solve], vopd adjust --free mount, or leave the key out'
+        )
+        return [Finding(message, flight.source, severity="warning")]
     off_deg, expected_deg = flight.vehicle.apart
     if not off_deg > MOST_APART * expected_deg > 0.0:
         return []

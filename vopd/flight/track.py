@@ -639,6 +639,7 @@ def fixed_path(section: Section, times: FrameTimes, landmarks: Section | None = 
         np.tile(position, (len(times.time_s), 1)),
         bias_sigma_m=np.array(key_sigma(section, "sigma_m", "", notes)),
         lever_arm_m=lever_arm(section),
+        of_position=True,
     )
     return PathRead(path, notes.said, times, [], notes.missing)
 

@@ -100,6 +100,29 @@ def checked(file: InputFile, lens: Lens) -> Lens:
     return lens
 
 
+def whole_size(width: float, height: float) -> tuple[int, int]:
+    """Make the size of an image of two numbers.
+
+    Raises:
+        ValueError: where one is not whole
+    """
+    if width % 1.0 != 0.0 or height % 1.0 != 0.0:  # NaN too
+        raise ValueError(f"{width:.10g} x {height:.10g} is no size of an image: whole pixels")
+    return int(width), int(height)
+
+
+def size_of(file: InputFile, width: float, height: float) -> tuple[int, int]:
+    """Make the size of the images of a lens.
+
+    Raises:
+        VopdError: where a number is not whole
+    """
+    try:
+        return whole_size(width, height)
+    except ValueError as error:
+        raise file.error(str(error)) from error
+
+
 def image_centre(size_px: tuple[int, int]) -> tuple[float, float]:
     """Find the middle of the image, pixels from the first pixel's centre."""
     return (size_px[0] - 1) / 2.0, (size_px[1] - 1) / 2.0
@@ -141,7 +164,7 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
             .replace("NONE", "PINHOLE")
         )
         values = [plain_number(str(value)) for value in found["intrinsics"]]
-        width, height = (int(plain_number(str(value))) for value in found["imagersize"])
+        width, height = whole_size(*(plain_number(str(value)) for value in found["imagersize"]))
     except (*UNEXPECTED, SyntaxError, MemoryError) as error:  # the last by deep nesting
         raise file.error(f"not a mrcal camera model: {reason(error)}") from error
     if kind not in COUNTS_MRCAL:
@@ -217,7 +240,7 @@ def _calibration(
             )
     lens = make_lens(
         "brown",
-        (int(width), int(height)),
+        size_of(file, width, height),
         (f + number("b1"), f),
         (width / 2.0 + number("cx") - 0.5, height / 2.0 + number("cy") - 0.5),
         [number("k1"), number("k2"), number("p2"), number("p1"), number("k3")],
@@ -328,7 +351,7 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         return plain_number(str(value))  # JSON's true is 1 for float()
 
     try:
-        size_px = int(number("width")), int(number("height"))
+        size_px = whole_size(number("width"), number("height"))
         focal = number("focal_x" if "focal_x" in camera else "focal")
         focals = focal, number("focal_y", focal)
         model, keys = MODELS_OPENSFM[kind]
@@ -421,7 +444,7 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     size_px = question.size_px
     if "image_width" in values and "image_height" in values:
         width, height = (plain_number(str(values[f"image_{k}"])) for k in ("width", "height"))
-        size_px = int(width), int(height)
+        size_px = size_of(file, width, height)
     if size_px is None:
         raise file.error("the image's size is not in the file: give [camera] image_size_px")
     centre, skew = (matrix[2], matrix[5]), matrix[1]
@@ -681,7 +704,7 @@ def _toolbox_lens(file: InputFile, found: Mapping[str, Any], question: LensQuest
     else:
         raise file.error(f"it has neither {CIRN} nor {', '.join(CALTECH)}")
     k = [float(one) for one in (k1, k2, p1, p2, k3)]
-    size = int(width), int(height)
+    size = size_of(file, float(width), float(height))
     lens = make_lens("brown", size, focal.tolist(), (centre + shift).tolist(), k, skew)
     said = f"{file.name}: {said}, 5 coefficients, principal point from {corner}"
     return LensRead(checked(file, lens), said)

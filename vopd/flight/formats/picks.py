@@ -40,7 +40,7 @@ from vopd.flight.formats.landmarks import (
     recognises_control,
     recognises_markers,
 )
-from vopd.flight.formats.lens import GRID_TO_CENTRE
+from vopd.flight.formats.lens import GRID_TO_CENTRE, whole_size
 from vopd.inputs import is_number, parse_json, parse_xml, plain_number, whole_number
 
 if TYPE_CHECKING:
@@ -370,7 +370,7 @@ def read_labelme(file: InputFile) -> PickRows:
             label = parse_json(open_input(path.name, path.parent).text)
             image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
             width, height = (plain_number(str(label[f"image{one}"])) for one in ("Width", "Height"))
-            sizes[image] = (int(width), int(height))
+            sizes[image] = whole_size(width, height)
             where = "shapes: "
             for k, shape in enumerate(label["shapes"], 1):
                 where = f"shape {k}: "

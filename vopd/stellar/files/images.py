@@ -13,6 +13,8 @@ from vopd.stellar.methods.calibration import LensOfStars, without_lens
 
 # Image coordinates from the principal point, y up
 
+MOST_TIMES = 2.0  # as far out as without distortion
+
 UM_PER_MM = 1000.0
 _FOCAL = "--focal-px PX (or --focal MM with --pitch-um UM, or --free focal)"
 _POINT = "--size W,H (or --centre X,Y)"
@@ -92,11 +94,18 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
             points = undistorted(points, file.pixels.distortion, _width(file, axes))
         points, focal = points * upward, _focal_px(file, axes)
     if axes.k1:
-        points = without_lens(points, LensOfStars(focal, k1=axes.k1))
+        far, points = points, without_lens(points, LensOfStars(focal, k1=axes.k1))
         outside = np.flatnonzero(~np.isfinite(points).all(axis=1))
         if outside.size:
             text = "the image lies outside the field in which --k1 holds"
             raise file.error(text, int(outside[0]))
+        times = np.hypot(*far.T) / np.maximum(np.hypot(*points.T), np.finfo(float).tiny)
+        if times.max(initial=0.0) > MOST_TIMES:
+            text = (
+                f"--k1 {axes.k1:g} puts the image {times.max():.3g} times as far out as a lens "
+                "without it, which no lens does: write the lens's own, as -0.1, or --free k1"
+            )
+            raise file.error(text, int(times.argmax()))
     return points, focal
 
 
