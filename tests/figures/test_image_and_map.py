@@ -8,6 +8,7 @@ import shutil
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from tests.tolerances import assert_close, within
 from vopd.attitude.history import History
 from vopd.attitude.history import history as from_estimate
 from vopd.errata import fixes
-from vopd.figures import draw
+from vopd.figures import draw, patches
 from vopd.figures.map import LOOKS_UP, MISSES, STEPS
 from vopd.figures.style import doubts_text, place_names
 from vopd.film import film_estimate
@@ -139,6 +140,32 @@ def test_lines_of_sight_meet_their_landmarks() -> None:
     ends = np.array([one.get_xydata()[-1] for one in axis.lines if len(one.get_xdata()) == STEPS])
     apart_m = np.linalg.norm(ends[:, None] - marks, axis=2).min(axis=1)
     assert len(ends) == len(marks) and apart_m.max() < 1.0
+
+
+@pytest.mark.parametrize(
+    ("clicks", "wrong", "strip"),
+    [
+        ([1, 6], [], "1 click, 6 click, 8 found, 12 found"),  # 6 is half way between 4 and 8
+        ([1, 10], [], "1 click, 4 found, 10 click, 12 found"),
+        ([3, 5], [], "3 click, 0 found, 8 found, 12 found"),
+        ([1, 2, 7], [2], "1 click, 2 wrong, 4 found, 7 click"),
+        ([2], [2], "2 wrong, 4 found, 8 found, 12 found"),
+    ],
+)
+def test_a_strip_has_the_clicks_near_its_places(
+    clicks: list[int], wrong: list[int], strip: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 13 frames four places: 0, 4, 8, 12; a click stands for the first as near as half way.
+
+    A wrong one goes before others, and the first good one stands at the left.
+    """
+    monkeypatch.setattr(patches, "camera_index", lambda history, k, scene: k)
+    history: Any = SimpleNamespace(estimate=None, has_attitude=np.ones(13, bool))
+    count = len(clicks)
+    every = np.array(clicks), np.zeros(count, int), np.zeros((count, 2)), np.isin(clicks, wrong)
+    scene: Any = SimpleNamespace(clicks=lambda: every)
+    (found,) = patches._strips(history, scene, 4).values()
+    assert ", ".join(f"{one.k} {one.kind}" for one in found) == strip
 
 
 def test_true_north_on_the_map_of_a_grid() -> None:

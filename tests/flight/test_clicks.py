@@ -119,6 +119,23 @@ def test_more_clicks_than_can_be_solved_for_are_refused(monkeypatch: pytest.Monk
         solve_jointly(one.flight, priors_of(one.flight))
 
 
+def test_that_no_click_is_of_a_frame_with_an_attitude_is_said() -> None:
+    """Two landmarks in one place, and picked in one pixel: no frame of them is solved."""
+    one = clicked_flight(np.random.default_rng(12), 20, every=60, reach=60)
+    rows = one.rows.where(np.isin(np.array(one.rows.landmark), ("P0", "P1")))
+    marks, pixel = np.array(rows.landmark), rows.pixel.copy()
+    for frame in range(20):
+        here = rows.frame == frame
+        pixel[here] = pixel[here & (marks == "P0")][0]
+    flight = with_rows(one.flight, replace(rows, pixel=pixel))
+    position_m = flight.landmarks.position_m.copy()
+    position_m[flight.landmarks.name.index("P1")] = position_m[flight.landmarks.name.index("P0")]
+    moved = replace(flight.landmarks, position_m=position_m)
+    found = solve_flight_read(replace(flight, landmarks=moved))
+    assert not found.solved.any()
+    assert_approved(dict(found.history().about.words.conventions)["clicks"])
+
+
 def test_hidden_landmarks_are_not_asked_for() -> None:
     """The first click that would tell most is marked as hidden there: another one is told."""
     one = clicked_flight(np.random.default_rng(1), 30, 3, every=30, reach=30)

@@ -20,9 +20,16 @@ from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import misfit
 from vopd.flight.equations import SHIFT, Priors
-from vopd.flight.flight import CameraPath
+from vopd.flight.flight import CameraPath, TrackFixes
 from vopd.flight.joint import JointSolution, weighed
-from vopd.flight.misfit import SPEAK_FOR, even_path, input_errors, sampled, significant_errors
+from vopd.flight.misfit import (
+    SPEAK_FOR,
+    even_path,
+    input_errors,
+    sampled,
+    significant_errors,
+    sizes_text,
+)
 from vopd.flight.result import solve_flight_read
 
 SEED = 5
@@ -275,6 +282,32 @@ def test_a_flight_of_which_many_picks_do_not_fit_misfits(wrong: int, misfits: bo
     result = solve_flight_read(read)
     assert result.misfits == misfits
     assert_approved([f.message for f in result.findings if "of its" in f.message])
+
+
+@pytest.mark.parametrize(
+    ("reading", "position", "landmark"),
+    [
+        (0.0, 13.0, 18.9), (0.0, 13.0, 19.1), (13.0, 0.0, 18.9), (13.0, 0.0, 19.1),
+        (18.9, 13.0, 0.0), (19.1, 13.0, 0.0), (0.0, 0.0, 10.7), (0.0, 0.0, 10.9),
+        (0.0, 10.9, 0.0), (10.9, 0.0, 0.0), (20.0, 20.0, 20.0),
+    ],
+)  # fmt: skip
+def test_sizes_that_explain_as_well_are_named_together(
+    reading: float, position: float, landmark: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As well is within 6 of chi-square, and what is named has 10.8; not the picks alone."""
+    gain = {"reading": reading, "position": position, "landmark": landmark}
+    monkeypatch.setattr(misfit, "size_spoken_for", lambda first, name: (2.0, gain[name]))
+    rng = np.random.default_rng(3)
+    fixes = TrackFixes(np.arange(3), np.ones((3, 1)), np.full((3, 3), 2.0))
+    priors = Priors(fixes, np.full((5, 3), 0.1))
+    flight = flight_of(rng, drone(rng, 3, 5), 0.5, priors)
+    best = max(gain.values())
+    expected = [name for name in gain if gain[name] > best - 6.0]
+    said = sizes_text(flight)
+    assert bool(said) == (best > 10.8 and expected != ["reading"])
+    if said:
+        assert_approved(said)
 
 
 def test_angles_stand_where_no_explanation_has_a_solution(

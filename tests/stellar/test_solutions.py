@@ -421,6 +421,18 @@ def test_opposite_stars_are_no_pair() -> None:
         assert solve(field).failure == Failure.SAME_STAR
 
 
+def test_mirrored_images_of_a_cross_have_no_rotation() -> None:
+    """Any turn about the axis brings one arm nearer by what it takes the other away.
+
+    The sum of products is diagonal: of the arms (.04, -.04) / 1.04 twice, of the axis 4 / 1.04.
+    """
+    cross = np.array([[20.0, 0.0], [-20.0, 0.0], [0.0, 20.0], [0.0, -20.0]])
+    assert wahba(StarField.of(rays_of(cross), cross, 100.0)).failure == Failure.NONE
+    for mirrored in (cross * [1.0, -1.0], cross * [-1.0, 1.0], cross[:, ::-1]):
+        field = StarField.of(rays_of(cross), mirrored, 100.0)
+        assert wahba(field).failure == Failure.SAME_STAR
+
+
 def test_one_star_that_does_not_move_is_first_of_all_the_same_star() -> None:
     rays = rays_of(IMAGES_LIMITS[[0, 0]])
     field = StarField.of(rays, IMAGES_LIMITS[[0, 0]], 100.0)
