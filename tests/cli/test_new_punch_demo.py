@@ -202,12 +202,20 @@ def test_files_that_are_there_already_are_not_touched(tmp_path: Path) -> None:
     with refused(OutputError, parts=[tmp_path / "b"]):
         new.write_project(tmp_path, NewProject({"a": b"1", "b": b"2"}))
     assert [one.name for one in tmp_path.iterdir()] == ["b"]
-    folder = tmp_path / "c"
-    with pytest.raises(VopdError):
-        new.write_project(folder, NewProject({"a": b"1", "no/such": b"2"}))
-    assert not [*folder.iterdir()]
+    (tmp_path / "c").mkdir()
+    for folder in (tmp_path / "c", tmp_path / "c" / "d" / "e"):  # a folder that it makes goes too
+        with pytest.raises(VopdError):
+            new.write_project(folder, NewProject({"a": b"1", "no/such": b"2"}))
+        assert not [*(tmp_path / "c").iterdir()]
     with refused(OutputError):
         new.write_project(tmp_path / "b" / "d", NewProject({"a": b"1"}))
+
+
+def test_a_name_that_is_neither_a_file_nor_a_folder(tmp_path: Path) -> None:
+    """As /dev/null; "File exists", it said."""
+    (tmp_path / "gone").symlink_to(tmp_path / "nowhere")
+    with refused(OutputError):
+        new.write_project(tmp_path / "gone", NewProject({"a": b"1"}))
 
 
 def test_an_existing_project_is_refused_before_any_file_is_read(tmp_path: Path) -> None:

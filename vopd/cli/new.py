@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -345,7 +346,9 @@ def write_project(
     if not again:
         refuse_existing(folder, list(new.contents))
     made: list[Path] = []
+    folders: list[Path] = []
     try:
+        folders += [one for one in (folder, *folder.parents) if not one.exists()]
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in new.contents.items():
             with whole_file(str(folder / name)) as file:
@@ -357,6 +360,9 @@ def write_project(
         if len(made) < len(new.contents):
             for path in made:
                 path.unlink()
+            with suppress(OSError):  # not made, or something else is in it
+                for one in folders:
+                    one.rmdir()
     from vopd.flight.project import ROWS
 
     project = (folder / "flight.toml").as_posix()
@@ -380,8 +386,9 @@ def refuse_existing(folder: Path, names: list[str]) -> None:
     Raises:
         OutputError: where one is there already, or the folder is a file
     """
-    if folder.is_file():
-        raise OutputError(f"{folder}: is a file; name a folder, which is made")
+    if not folder.is_dir() and (folder.exists() or folder.is_symlink()):
+        kind = "a file" if folder.is_file() else "no folder"
+        raise OutputError(f"{folder}: is {kind}; name a folder, which is made")
     for name in names:
         if (folder / name).exists():
             raise OutputError(f"{folder / name}: is there already; name another folder")

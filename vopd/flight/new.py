@@ -52,7 +52,7 @@ from vopd.flight.project import (
 from vopd.flight.scene import lost_images, other_images
 from vopd.flight.track import scatter_of
 from vopd.geometry.earth import earth_centred_m
-from vopd.inputs import is_number
+from vopd.inputs import is_number, no_date
 from vopd.video import grey_frames, image_numbers, open_frames, stills_in
 
 R = TypeVar("R")
@@ -958,6 +958,8 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     except (ValueError, RecursionError) as error:
         if table or row.kind == "other":
             raise VopdError(f"{option}: {text} is not a value of TOML: {reason(error)}") from error
+        if row.kind == "date" and (wrong := no_date(f"x = {text}")):
+            raise VopdError(f"{option}: {wrong}") from error
         value = text  # of which its reader says what is wrong
     section = Section(option, key[0], {key[1]: value})
     readers: dict[str, Callable[[str], object]] = {
