@@ -1,4 +1,4 @@
-"""Files of every format that are longer than what is read of one at once: all of it is read."""
+"""Files of every format: longer than what is read of one at once, cut off, and empty of numbers."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.approved.texts import assert_approved, refused
+from tests.kit.flight_project import text_told
 from tests.tolerances import assert_close
-from vopd.flight.files import TEXT_AT_ONCE, InputFormat, open_input
+from vopd.findings import VopdError
+from vopd.flight.files import TEXT_AT_ONCE, InputFormat, open_input, read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import IMAGE_LENS_FORMATS, LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS
@@ -341,3 +344,64 @@ def test_all_rows_of_a_long_tracked_file_are_read(tmp_path: Path) -> None:
     assert len(text) > TEXT_AT_ONCE
     rows = read_tracked(open_input("tracked.csv", tmp_path))
     assert rows.pixel[1:, 0].tolist() == [*EVERY] and rows.frame.tolist() == [*range(ROWS + 1)]
+
+
+# Files that end before their end, and files that have nothing of what they are for
+
+CUT = {
+    **BY_LATITUDE, **BY_PIXEL, **OF_IMAGES, **LENSES,
+    ("track", "OpenSfM reconstruction.json"): reconstruction(),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "key", [key for key, text in CUT.items() if text.lstrip()[0] in "<[{"], ids=" of ".join
+)
+def test_json_and_xml_that_are_cut_off_are_refused(key: tuple[str, str], tmp_path: Path) -> None:
+    text = CUT[key][: -len(CUT[key]) // 10]
+    words = f"not valid {'GPX' if 'GPX' in key[1] else 'XML' if text[0] == '<' else 'JSON'}:"
+    if "LabelMe" in key[1]:
+        words = "not a LabelMe file:"
+    more = [LensQuestion()] if key[0] == "lens" else []
+    with refused(VopdError, others_after=words):
+        read(tmp_path, text, key, *more)
+
+
+def kml(height: str, latitude: str = "47") -> str:
+    """A placemark, by its height and latitude."""
+    place = f"<Point><coordinates>8,{latitude},{height}</coordinates></Point>"
+    return f"<kml><Placemark><name>a</name>{place}</Placemark></kml>"
+
+
+def subtitle(latitude: str, height: str = "3.0") -> str:
+    place = f"[latitude: {latitude}] [longitude: 15.1] [abs_alt: {height}]"
+    return f"1\n00:00:00,000 --> 00:00:01,000\n{place}\n\n"
+
+
+MATRIX_OF_101 = json.dumps({"camera_matrix": {"data": [1.0] * 101}, "image_width": 90})
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("landmarks", "<gpx></gpx>"), ("landmarks", "<kml></kml>"),
+        ("landmarks", '{"points": [], "observations": []}'),
+        ("landmarks", '<document><marker label=""/></document>'),
+        ("landmarks", kml("5", "95")), ("landmarks", kml("inf")), ("landmarks", kml("x")),
+        ("lens", "1 PINHOLES 90 70 9 8 4 3\n"), ("lens", MATRIX_OF_101),
+        ("track", subtitle("95.5")), ("track", subtitle("47.5", "9" * 400)),
+        ("track", subtitle("47.5") + subtitle("-95.5")), ("track", subtitle("4.7.5")),
+        ("track", '{"type": "FeatureCollection", "features": [], "filename": 0, "rotation": 0}'),
+    ],
+)  # fmt: skip
+def test_files_without_a_number_that_they_are_for_are_refused(kind: str, text: str) -> None:
+    more = [LensQuestion(size_px=(90, 70), model="brown")] if kind == "lens" else []
+    assert_approved(text_told(FORMATS[kind], "file", text, *more))
+
+
+def test_a_point_of_labelme_without_a_label_is_refused(tmp_path: Path) -> None:
+    shape = {"label": "", "shape_type": "point", "points": [[1, 2]]}
+    image = {"imagePath": "0.jpg", "imageWidth": 9, "imageHeight": 9, "shapes": [shape]}
+    (tmp_path / "a.json").write_text(json.dumps(image))
+    with refused(VopdError):
+        read_by_content(PICK_FORMATS, open_input("a.json", tmp_path))
