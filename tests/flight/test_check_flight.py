@@ -521,7 +521,9 @@ def test_a_calibration_at_another_size_with_its_centre_is_named(
     assert_approved(found)
 
 
-@pytest.mark.parametrize(("ratio", "is_said"), [(0.5, True), (0.7, False), (2.0, True)])
+@pytest.mark.parametrize(
+    ("ratio", "is_said"), [(0.5, True), (2.0 / 3.0, True), (0.7, False), (2.0, True)]
+)
 def test_a_calibration_at_another_size_is_named(
     ratio: float, is_said: bool, tmp_path: Path
 ) -> None:

@@ -9,14 +9,17 @@ import pytest
 from scipy.linalg import eigh
 
 from tests.approved.texts import refused
-from tests.kit.joint_flights import drone, flight_of
+from tests.kit.joint_flights import LensTruth, axes, drone, flight_of
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
+from vopd.flight import held
 from vopd.flight.equations import Priors
+from vopd.flight.errors import priors_of
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.held import other_solutions_deg, position_ratio
-from vopd.flight.joint import covariance, solve_jointly
+from vopd.flight.joint import covariance, solve_jointly, widened
 from vopd.flight.result import solve_flight_read
+from vopd.flight.solve import solve
 
 
 def own_fixes(frames: int, sigma_m: tuple[float, float, float]) -> Priors:
@@ -104,3 +107,36 @@ def test_free_parameters_that_the_picks_cannot_hold(free: tuple[str, ...]) -> No
     still = replace(flight, path=replace(flight.path, velocity_m_s=None))
     with refused():
         solve_flight_read(replace(still, options=replace(still.options, free=free)))
+
+
+@pytest.mark.parametrize(
+    ("free", "within"),
+    [(("focal", "k1"), False), (("focal", "k1"), True), (("focal", "centre"), True)],
+)
+def test_a_parameter_is_undetermined_by_its_variance_where_others_are_known(
+    free: tuple[str, ...], within: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That of picks of .3 px whose images the parameter moves, by differences of the true lens."""
+    rng = np.random.default_rng(6)
+    scene = drone(rng, 3, 8)
+    flight = flight_of(rng, scene, 0.3, Priors())
+    flight = replace(flight, options=replace(flight.options, free=free))
+    joint = solve_jointly(flight, priors_of(flight))
+    variance = np.diag(joint.factored.common)
+    away = scene.landmark_m[scene.landmark] - scene.camera_m[scene.frame]
+    ray = np.einsum(
+        "pij,pjk,pk->pi", scene.rotation[scene.frame], axes(scene.camera_m)[scene.frame], away
+    )
+    inflated = []
+    for name in joint.model.names:
+        if name in LensTruth._fields and np.isinf(priors_of(flight).parameter[name]):
+            step = 1e-3 * max(abs(getattr(LensTruth(), name)), 1.0)
+            other = LensTruth()._replace(**{name: getattr(LensTruth(), name) + step})
+            slope = (other.image(ray) - LensTruth().image(ray)) / step
+            known = 0.3**2 / (slope**2).sum()
+            inflated.append(variance[joint.model.names.index(name)] / known)
+    limit = max(inflated) * (1.5 if within else 0.05)
+    monkeypatch.setattr(held, "UNDETERMINED", limit)
+    first = solve(widened(flight, priors_of(flight)), np.zeros(len(flight.picks.frame), bool))
+    found = held.undetermined(flight, np.zeros(len(flight.picks.frame), bool), first)
+    assert (found is None) == within
