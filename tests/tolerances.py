@@ -45,6 +45,9 @@ TOLERANCES = {
     "match of a drawn patch": Tolerance("px", 0.02, "sampled between four pixels"),
     "turn by drawn shifts": Tolerance("rad", 2e-6, "the prior of the turn, .03 rad"),
     "turn by whole frames": Tolerance("rad", 1e-4, "a tenth of a pixel"),
+    "attitude under a long readout": Tolerance(
+        "deg", 0.3, "rms, of six clicks of half a pixel, .13 degree each, and shake of 4 to 13 Hz"
+    ),
     "tracked pick": Tolerance("px", 0.3, "rms, of 10 kB of H.264: 24 frames of 320 x 180"),
     "frame by its grey level": Tolerance("1", 0.4, "five grey levels a frame; coding moves two"),
     "presentation time": Tolerance("s", 1e-9, "whole milliseconds"),

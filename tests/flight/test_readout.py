@@ -15,8 +15,9 @@ from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.findings import VopdError
+from vopd.flight import readout
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction, Shutter
-from vopd.flight.readout import picks_at_frame_times, row_parts, turning_rates
+from vopd.flight.readout import picks_at_frame_times, readout_findings, row_parts, turning_rates
 from vopd.flight.result import FlightResult, solve_flight
 from vopd.flight.solve import solve
 from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
@@ -168,6 +169,45 @@ def test_a_tracked_flight_follows_shake() -> None:
     assert np.isnan(rates[20]).all()
     assert_close("turning rate of shake", rates[[9, 30]], true[[9, 30]])
     assert not changes[[19, 21]].any()  # two frames apart are not even
+
+
+@pytest.mark.parametrize("ends", [(0.45, 0.9), (-0.3, 0.3)])
+@pytest.mark.parametrize("most", [1, 2, 8])
+def test_rates_of_a_readout_turn_as_far_as_the_frames_do(
+    most: int, ends: tuple[float, float]
+) -> None:
+    """Of a turn s + 3 s^2 + [2 s^3] the rate is 1 and its change 6, [and what the cubic adds].
+
+    2 s^3 at moments a and b is that of the rate -2 a b and the change 4 (a + b).
+    """
+    (one, other), s = ends, np.arange(-most, most + 1.0)
+    weights = readout._weights(np.arange(-most, most + 1), one, other)
+    assert_close("table value", weights @ (s + 3.0 * s**2), [1.0, 6.0])
+    if most > 1:
+        expected = [1.0 - 2.0 * one * other, 6.0 + 4.0 * (one + other)]
+        assert_close("table value", weights @ (s + 3.0 * s**2 + 2.0 * s**3), expected)
+
+
+def test_picks_that_are_equally_late_turn_their_frame_by_their_lateness() -> None:
+    """Of unequal ones the turn lies between: no frame turns farther than its latest pick."""
+    flight, _ = seen_by_rows(RATE, np.zeros(3), Shutter(0.016, "down", False))
+    solved = solve(flight)
+    even = readout._turn_until_read(solved, np.full(len(flight.picks.frame), 0.02))
+    assert_close("table value", even, np.tile(0.02 * np.eye(3), (7, 1, 1)))
+    late = row_parts(flight)
+    turns = np.linalg.eigvals(readout._turn_until_read(solved, late))
+    assert (turns.real > late.min()).all() and (turns.real < late.max()).all()
+
+
+def test_a_long_readout_of_a_tracked_flight_is_told() -> None:
+    """24 and 22 ms of 33.3, and of clicks by hand none."""
+    tracked = clicked_flight(np.random.default_rng(1), frames=9).flight
+    (one,) = readout_findings(replace(tracked, shutter=Shutter(0.024, "down", False)))
+    assert_approved(one.message)
+    assert not readout_findings(replace(tracked, shutter=Shutter(0.022, "down", False)))
+    assert not readout_findings(tracked)
+    by_hand, _ = seen_by_rows(RATE, np.zeros(3), Shutter(0.03, "down", False))
+    assert not readout_findings(by_hand)
 
 
 def test_frames_half_a_second_apart_say_nothing_of_their_turning() -> None:

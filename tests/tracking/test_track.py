@@ -115,6 +115,14 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     assert strict.count("tracked") < sum(row["status"] == "tracked" for row in found) / 2
 
 
+def test_a_readout_of_nearly_a_frame_settles(tmp_path: Path) -> None:
+    """30 ms of 33: rates one after the other swing ever farther, to degrees."""
+    make(tmp_path, Settings(
+        seed=4, size=SIZE, frames=FRAMES, clicks=6, key_frames=8, mbit_s=1.5, readout_ms=30.0
+    ))  # fmt: skip
+    assert count(tmp_path).turned.rms_deg < within("attitude under a long readout")
+
+
 def test_far_from_all_clicks_the_nearest_is_matched(flight: Path) -> None:
     """Clicks in frames 0 and 20, of which each reaches two frames."""
     places = truth()

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.findings import Finding
 from vopd.flight.flight import Flight
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.lenses import project, ray_of_pixel
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 NEAR_FRAMES = 3.0  # frame intervals: a frame farther away does not say how the camera turns
 NEAR_S = 0.5  # nor does one farther away than this, whatever the interval of the frames
 BESIDE = 8  # frames on each side that say how a tracked flight turns; fewer do not follow shake
+LEAST_READOUT = 0.01  # of a step, over which rates are taken
 EVEN = 0.02  # of their interval that the times of such frames may be off
 
 
@@ -42,7 +44,8 @@ def turning_rates(flight: Flight, rotation: Floats) -> tuple[Floats, Floats | No
 
     A frame that has a neighbour on one side alone, as the first has, takes the turn from it. The
     frames of a tracked flight are many and their attitudes good: the polynomial through up to
-    `BESIDE` frames on each side follows shake, and says how the rate changes, too.
+    `BESIDE` frames on each side follows shake, and says how the rate changes while the rows are
+    read, too; the first frame turns as the second does.
 
     Args:
         flight: the flight
@@ -52,33 +55,92 @@ def turning_rates(flight: Flight, rotation: Floats) -> tuple[Floats, Floats | No
         Radians a second about the camera's right, down, forward, (F, 3), NaN where no frame with
         an attitude is near enough; and the same a second of a tracked flight, (F, 3), else None.
     """
+    rates, changes, _ = _rates_with_stencils(flight, rotation)
+    return rates, changes
+
+
+class _Stencil(NamedTuple):
+    """Frames whose rates are sums of the turns of others, n of these each."""
+
+    rows: Ints  # (B,)
+    beside: Ints  # (B, n)
+    by_rate: Floats  # (B, n) weights in the rate, 1/s
+    by_change: Floats  # (B, n) in its change, 1/s^2
+
+
+def _rates_with_stencils(
+    flight: Flight, rotation: Floats
+) -> tuple[Floats, Floats | None, list[_Stencil]]:
+    """Estimate the rates of `turning_rates`, and of a tracked flight say by which frames."""
     known = np.flatnonzero(np.isfinite(rotation[:, 0, 0]) & np.isfinite(flight.time_s))
     known = known[np.argsort(flight.time_s[known], kind="stable")]
-    rates = np.full((len(rotation), 3), np.nan)
+    rates, stencils = np.full((len(rotation), 3), np.nan), list[_Stencil]()
     changes = None if flight.picks.clicks is None else np.zeros((len(rotation), 3))
     if len(known) < 2:
-        return rates, changes
+        return rates, changes, stencils
     time_s = flight.time_s[known]
     apart = np.diff(time_s)
     near = (apart > 0.0) & (apart <= min(NEAR_FRAMES * _interval_s(flight, known, apart), NEAR_S))
     at = np.arange(len(known))
     before = np.where(np.append(False, near), at - 1, at)
     after = np.where(np.append(near, False), at + 1, at)
+    if changes is not None:  # what is read as late as the next frame says nothing of a first one
+        first = np.flatnonzero(near[:-1] & near[1:] & (before[:-2] == at[:-2]))
+        after[first] += 1
     turn = rotation[known[after]] @ rotation[known[before]].swapaxes(1, 2)
-    rates[known] = _rotation_vectors(turn) / (time_s[after] - time_s[before])[:, None]
+    between_s = (time_s[after] - time_s[before])[:, None]
+    rates[known] = _rotation_vectors(turn) / between_s
     if changes is None or not near.any():
-        return rates, changes
+        return rates, changes, stencils
     step_s = float(np.median(apart[near]))
-    beside = _even_on_both_sides(near & (np.abs(apart - step_s) < EVEN * step_s))
+    several = _even_on_both_sides(near & (np.abs(apart - step_s) < EVEN * step_s))
+    few = np.flatnonzero((several == 0) & (before < after))
+    pair = known[np.stack([before[few], after[few]], axis=1)]
+    by_pair = np.array([-1.0, 1.0]) / between_s[few]
+    stencils.append(_Stencil(known[few], pair, by_pair, np.zeros_like(by_pair)))
     for most in range(1, BESIDE + 1):
-        rows, offset = np.flatnonzero(beside == most), np.arange(-most, most + 1)
-        of = np.linalg.inv(np.vander(offset.astype(float), increasing=True))
-        beside_them = known[rows[:, None] + offset].ravel()
-        turn = rotation[beside_them] @ rotation[np.repeat(known[rows], len(offset))].swapaxes(1, 2)
-        vectors = _rotation_vectors(turn).reshape(len(rows), len(offset), 3)
-        rates[known[rows]] = np.einsum("b,fbi->fi", of[1] / step_s, vectors)
-        changes[known[rows]] = np.einsum("b,fbi->fi", 2.0 * of[2] / step_s**2, vectors)
-    return rates, changes
+        rows, offset = np.flatnonzero(several == most), np.arange(-most, most + 1)
+        beside = known[rows[:, None] + offset]
+        turn = rotation[beside] @ rotation[known[rows], None].swapaxes(2, 3)
+        vectors = _rotation_vectors(turn.reshape(-1, 3, 3)).reshape(*beside.shape, 3)
+        by_rate, by_change = _weights(offset, *_ends(flight, step_s))
+        own = (len(rows), 1)
+        one = _Stencil(
+            known[rows], beside, np.tile(by_rate / step_s, own), np.tile(by_change / step_s**2, own)
+        )
+        rates[one.rows] = np.einsum("fb,fbi->fi", one.by_rate, vectors)
+        changes[one.rows] = np.einsum("fb,fbi->fi", one.by_change, vectors)
+        stencils.append(one)
+    return rates, changes, stencils
+
+
+def _ends(flight: Flight, step_s: float) -> tuple[float, float]:
+    """Find between which parts of a step about the frame's time rows are read; without a shutter,
+    next to it."""
+    whole = 0.0 if flight.shutter is None else flight.shutter.readout_s / step_s
+    whole = max(whole, LEAST_READOUT)
+    middle = flight.shutter is None or flight.shutter.middle
+    return (-0.5 * whole, 0.5 * whole) if middle else (0.5 * whole, whole)
+
+
+def _weights(offset: Ints, one: float, other: float) -> Floats:
+    """Weigh turns of frames in the rate and its change of the one in the middle, (2, n).
+
+    The polynomial through all of them gives the turn at two moments of the readout, and the rate
+    and its change are those that turn as far by then: at the end of a long readout a rate and
+    change of the frame's own time would be far off, and noise would be many times as large.
+
+    Args:
+        offset: of the frames, steps
+        one: moment, steps after the frame's time
+        other: the same
+    """
+    same = np.eye(len(offset))
+    between = offset[:, None] - offset + same
+    at = np.array([((one - offset + same * (1.0 - one + offset)) / between).prod(axis=1)
+                   for one in (one, other)])  # fmt: skip
+    at[:, offset == 0] -= 1.0  # turns are counted from that frame
+    return np.asarray(np.linalg.solve([[one, one**2 / 2.0], [other, other**2 / 2.0]], at))
 
 
 def _even_on_both_sides(even: Bools) -> Ints:
@@ -140,6 +202,80 @@ def row_shifts_px(flight: Flight, rotation: Floats, distance_m: Floats) -> Float
     return np.where(np.isfinite(shift), shift, 0.0)
 
 
+@np.errstate(all="ignore")
+def _rates_when_shifted(flight: Flight, solved: SolvedFlight) -> tuple[Floats, Floats | None]:
+    """Estimate the rates that the attitudes have once their picks are shifted by these rates.
+
+    Shifts by other rates than before turn each frame, by as much as it turns until its picks are
+    read; and so the rates of the frames beside it are others, too. Where a readout lasts nearly
+    as long as a frame, rates that left this out would swing from round to round.
+
+    Args:
+        flight: a tracked one, its picks as they were read
+        solved: the same, its picks shifted by the rates of its path, or as read
+
+    Returns:
+        As `turning_rates`.
+    """
+    rates, changes, stencils = _rates_with_stencils(flight, solved.attitudes.rotation)
+    if changes is None or not stencils:
+        return rates, changes
+    from scipy.sparse import block_diag, csr_array, identity, kron  # of few flights
+    from scipy.sparse.linalg import spsolve
+
+    assert flight.shutter is not None
+    path, size = solved.flight.path, len(rates)
+    late_s = row_parts(flight) * flight.shutter.readout_s
+    at = (
+        np.concatenate([np.repeat(one.rows, one.beside.shape[1]) for one in stencils]),
+        np.concatenate([one.beside.ravel() for one in stencils]),
+    )
+    every, later = identity(3 * size, format="csr"), np.zeros(3 * size)
+    followed, by_turns = every, []
+    for name, now, before, late in (
+        ("by_rate", rates, path.turning_rad_s, late_s),
+        ("by_change", changes, path.turning_rad_s2, late_s**2 / 2.0),
+    ):
+        weight = np.concatenate([getattr(one, name).ravel() for one in stencils])
+        by_turns.append(kron(csr_array((weight, at), (size, size)), identity(3)))
+        lateness = block_diag(list(_turn_until_read(solved, late)), format="csr")
+        followed = followed + lateness @ by_turns[-1]
+        further = np.nan_to_num(now) - (0.0 if before is None else np.nan_to_num(before))
+        later += lateness @ further.ravel()
+    damped = followed.T @ followed + DAMPING**2 * every
+    turn = spsolve(damped.tocsc(), -(followed.T @ later))
+    rate, change = ((one @ turn).reshape(-1, 3) for one in by_turns)
+    return rates + rate, changes + change
+
+
+DAMPING = 0.03  # against turns to and fro from the first frame on, which hardly move what is read
+MOST_CONDITION = 1e10  # of a frame's equations; with one landmark it has no attitude
+
+
+def _turn_until_read(solved: SolvedFlight, late: Floats) -> Floats:
+    """Average the lateness of picks as it turns their frames, (F, 3, 3).
+
+    A turn of each pick's line by its lateness times a rate, as images see it, turns its frame by
+    this matrix times the rate.
+
+    Args:
+        solved: the flight
+        late: of each pick, (P,)
+    """
+    flight, frames = solved.flight, len(solved.flight.frame)
+    taken = np.flatnonzero(solved.used & (solved.attitudes.weight > 0.0))
+    frame = flight.picks.frame[taken]
+    line = np.einsum("pij,pj->pi", solved.attitudes.rotation[frame], solved.lines.direction[taken])
+    by_turns = project(flight.lens.of(frame), line).by_turns
+    squares = by_turns.swapaxes(1, 2) @ by_turns * solved.attitudes.weight[taken, None, None]
+    normal, own = np.zeros((2, frames, 3, 3))
+    np.add.at(normal, frame, squares)
+    np.add.at(own, frame, squares * late[taken, None, None])
+    known = np.linalg.cond(normal) < MOST_CONDITION
+    normal[~known] = np.eye(3)
+    return np.asarray(np.linalg.inv(normal) @ np.where(known[:, None, None], own, 0.0))
+
+
 ROUNDS = 6  # of shifts and solves; two leave a 500th of what the rows' times turn a frame by
 SETTLED = 3e-3  # of a pick's standard deviation: shifts that change less are left
 
@@ -156,7 +292,10 @@ def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> Flight:
         solved: the same flight, its picks as read or shifted before
     """
     rotation = solved.attitudes.rotation
-    rates, changes = turning_rates(flight, rotation)
+    if flight.picks.clicks is None:
+        rates, changes = turning_rates(flight, rotation)
+    else:
+        rates, changes = _rates_when_shifted(flight, solved)
     path = replace(solved.flight.path, turning_rad_s=rates, turning_rad_s2=changes)
     # the lens and, by the clock, the velocity may have been solved for
     now = replace(flight, lens=solved.flight.lens, path=path)
@@ -165,3 +304,21 @@ def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> Flight:
     picks = replace(flight.picks, pixel=flight.picks.pixel - shift, part=part)
     path = replace(flight.path, turning_rad_s=rates, turning_rad_s2=changes)
     return replace(flight, picks=picks, path=path)
+
+
+LONG_READOUT = 0.7  # of the time between frames: from there on shake is not seen well enough
+
+
+def readout_findings(flight: Flight) -> list[Finding]:
+    """Say of a tracked flight that a long readout leaves shake out of its standard deviations."""
+    if flight.shutter is None or flight.picks.clicks is None:
+        return []
+    apart = np.diff(np.unique(flight.time_s[np.isfinite(flight.time_s)]))
+    part = flight.shutter.readout_s / float(np.median(apart)) if len(apart) else 0.0
+    if not part > LONG_READOUT:
+        return []
+    told = (
+        f"[camera] readout_ms is {part:.2g} of the time between frames: how the camera shakes "
+        "while a frame is read is hardly seen by the others, and the sigmas do not have it"
+    )
+    return [Finding(told, flight.source, severity="warning")]

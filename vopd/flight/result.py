@@ -51,7 +51,7 @@ from vopd.flight.project import Project, read_project
 from vopd.flight.read import NO_LANDMARK, flight_of, read_flight
 from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.readout import SETTLED as ROWS_SETTLED
-from vopd.flight.readout import picks_at_frame_times
+from vopd.flight.readout import picks_at_frame_times, readout_findings
 from vopd.flight.sizes import (
     lasting,
     residual_freedom,
@@ -412,6 +412,7 @@ def solve_flight_read(
         findings += followed_findings(flight, without.joint)
     every = found._replace(pick=found.pick | swapped)
     findings += freed_beside_blunders(flight, every, apart)
+    findings += readout_findings(flight)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
     told = (*flight.findings, *outside, *of_clicks, *findings)
     return FlightResult(estimates, told, doubts.misfits)
