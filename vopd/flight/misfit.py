@@ -27,7 +27,7 @@ from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import CameraPath, Flight, Shutter
 from vopd.flight.free import value_text
 from vopd.flight.joint import JointSolution, covariance_of_sums, propagated, solve_jointly, weighed
-from vopd.flight.readout import row_parts, turning_rates
+from vopd.flight.readout import LONG_READOUT, part_of_interval, row_parts, turning_rates
 from vopd.flight.sizes import (
     cost_of_frames,
     explained,
@@ -623,8 +623,13 @@ def _readout_text(flight: Flight) -> Callable[[Floats, Floats], str]:
 
 
 def _readout(joint: JointSolution) -> Readout | None:
-    """Take the readout of the flight, or of rows downward; None if no turning rate is known."""
+    """Take the readout of the flight, or of rows downward; None if no turning rate is known.
+
+    Nor is one known well enough while a long readout lasts.
+    """
     model, flight = joint.model, joint.model.flight
+    if part_of_interval(flight) > LONG_READOUT:
+        return None
     turning = np.nan_to_num(turning_rates(flight, joint.state.rotation)[0])
     if not turning.any():
         return None

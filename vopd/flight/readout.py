@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 NEAR_FRAMES = 3.0  # frame intervals: a frame farther away does not say how the camera turns
 NEAR_S = 0.5  # nor does one farther away than this, whatever the interval of the frames
 BESIDE = 8  # frames on each side that say how a tracked flight turns; fewer do not follow shake
-LEAST_READOUT = 0.01  # of a step, over which rates are taken
+LONG_READOUT = 0.7  # of the time between frames: from there on shake is not seen well enough
+LEAST_READOUT = 0.01  # of the same, over which rates are taken
 EVEN = 0.02  # of their interval that the times of such frames may be off
 
 
@@ -45,7 +46,7 @@ def turning_rates(flight: Flight, rotation: Floats) -> tuple[Floats, Floats | No
     A frame that has a neighbour on one side alone, as the first has, takes the turn from it. The
     frames of a tracked flight are many and their attitudes good: the polynomial through up to
     `BESIDE` frames on each side follows shake, and says how the rate changes while the rows are
-    read, too; the first frame turns as the second does.
+    read, too.
 
     Args:
         flight: the flight
@@ -55,80 +56,76 @@ def turning_rates(flight: Flight, rotation: Floats) -> tuple[Floats, Floats | No
         Radians a second about the camera's right, down, forward, (F, 3), NaN where no frame with
         an attitude is near enough; and the same a second of a tracked flight, (F, 3), else None.
     """
-    rates, changes, _ = _rates_with_stencils(flight, rotation)
+    rates, changes, _ = _rates_and_sums(flight, rotation)
     return rates, changes
 
 
-class _Stencil(NamedTuple):
-    """Frames whose rates are sums of the turns of others, n of these each."""
-
-    rows: Ints  # (B,)
-    beside: Ints  # (B, n)
-    by_rate: Floats  # (B, n) weights in the rate, 1/s
-    by_change: Floats  # (B, n) in its change, 1/s^2
+Sums = tuple[Ints, Ints, Floats, Floats]
+"""Sums over frames: the index of each, of the frame that is added, its weights in the rate, 1/s,
+and in its change, 1/s^2."""
 
 
-def _rates_with_stencils(
-    flight: Flight, rotation: Floats
-) -> tuple[Floats, Floats | None, list[_Stencil]]:
-    """Estimate the rates of `turning_rates`, and of a tracked flight say by which frames."""
+def _rates_and_sums(flight: Flight, rotation: Floats) -> tuple[Floats, Floats | None, Sums | None]:
+    """Estimate `turning_rates`, and of a tracked flight say of which turns they are sums."""
     known = np.flatnonzero(np.isfinite(rotation[:, 0, 0]) & np.isfinite(flight.time_s))
     known = known[np.argsort(flight.time_s[known], kind="stable")]
-    rates, stencils = np.full((len(rotation), 3), np.nan), list[_Stencil]()
+    rates = np.full((len(rotation), 3), np.nan)
     changes = None if flight.picks.clicks is None else np.zeros((len(rotation), 3))
     if len(known) < 2:
-        return rates, changes, stencils
+        return rates, changes, None
     time_s = flight.time_s[known]
     apart = np.diff(time_s)
     near = (apart > 0.0) & (apart <= min(NEAR_FRAMES * _interval_s(flight, known, apart), NEAR_S))
     at = np.arange(len(known))
     before = np.where(np.append(False, near), at - 1, at)
     after = np.where(np.append(near, False), at + 1, at)
-    if changes is not None:  # what is read as late as the next frame says nothing of a first one
-        first = np.flatnonzero(near[:-1] & near[1:] & (before[:-2] == at[:-2]))
-        after[first] += 1
     turn = rotation[known[after]] @ rotation[known[before]].swapaxes(1, 2)
     between_s = (time_s[after] - time_s[before])[:, None]
     rates[known] = _rotation_vectors(turn) / between_s
     if changes is None or not near.any():
-        return rates, changes, stencils
+        return rates, changes, None
     step_s = float(np.median(apart[near]))
     several = _even_on_both_sides(near & (np.abs(apart - step_s) < EVEN * step_s))
     few = np.flatnonzero((several == 0) & (before < after))
     pair = known[np.stack([before[few], after[few]], axis=1)]
     by_pair = np.array([-1.0, 1.0]) / between_s[few]
-    stencils.append(_Stencil(known[few], pair, by_pair, np.zeros_like(by_pair)))
+    sums = [(known[few], pair, by_pair, np.zeros_like(by_pair))]
     for most in range(1, BESIDE + 1):
         rows, offset = np.flatnonzero(several == most), np.arange(-most, most + 1)
         beside = known[rows[:, None] + offset]
         turn = rotation[beside] @ rotation[known[rows], None].swapaxes(2, 3)
         vectors = _rotation_vectors(turn.reshape(-1, 3, 3)).reshape(*beside.shape, 3)
-        by_rate, by_change = _weights(offset, *_ends(flight, step_s))
-        own = (len(rows), 1)
-        one = _Stencil(
-            known[rows], beside, np.tile(by_rate / step_s, own), np.tile(by_change / step_s**2, own)
-        )
-        rates[one.rows] = np.einsum("fb,fbi->fi", one.by_rate, vectors)
-        changes[one.rows] = np.einsum("fb,fbi->fi", one.by_change, vectors)
-        stencils.append(one)
-    return rates, changes, stencils
+        by_rate, by_change = _weights(offset, *_moments(flight, step_s))
+        by_rate, by_change = by_rate / step_s, by_change / step_s**2
+        rates[known[rows]] = np.einsum("b,fbi->fi", by_rate, vectors)
+        changes[known[rows]] = np.einsum("b,fbi->fi", by_change, vectors)
+        same = (np.broadcast_to(one, beside.shape) for one in (by_rate, by_change))
+        sums.append((known[rows], beside, *same))
+    row = np.concatenate([np.repeat(rows, beside.shape[1]) for rows, beside, _, _ in sums])
+    column, by_rate, by_change = (
+        np.concatenate([one[k].ravel() for one in sums]) for k in (1, 2, 3)
+    )
+    return rates, changes, (row, column, by_rate, by_change)
 
 
-def _ends(flight: Flight, step_s: float) -> tuple[float, float]:
-    """Find between which parts of a step about the frame's time rows are read; without a shutter,
-    next to it."""
-    whole = 0.0 if flight.shutter is None else flight.shutter.readout_s / step_s
-    whole = max(whole, LEAST_READOUT)
-    middle = flight.shutter is None or flight.shutter.middle
-    return (-0.5 * whole, 0.5 * whole) if middle else (0.5 * whole, whole)
+def _moments(flight: Flight, step_s: float) -> tuple[float, float]:
+    """Choose the moments by whose turns rates are taken, steps after the frame's time.
+
+    They are next to it, and in the middle and at the end of a readout that is long.
+    """
+    shutter = flight.shutter
+    if shutter is None or shutter.readout_s < LONG_READOUT * step_s:
+        return -LEAST_READOUT, LEAST_READOUT
+    whole = shutter.readout_s / step_s
+    return (-0.5 * whole, 0.5 * whole) if shutter.middle else (0.5 * whole, whole)
 
 
 def _weights(offset: Ints, one: float, other: float) -> Floats:
     """Weigh turns of frames in the rate and its change of the one in the middle, (2, n).
 
-    The polynomial through all of them gives the turn at two moments of the readout, and the rate
-    and its change are those that turn as far by then: at the end of a long readout a rate and
-    change of the frame's own time would be far off, and noise would be many times as large.
+    The polynomial through all of them gives the turn at two moments, and the rate and its change
+    are those that turn as far by then. At the end of a long readout those of the frame's own time
+    would be far off, and noise would be many times as large.
 
     Args:
         offset: of the frames, steps
@@ -217,8 +214,8 @@ def _rates_when_shifted(flight: Flight, solved: SolvedFlight) -> tuple[Floats, F
     Returns:
         As `turning_rates`.
     """
-    rates, changes, stencils = _rates_with_stencils(flight, solved.attitudes.rotation)
-    if changes is None or not stencils:
+    rates, changes, sums = _rates_and_sums(flight, solved.attitudes.rotation)
+    if changes is None or sums is None:
         return rates, changes
     from scipy.sparse import block_diag, csr_array, identity, kron  # of few flights
     from scipy.sparse.linalg import spsolve
@@ -226,18 +223,15 @@ def _rates_when_shifted(flight: Flight, solved: SolvedFlight) -> tuple[Floats, F
     assert flight.shutter is not None
     path, size = solved.flight.path, len(rates)
     late_s = row_parts(flight) * flight.shutter.readout_s
-    at = (
-        np.concatenate([np.repeat(one.rows, one.beside.shape[1]) for one in stencils]),
-        np.concatenate([one.beside.ravel() for one in stencils]),
-    )
+    row, column, by_rate, by_change = sums
     every, later = identity(3 * size, format="csr"), np.zeros(3 * size)
     followed, by_turns = every, []
-    for name, now, before, late in (
-        ("by_rate", rates, path.turning_rad_s, late_s),
-        ("by_change", changes, path.turning_rad_s2, late_s**2 / 2.0),
+    for weight, now, before, late in (
+        (by_rate, rates, path.turning_rad_s, late_s),
+        (by_change, changes, path.turning_rad_s2, late_s**2 / 2.0),
     ):
-        weight = np.concatenate([getattr(one, name).ravel() for one in stencils])
-        by_turns.append(kron(csr_array((weight, at), (size, size)), identity(3)))
+        sum_of = csr_array((weight, (row, column)), (size, size))
+        by_turns.append(kron(sum_of, identity(3)))
         lateness = block_diag(list(_turn_until_read(solved, late)), format="csr")
         followed = followed + lateness @ by_turns[-1]
         further = np.nan_to_num(now) - (0.0 if before is None else np.nan_to_num(before))
@@ -306,15 +300,17 @@ def picks_at_frame_times(flight: Flight, solved: SolvedFlight) -> Flight:
     return replace(flight, picks=picks, path=path)
 
 
-LONG_READOUT = 0.7  # of the time between frames: from there on shake is not seen well enough
+def part_of_interval(flight: Flight) -> float:
+    """Divide the readout of a tracked flight by the time between its frames; 0 for others."""
+    if flight.shutter is None or flight.picks.clicks is None:
+        return 0.0
+    apart = np.diff(np.unique(flight.time_s[np.isfinite(flight.time_s)]))
+    return flight.shutter.readout_s / float(np.median(apart)) if len(apart) else 0.0
 
 
 def readout_findings(flight: Flight) -> list[Finding]:
     """Say of a tracked flight that a long readout leaves shake out of its standard deviations."""
-    if flight.shutter is None or flight.picks.clicks is None:
-        return []
-    apart = np.diff(np.unique(flight.time_s[np.isfinite(flight.time_s)]))
-    part = flight.shutter.readout_s / float(np.median(apart)) if len(apart) else 0.0
+    part = part_of_interval(flight)
     if not part > LONG_READOUT:
         return []
     told = (
