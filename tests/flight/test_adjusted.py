@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pyproj
 import pytest
 
 from tests.approved.texts import assert_approved, refused
@@ -390,6 +391,26 @@ def test_values_are_written_as_toml_has_them() -> None:
     values = tomllib.loads(text)
     lines = "".join(f"{key} = {toml_value(value)}\n" for key, value in values.items())
     assert tomllib.loads(lines) == values
+
+
+def test_landmarks_of_a_grid_in_feet_are_written_in_feet(tmp_path: Path) -> None:
+    """The new table would be metres by its names, and x and y are feet."""
+    source = tmp_path / "source"
+    source.mkdir()
+    write_flight(source, DRONE, np.random.default_rng(1))
+    file, table = source / "flight.toml", source / "landmarks.csv"
+    head, *rows = (one.split(",") for one in table.read_text(encoding="utf-8").split())
+    assert head[:4] == ["landmark", "lat_deg", "lon_deg", "h_m"]
+    zone = round((float(rows[0][2]) + 183.0) / 6.0)
+    crs = f"+proj=utm +zone={zone} +datum=WGS84 +units=us-ft"
+    plane = pyproj.Proj(crs)
+    for row in rows:
+        row[1:3] = map(repr, plane(float(row[2]), float(row[1])))
+    lines = [",".join(one) for one in (["landmark", "x_ft", "y_ft", "z_m", *head[4:]], *rows)]
+    table.write_text("\n".join(lines), encoding="utf-8")
+    text = file.read_text(encoding="utf-8").replace("[landmarks]", f'[landmarks]\ncrs = "{crs}"')
+    file.write_text(text, encoding="utf-8")
+    assert_alike(again(tmp_path, file, "focal", "landmarks"))
 
 
 @pytest.mark.parametrize("crs", ["EPSG:32633", None])

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyproj
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import read_text, text_told
 from tests.tolerances import assert_close
+from vopd.findings import VopdError
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions
+from vopd.flight.files import InputFile, read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.geometry.earth import earth_centred_m
@@ -274,3 +277,62 @@ def test_one_placemark_at_height_0_is_a_height() -> None:
     marks = read(head + place.format("pier", 0) + place.format("mast", 30) + end)
     assert [*marks.coordinate[:, 2]] == [0.0, 30.0] and marks.name == ["pier", "mast"]
     assert_approved(told(head + place.format("pier", 0) + place.format("mast", 0) + end))
+
+
+# Tables on a grid that counts in feet
+
+FEET, BOTH_FEET = "EPSG:2229", "EPSG:2229+6360"  # of California; with heights in feet
+
+
+def on_grid(crs: str, header: str, columns: Any = None) -> Any:
+    text = f"{header}\na,6480000,1840000,1000\n"
+    file = InputFile("m", Path("nowhere"), text, columns, crs)
+    return read_by_content(LANDMARK_FORMATS, file)
+
+
+@pytest.mark.parametrize(
+    ("crs", "names", "height"),
+    [
+        (FEET, "x_ft,y_ft,z_m", 1000.0), (FEET, "x,y,z_ft", 304.8),
+        (FEET, "Easting (ft),Northing (ft),Elevation (ft)", 304.8),
+        (FEET, "Easting,Northing,Elev (m)", 1000.0),
+        (BOTH_FEET, "x,y,z", 1000.0), (BOTH_FEET, "x_ft,y_ft,z_ft", 1000.0),
+        ("EPSG:32611", "x,y,z", 1000.0), ("EPSG:32611", "x_m,y_m,z_ft", 304.8),
+    ],
+)  # fmt: skip
+def test_a_grid_in_feet(crs: str, names: str, height: float) -> None:
+    """Of columns in feet x and y stay in those of the grid; heights are metres but for its own."""
+    found = on_grid(crs, f"landmark,{names}")
+    assert found.coordinate[0, :2].tolist() == [6480000.0, 1840000.0]
+    assert_close("flight position", found.coordinate[0, 2], height)
+
+
+def test_a_table_without_a_header_names_its_feet() -> None:
+    text = "a,6480000,1840000,1000\n"
+    file = InputFile("m", Path("nowhere"), text, ["landmark", "x_ft", "y_ft", "z_ft"], FEET)
+    found = read_by_content(LANDMARK_FORMATS, file)
+    assert found.coordinate[0, 1] == 1840000.0
+    assert_close("flight position", found.coordinate[0, 2], 304.8)
+
+
+@pytest.mark.parametrize(
+    ("crs", "names"),
+    [
+        (FEET, "x_m,y_m,z_m"), (FEET, "x,Northing (m),z_m"), (FEET, "Easting,Northing,Elevation"),
+        (BOTH_FEET, "x,y,z_m"), ("EPSG:32611", "x_ft,y_ft,z_m"),
+    ],
+)  # fmt: skip
+def test_a_unit_that_is_not_the_grid_s_is_refused(crs: str, names: str) -> None:
+    """x_m counted in feet, and a height without a unit in metres."""
+    with refused(VopdError):
+        on_grid(crs, f"landmark,{names}")
+
+
+def test_a_mapped_column_says_its_unit() -> None:
+    mapped = {"x_ft": "a", "y_ft": "b", "z_ft": "c"}
+    found = on_grid(FEET, "landmark,a,b,c", mapped)
+    assert found.coordinate[0, 0] == 6480000.0
+    assert_close("flight position", found.coordinate[0, 2], 304.8)
+    for crs, columns in ((FEET, {"x_m": "a", "y_m": "b", "z_m": "c"}), ("EPSG:32611", mapped)):
+        with refused(VopdError):
+            on_grid(crs, "landmark,a,b,c", columns)

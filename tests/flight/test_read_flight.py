@@ -612,6 +612,12 @@ def test_a_fixed_position_has_every_key_of_its_section() -> None:
     assert [*plain.missing] == [("position", "sigma_m")]
 
 
+def test_a_fixed_position_is_not_in_feet() -> None:
+    grid = {"x_m": 6.48e6, "y_m": 1.84e6, "z_m": 3.0, "crs": "EPSG:2229", "height": "ellipsoid"}
+    with refused(VopdError):
+        fixed_path(Section("p.toml", "position", grid), FrameTimes(np.zeros(1), (), None))
+
+
 @pytest.mark.parametrize("key", ["lat_deg", "lon_deg", "h_m", "x_m", "y_m", "z_m", "crs"])
 def test_a_fixed_position_needs_its_coordinates(key: str) -> None:
     geodetic = {"lat_deg": 47.5, "lon_deg": 16.25, "h_m": 540.0, "height": "ellipsoid"}

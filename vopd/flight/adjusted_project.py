@@ -17,7 +17,12 @@ from vopd.arrays import Floats
 from vopd.findings import VopdError, count_text
 from vopd.flight.adjust import Adjustment
 from vopd.flight.adjusted import CovarianceFile, digests, files_spoken_of
-from vopd.flight.coordinates import STEPS, coordinates_at, earth_centred_positions
+from vopd.flight.coordinates import (
+    STEPS,
+    coordinates_at,
+    earth_centred_positions,
+    units_of_grid,
+)
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT
 from vopd.flight.files import read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
@@ -201,6 +206,9 @@ def _write_landmarks(
     after = np.sqrt(np.diag(covariance_by_picks(joint)[0])[model.of_landmarks])
     sigma_m[model.free] = np.minimum(after.reshape(-1, 3), sigma_m[model.free])
     columns = ("lat_deg", "lon_deg", "h_m") if rows.geodetic else ("x_m", "y_m", "z_m")
+    units = [] if rows.geodetic else units_of_grid(crs, where)
+    if not all(one.is_metre for one in units):  # x and y are in the grid's own unit
+        columns = "x", "y", "z" if len(units) == 3 else "z_m"
     order, digits = ([1, 0, 2], (11, 11, 6)) if rows.geodetic else ([0, 1, 2], (6, 6, 6))
     text = StringIO()
     table = csv.writer(text, lineterminator="\n")

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -187,6 +187,43 @@ def has_height_axis(name: str, where: str) -> bool:
     if name in WGS84_NAMES:
         return name == ELLIPSOIDAL
     return len(_crs(name, where).axis_info) == 3
+
+
+class AxisUnit(NamedTuple):
+    """The unit of an axis of a grid."""
+
+    name: str  # in the plural
+    metres: float
+
+    @property
+    def is_metre(self) -> bool:
+        return abs(self.metres - 1.0) < SAME_UNIT
+
+    @property
+    def is_foot(self) -> bool:
+        """Tell whether it is one of the feet, which differ by parts in a million."""
+        return abs(self.metres / 0.3048 - 1.0) < SAME_UNIT
+
+
+SAME_UNIT = 1e-4  # of it
+
+
+def units_of_grid(crs: str | None, where: str) -> list[AxisUnit]:
+    """List the units of x, y and, where it has one, of the height axis of a grid.
+
+    Empty for latitude and longitude, and for a CRS that is not known, which is told elsewhere.
+    """
+    name = ELLIPSOIDAL if crs is None else crs_name(crs)
+    try:
+        if crs_is_geographic(name, where):
+            return []
+        axes = _crs(name, where).axis_info
+    except VopdError:
+        return []
+    return [
+        AxisUnit(f"{one.unit_name}s".replace("foots", "feet"), float(one.unit_conversion_factor))
+        for one in axes
+    ]
 
 
 def map_grid(name: str, position_m: Floats) -> MapGrid | None:

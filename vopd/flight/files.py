@@ -387,6 +387,7 @@ PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 COORDINATES = (*PLANE, *GEODETIC)
 HEIGHTS = ("h_m", "z_m")
 HEIGHTS_FT = {"h_ft": "h_m", "z_ft": "z_m"}  # as a project may map them
+FEET = HEIGHTS_FT | {"x_ft": "x_m", "y_ft": "y_m"}
 ENOUGH = ((("frame", "image"), ("frame", "image")), (TIME, (*TIME, "image")))
 """Columns, and those that are not looked for under other names where one of the first is there."""
 
@@ -396,15 +397,16 @@ def plain_name(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")
 
 
-def _bare_name(name: str, plain: str) -> str:
+def _bare_name(name: str, plain: str, feet: bool = False) -> str:
     """Take the words off the plain name of a column that leave a coordinate the same.
 
     Args:
         name: what the column may be here
         plain: its plain name
+        feet: whether x and y may be in feet
     """
-    of_height = (IN_FEET, LEVEL) if name in HEIGHTS else ()
-    for words in (BESIDE, IN_METRES, *of_height):
+    others = (IN_FEET, LEVEL) if name in HEIGHTS else (IN_FEET,) * (feet and name in PLANE)
+    for words in (BESIDE, IN_METRES, *others):
         plain = words.sub("", plain).strip("_") or plain
     return plain
 
@@ -423,17 +425,21 @@ def own_names(
     Raises:
         VopdError: where the project maps a column that is not there, or two may be the height
     """
-    if not known or isinstance(file.columns, list):
+    if not known:
         return header
+    if isinstance(file.columns, list):
+        named = {*known} - {*header}
+        return [FEET[one] if FEET.get(one) in named else one for one in header]
     found = list(header)
     for given, own in (file.columns or {}).items():
-        name = HEIGHTS_FT.get(given, given)
+        name = FEET.get(given, given)
         if name not in known:
             raise file.error(f"columns: {given} is none of this table{did_you_mean(given, known)}")
         if own not in header:
             raise file.error(f"columns: there is no column {own}{did_you_mean(own, header)}")
         found[header.index(own)] = name
     plain = [plain_name(name) for name in found]
+    feet = "x_m" in known and any(map(IN_FEET.search, plain)) and _grid_in_feet(file)
     left_out = {name for some, rest in ENOUGH if {*some} & {*found} for name in rest}
     latitudes = {*SYNONYMS["lat_deg"]}
     if "lat_deg" in known and "x_m" in known:
@@ -445,7 +451,7 @@ def own_names(
         others = TIMES if name == TIME[0] else SYNONYMS.get(name, ())
         there = [plain.index(one) for one in others if one in plain]
         if name in COORDINATES and not there:
-            there = [k for k, one in enumerate(plain) if _bare_name(name, one) in others]
+            there = [k for k, one in enumerate(plain) if _bare_name(name, one, feet) in others]
         there = [k for k in there if found[k] not in known]
         if len(there) > 1 and name in HEIGHTS:
             message = f"{header[there[0]]} or {header[there[1]]} is the height: say which"
@@ -454,6 +460,13 @@ def own_names(
             cell = first[k] if k < len(first) else ""
             found[k] = _time_name(cell, plain[k]) if name == TIME[0] else name
     return found
+
+
+def _grid_in_feet(file: InputFile) -> bool:
+    """Tell whether the grid of a table, as the project states it, counts in feet."""
+    from vopd.flight.coordinates import units_of_grid  # of few tables
+
+    return any(one.is_foot for one in units_of_grid(file.crs, file.name)[:2])
 
 
 def _time_name(cell: str, own: str) -> str:
@@ -752,6 +765,13 @@ class CsvTable:
         mapped = self.file.columns if isinstance(self.file.columns, dict) else {}
         by_project = name in {HEIGHTS_FT.get(one) for one in mapped}
         return by_project or (name in HEIGHTS and bool(IN_FEET.search(self._own_name(name))))
+
+    def unit_said(self, name: str) -> str:
+        """Look up the unit of a coordinate by its own name, or by the project: m, ft or none."""
+        mapped = self.file.columns if isinstance(self.file.columns, dict) else {}
+        by_project = [one for one in mapped if FEET.get(one, one) == name]
+        own = by_project[0] if by_project else self._own_name(name)
+        return "ft" if IN_FEET.search(own) else "m" if IN_METRES.search(own) else ""
 
     @property
     def from_ground(self) -> str:

@@ -12,7 +12,12 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints, in_four_bytes
 from vopd.findings import VopdError, count_text, first_of
-from vopd.flight.coordinates import HeightDatum, crs_name, earth_centred_positions
+from vopd.flight.coordinates import (
+    HeightDatum,
+    crs_name,
+    earth_centred_positions,
+    units_of_grid,
+)
 from vopd.flight.files import TIME, InputFile, frames_of_column, has_columns, read_csv
 from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.picks import Names, PickRows
@@ -632,6 +637,10 @@ def fixed_path(section: Section, times: FrameTimes, landmarks: Section | None = 
     if crs is None and not geodetic:
         raise section.error("crs", "is needed with x_m and y_m")
     where = f"{section.project}: [position]"
+    for unit in [] if geodetic else units_of_grid(crs, where):
+        if not unit.is_metre:
+            message = f"is metres, and the grid {crs} counts in {unit.name}: write "
+            raise section.error("x_m", f"{message}lat_deg, lon_deg and h_m, or a grid in metres")
     datum = height_datum(section, landmarks)
     position = earth_centred_positions(coordinate, geodetic, crs, datum, where)
     notes = Notes(["one fixed position"], {})

@@ -15,9 +15,11 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import count_text
-from vopd.flight.coordinates import crs_is_geographic, crs_name
+from vopd.flight.coordinates import crs_is_geographic, crs_name, units_of_grid
 from vopd.flight.files import (
     GEODETIC,
+    HEIGHTS,
+    M_PER_FT,
     PLANE,
     UNEXPECTED,
     UNKNOWN,
@@ -137,14 +139,43 @@ def has_latitudes(table: CsvTable) -> bool:
     return crs is None or crs_is_geographic(crs_name(crs), table.file.name)
 
 
+def coordinates_of(table: CsvTable, geodetic: bool) -> Floats:
+    """Read longitude, latitude and height, or x, y and z of a grid, in the units of its axes.
+
+    Raises:
+        VopdError: where the name of a column has another unit than the grid
+    """
+    columns = ("lon_deg", "lat_deg", "h_m") if geodetic else PLANE
+    coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
+    units = [] if geodetic else units_of_grid(table.file.crs, table.file.name)
+    for name, unit in zip(PLANE, units, strict=False):
+        said = table.unit_said(name)
+        if said == "ft" and unit.is_foot and name in HEIGHTS:
+            coordinate[:, 2] /= M_PER_FT  # the CRS takes feet
+        by_name = not said or (unit.is_metre if said == "m" else unit.is_foot)
+        if not by_name and not (name in HEIGHTS and unit.is_metre):
+            call = name if unit.is_metre else name[0] + "_ft" * unit.is_foot
+            raise table.file.error(
+                f"{'metres' if said == 'm' else 'feet'} by its name, and the grid "
+                f"{table.file.crs} counts in {unit.name}: if it has those, call it {call}",
+                column=table.own[table.header.index(name)],
+            )
+    if len(units) == 2 and not units[0].is_metre and not table.unit_said("z_m"):
+        raise table.file.error(
+            f"x and y are {units[0].name}, by the grid {table.file.crs}, and heights may be feet "
+            "or metres: call it z_ft or z_m",
+            column=table.own[table.header.index("z_m")],
+        )
+    return coordinate
+
+
 def read_csv_landmarks(file: InputFile) -> LandmarkRows:
     """Read the landmarks of a CSV."""
     table = read_csv(file, COLUMNS)
     geodetic = has_latitudes(table)
-    columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
-    table.require(("landmark", *columns))
+    table.require(("landmark", *(("lon_deg", "lat_deg", "h_m") if geodetic else PLANE)))
     names = table.column("landmark")
-    coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
+    coordinate = coordinates_of(table, geodetic)
     if geodetic:
         table.check_degrees(coordinate)
     sigma = table.sigmas_of_axes(SIGMAS, SIGMA)

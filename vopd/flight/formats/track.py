@@ -28,6 +28,7 @@ from vopd.flight.formats.landmarks import (
     LATITUDE_FIRST,
     SIGMA,
     SIGMAS,
+    coordinates_of,
     geojson_crs,
     has_latitudes,
     parse_gpx,
@@ -125,9 +126,8 @@ def read_csv_track(file: InputFile) -> TrackRows:
     """Read the track of a CSV."""
     table = read_csv(file, COLUMNS)
     geodetic = has_latitudes(table)
-    columns = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
-    table.require(columns)
-    coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
+    table.require(("lon_deg", "lat_deg", "h_m") if geodetic else PLANE)
+    coordinate = coordinates_of(table, geodetic)
     velocity = velocity_sigma = None
     if any(table.has(name) for name in VELOCITY):
         velocity = np.stack([table.numbers(name) for name in VELOCITY], axis=1)
