@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -463,6 +464,33 @@ def test_a_tracked_file_that_is_missing_or_has_lost_everything(tmp_path: Path) -
         solve_flight(path)
     path.write_text(path.read_text().replace("tracked = ", "tracked_from = "))
     path.write_text(path.read_text().replace('"tracked.csv"', '"unknown"'))
+    with refused(VopdError):
+        solve_flight(path)
+
+
+def test_tracks_that_are_not_of_one_camera_that_moves_are_refused(tmp_path: Path) -> None:
+    """One attitude is by picks, a lens of each image is of photographs, and places are near it."""
+    path, tracked = clicked_project(tmp_path), tmp_path / "tracked.csv"
+    toml, rows = path.read_text(), tracked.read_text()
+    place = "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\n"
+    stands = toml.replace('[track]\nfile = "track.csv"\n', place)
+    stands = stands.replace('sigma_t_s = "exact"\n', '[solve]\nframes = "one"\n')
+    path.write_text(stands)
+    with refused(VopdError):
+        solve_flight(path)
+    path.write_text(toml)
+    head, last = rows.rstrip("\n").rsplit("\n", 1)
+    cells = last.split(",")
+    tracked.write_text("\n".join([head, ",".join([*cells[:2], "-99999.5", *cells[3:]]), ""]))
+    with refused(VopdError):
+        solve_flight(path)
+    tracked.write_text(rows)
+    (tmp_path / "lenses.csv").write_text("frame,lens\n0,a.json\n1,b.json\n")
+    for name in "ab":
+        camera = {"width": 1920, "height": 1080, "projection_type": "brown", "focal": 0.75}
+        (tmp_path / f"{name}.json").write_text(json.dumps({"camera": camera}))
+    lens = next(line for line in toml.splitlines() if line.startswith("lens ="))
+    path.write_text(toml.replace(lens, 'of_images = "lenses.csv"'))
     with refused(VopdError):
         solve_flight(path)
 
