@@ -328,6 +328,13 @@ def test_a_unit_that_is_not_the_grid_s_is_refused(crs: str, names: str) -> None:
         on_grid(crs, f"landmark,{names}")
 
 
+def test_feet_without_a_grid_in_feet_are_asked_for_it() -> None:
+    """To map them as metres was the advice."""
+    with refused(VopdError):
+        file = InputFile("m", Path("nowhere"), "landmark,E (ft),N (ft),Elev (ft)\na,1,2,3\n")
+        read_by_content(LANDMARK_FORMATS, file)
+
+
 def test_a_mapped_column_says_its_unit() -> None:
     mapped = {"x_ft": "a", "y_ft": "b", "z_ft": "c"}
     found = on_grid(FEET, "landmark,a,b,c", mapped)

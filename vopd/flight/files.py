@@ -637,6 +637,15 @@ class CsvTable:
         free = self._free() if len(lacking) > 1 else []
         if free and names_stars(self.header):
             raise self.file.error(f"no columns {', '.join(lacking)}{OF_STARS}", 1)
+        feet = [one for one in free if IN_FEET.search(plain_name(one))]
+        if len(feet) > 1 and {"x_m", "lat_deg"} & {*lacking}:
+            message = (
+                f"no columns {', '.join(lacking)}: {', '.join(feet[:MANY_NAMED])} are feet: state "
+            )
+            message += (
+                "a grid that counts in feet as crs, such as EPSG:2229, or multiply by 0.3048 "
+            )
+            raise self.file.error(f"{message}and call them x_m, y_m", 1)
         if free:
             near = {name: get_close_matches(name, free[:MANY_WORDS], 1, 0.6) for name in lacking}
             pairs = ", ".join(f'{name} = "{(near[name] or ["..."])[0]}"' for name in lacking)
