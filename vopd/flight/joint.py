@@ -470,10 +470,12 @@ def covariance(solution: JointSolution) -> Covariance:
     is carried through the elimination as an imaginary part.
     """
     model, robust = solution.model, solution.model.loss is not LOSSES["least-squares"]
-    factored, (turn, place, mixed, by_common) = solution.factored, solution.marginals
-    if model.priors.fixes is not None:
+    if model.priors.fixes is None:
+        factored, found = solution.factored, solution.marginals
+    else:
         factored = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE)
-        turn, place, mixed, by_common = marginals(factored)
+        found = marginals(factored)
+    turn, place, mixed, by_common = found
     late = _late_by_common(model)
     whole = _with_late(turn, by_common, late, factored.common)
     late_by = late[:, None] @ factored.common.real
