@@ -164,7 +164,9 @@ def refuse_other_kind(
         VopdError: with what the function takes
     """
     if not isinstance(value, kinds):
-        raise VopdError(f"{function} takes {takes}, not a {type(value).__name__}")
+        name = type(value).__name__
+        article = "an" if name[0] in "aeiou" else "a"
+        raise VopdError(f"{function} takes {takes}, not {article} {name}")
 
 
 class NeededError(VopdError):
