@@ -320,7 +320,10 @@ def test_the_epoch_is_that_of_the_option_or_of_all_sources(
     request = attitude._request(FORMATS["csv"], None, {}, True)
     request = replace(request, epoch=other if given else None)
     jobs: Any = [
-        SimpleNamespace(about=SimpleNamespace(epoch=one, source=f"{k}.toml"))
+        SimpleNamespace(
+            about=SimpleNamespace(epoch=one, source=f"{k}.toml"),
+            estimate=SimpleNamespace(time_s=np.array([2.0])),
+        )
         for k, one in enumerate(own)
     ]
     if given:
