@@ -192,10 +192,10 @@ def test_picks_that_are_equally_late_turn_their_frame_by_their_lateness() -> Non
     """Of unequal ones the turn lies between: no frame turns farther than its latest pick."""
     flight, _ = seen_by_rows(RATE, np.zeros(3), Shutter(0.016, "down", False))
     solved = solve(flight)
-    even = readout._turn_until_read(solved, np.full(len(flight.picks.frame), 0.02))
-    assert_close("table value", even, np.tile(0.02 * np.eye(3), (7, 1, 1)))
     late = row_parts(flight)
-    turns = np.linalg.eigvals(readout._turn_until_read(solved, late))
+    even, uneven = readout._turns_until_read(solved, np.stack([np.full_like(late, 0.02), late]))
+    assert_close("table value", even, np.tile(0.02 * np.eye(3), (7, 1, 1)))
+    turns = np.linalg.eigvals(uneven)
     assert (turns.real > late.min()).all() and (turns.real < late.max()).all()
 
 

@@ -24,7 +24,7 @@ from vopd.flight.coordinates import (
     units_of_grid,
 )
 from vopd.flight.equations import LENS_COEFFICIENTS, SHIFT
-from vopd.flight.files import read_by_content
+from vopd.flight.files import coordinate_columns, read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
 from vopd.flight.free import LANDMARK, MOUNT, UNIT, shown_name, stated_value, unit_factor
 from vopd.flight.joint import JointSolution, covariance_by_picks
@@ -231,7 +231,7 @@ def _move_position(changes: Changes, project: Project, joint: JointSolution) -> 
     """Move the place of a camera that stands."""
     section, model = project.section("position"), joint.model
     geodetic = section.has("lat_deg")
-    keys = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
+    keys = coordinate_columns(geodetic)
     crs = section.text("crs") if section.has("crs") else None
     where = f"{section.project}: [position]"
     datum = height_datum(section, project.section("landmarks"))

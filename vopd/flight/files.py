@@ -392,6 +392,11 @@ ENOUGH = ((("frame", "image"), ("frame", "image")), (TIME, (*TIME, "image")))
 """Columns, and those that are not looked for under other names where one of the first is there."""
 
 
+def coordinate_columns(geodetic: bool) -> tuple[str, str, str]:
+    """Name the columns of a position, east before north."""
+    return ("lon_deg", "lat_deg", "h_m") if geodetic else PLANE
+
+
 def plain_name(text: str) -> str:
     """Write the name of a column in lower case, with _ for all that is no letter or digit."""
     return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_")
@@ -639,13 +644,9 @@ class CsvTable:
             raise self.file.error(f"no columns {', '.join(lacking)}{OF_STARS}", 1)
         feet = [one for one in free if IN_FEET.search(plain_name(one))]
         if len(feet) > 1 and {"x_m", "lat_deg"} & {*lacking}:
-            message = (
-                f"no columns {', '.join(lacking)}: {', '.join(feet[:MANY_NAMED])} are feet: state "
-            )
-            message += (
-                "a grid that counts in feet as crs, such as EPSG:2229, or multiply by 0.3048 "
-            )
-            raise self.file.error(f"{message}and call them x_m, y_m", 1)
+            has = f"no columns {', '.join(lacking)}: {', '.join(feet[:MANY_NAMED])} are feet"
+            do = "state a grid that counts in feet as crs, such as EPSG:2229, or multiply by 0.3048"
+            raise self.file.error(f"{has}: {do} and call them x_m, y_m", 1)
         if free:
             near = {name: get_close_matches(name, free[:MANY_WORDS], 1, 0.6) for name in lacking}
             pairs = ", ".join(f'{name} = "{(near[name] or ["..."])[0]}"' for name in lacking)

@@ -937,10 +937,9 @@ def mount_of(section: Section) -> Floats:
     rows = inside.values.get("matrix")
     try:
         matrix = np.array(rows, dtype=np.float64)
-        turn = {type(one) for row in rows or [] for one in row} <= {int, float}
-        turn = (
-            turn and matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6)
-        )
+        numbers = {type(one) for row in rows or [] for one in row} <= {int, float}
+        square = numbers and matrix.shape == (3, 3)
+        turn = square and np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6)
     except (TypeError, ValueError, OverflowError):
         turn = False
     if not turn or np.linalg.det(matrix) < 0.0:

@@ -223,16 +223,17 @@ def _rates_when_shifted(flight: Flight, solved: SolvedFlight) -> tuple[Floats, F
     assert flight.shutter is not None
     path, size = solved.flight.path, len(rates)
     late_s = row_parts(flight) * flight.shutter.readout_s
-    row, column, by_rate, by_change = sums
+    by_rate, by_change = _turns_until_read(solved, np.stack([late_s, late_s**2 / 2.0]))
+    row, column, in_rate, in_change = sums
     every, later = identity(3 * size, format="csr"), np.zeros(3 * size)
     followed, by_turns = every, []
     for weight, now, before, late in (
-        (by_rate, rates, path.turning_rad_s, late_s),
-        (by_change, changes, path.turning_rad_s2, late_s**2 / 2.0),
+        (in_rate, rates, path.turning_rad_s, by_rate),
+        (in_change, changes, path.turning_rad_s2, by_change),
     ):
         sum_of = csr_array((weight, (row, column)), (size, size))
         by_turns.append(kron(sum_of, identity(3)))
-        lateness = block_diag(list(_turn_until_read(solved, late)), format="csr")
+        lateness = block_diag(list(late), format="csr")
         followed = followed + lateness @ by_turns[-1]
         further = np.nan_to_num(now) - (0.0 if before is None else np.nan_to_num(before))
         later += lateness @ further.ravel()
@@ -246,15 +247,15 @@ DAMPING = 0.03  # against turns to and fro from the first frame on, which hardly
 MOST_CONDITION = 1e10  # of a frame's equations; with one landmark it has no attitude
 
 
-def _turn_until_read(solved: SolvedFlight, late: Floats) -> Floats:
-    """Average the lateness of picks as it turns their frames, (F, 3, 3).
+def _turns_until_read(solved: SolvedFlight, late: Floats) -> Floats:
+    """Average the lateness of picks as it turns their frames, (k, F, 3, 3).
 
     A turn of each pick's line by its lateness times a rate, as images see it, turns its frame by
     this matrix times the rate.
 
     Args:
         solved: the flight
-        late: of each pick, (P,)
+        late: of each pick, in k powers, (k, P)
     """
     flight, frames = solved.flight, len(solved.flight.frame)
     taken = np.flatnonzero(solved.used & (solved.attitudes.weight > 0.0))
@@ -262,9 +263,10 @@ def _turn_until_read(solved: SolvedFlight, late: Floats) -> Floats:
     line = np.einsum("pij,pj->pi", solved.attitudes.rotation[frame], solved.lines.direction[taken])
     by_turns = project(flight.lens.of(frame), line).by_turns
     squares = by_turns.swapaxes(1, 2) @ by_turns * solved.attitudes.weight[taken, None, None]
-    normal, own = np.zeros((2, frames, 3, 3))
+    normal, own = np.zeros((frames, 3, 3)), np.zeros((len(late), frames, 3, 3))
     np.add.at(normal, frame, squares)
-    np.add.at(own, frame, squares * late[taken, None, None])
+    for total, one in zip(own, late[:, taken], strict=True):
+        np.add.at(total, frame, squares * one[:, None, None])
     known = np.linalg.cond(normal) < MOST_CONDITION
     normal[~known] = np.eye(3)
     return np.asarray(np.linalg.inv(normal) @ np.where(known[:, None, None], own, 0.0))

@@ -18,7 +18,14 @@ from vopd.flight.coordinates import (
     earth_centred_positions,
     units_of_grid,
 )
-from vopd.flight.files import TIME, InputFile, frames_of_column, has_columns, read_csv
+from vopd.flight.files import (
+    TIME,
+    InputFile,
+    coordinate_columns,
+    frames_of_column,
+    has_columns,
+    read_csv,
+)
 from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import (
@@ -631,7 +638,7 @@ def _above_ground(section: Section) -> str:
 def fixed_path(section: Section, times: FrameTimes, landmarks: Section | None = None) -> PathRead:
     """Read the path of a camera that does not move from `[position]`."""
     geodetic = section.has("lat_deg")
-    keys = ("lon_deg", "lat_deg", "h_m") if geodetic else ("x_m", "y_m", "z_m")
+    keys = coordinate_columns(geodetic)
     coordinate = np.array([[section.number(key) for key in keys]])
     crs = section.text("crs") if section.has("crs") else None
     if crs is None and not geodetic:

@@ -26,6 +26,7 @@ from vopd.flight.files import (
     CsvTable,
     InputFile,
     InputFormat,
+    coordinate_columns,
     has_columns,
     read_csv,
 )
@@ -145,7 +146,7 @@ def coordinates_of(table: CsvTable, geodetic: bool) -> Floats:
     Raises:
         VopdError: where the name of a column has another unit than the grid
     """
-    columns = ("lon_deg", "lat_deg", "h_m") if geodetic else PLANE
+    columns = coordinate_columns(geodetic)
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
     units = [] if geodetic else units_of_grid(table.file.crs, table.file.name)
     for name, unit in zip(PLANE, units, strict=False):
@@ -173,7 +174,7 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
     """Read the landmarks of a CSV."""
     table = read_csv(file, COLUMNS)
     geodetic = has_latitudes(table)
-    table.require(("landmark", *(("lon_deg", "lat_deg", "h_m") if geodetic else PLANE)))
+    table.require(("landmark", *coordinate_columns(geodetic)))
     names = table.column("landmark")
     coordinate = coordinates_of(table, geodetic)
     if geodetic:

@@ -20,6 +20,7 @@ from vopd.flight.files import (
     TIME,
     InputFile,
     InputFormat,
+    coordinate_columns,
     has_columns,
     read_csv,
 )
@@ -126,7 +127,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
     """Read the track of a CSV."""
     table = read_csv(file, COLUMNS)
     geodetic = has_latitudes(table)
-    table.require(("lon_deg", "lat_deg", "h_m") if geodetic else PLANE)
+    table.require(coordinate_columns(geodetic))
     coordinate = coordinates_of(table, geodetic)
     velocity = velocity_sigma = None
     if any(table.has(name) for name in VELOCITY):
