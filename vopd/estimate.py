@@ -63,7 +63,6 @@ class Words:
     centre: str = "principal point"  # what they are counted from
     landmark: str = "its name or number"  # what identifies a landmark
     reading: str = "a measured image coordinate"  # what the reading sigma belongs to
-    repeated: str = "by repeated measurements"  # what it was taken from
     vertical: str = ""  # what the source leaves open about the vertical
     own_position: str = ""  # from where `Position.to_own_m` leads: the end of a sentence
     altitude: str = "above the ellipsoid"  # what altitudes are counted from

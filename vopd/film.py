@@ -759,7 +759,6 @@ DECK_WORDS = Words(
     centre="centre of the frame",
     landmark="its number in group 9",
     reading="a landmark's film coordinate",
-    repeated="by its three readings",
     vertical=(
         "whether group 7's X, Y, Z, and with them these angles, refer to one or the other depends "
         "on the deck's maker, and no card says it"

@@ -214,7 +214,6 @@ SENTENCES = (
     "centre",
     "landmark",
     "reading",
-    "repeated",
     "vertical",
     "own_position",
 )

@@ -25,7 +25,6 @@ CHANCE = 1e-3  # chance that good readings have an outlier as large, below which
 MOST_PAIRS, LEAST_PAIRS = 500_000, 200
 """Pairs times stars that are tried at most, and pairs at least; they are chosen evenly."""
 
-ROUNDS = 20  # how often the set of good stars is solved again at most
 LEAST_VARIANCE = 1e-18
 """Variance of an image coordinate, in focal lengths squared, that rounding alone makes."""
 
@@ -134,7 +133,7 @@ def outliers_of_each(
     lost = np.zeros(problems, bool)
     chance, distance = np.zeros((2, problems, count))
     left = np.arange(problems)
-    for _ in range(ROUNDS):
+    while left.size:  # the good stars only become more
         fits: dict[int, AttitudeFit] = {}
         numbers = good[left].sum(axis=1)
         for number in set(numbers.tolist()):  # as many good stars together
