@@ -210,6 +210,15 @@ def test_all_missing_ones_are_named_at_once_with_the_lines_to_paste(tmp_path: Pa
         flight(tmp_path, ('sigma_m = "exact"\n', ""), ('sigma_t_s = "exact"\n', ""))
 
 
+def test_a_common_error_that_is_stated_is_not_among_the_lines_to_paste(tmp_path: Path) -> None:
+    track = (
+        '[track]\nfile = "track.csv"\nheight = "ellipsoid"\nsigma_m = "exact"\n',
+        '[track]\nfile = "track.csv"\nheight = "ellipsoid"\nsigma_bias_m = 2.0\n',
+    )
+    with refused(VopdError):
+        flight(tmp_path, track)
+
+
 def test_an_empty_cell_without_a_key_is_named_by_its_line(tmp_path: Path) -> None:
     project = write_project(tmp_path, TOML.replace('sigma_m = "exact"\n[track]', "[track]"))
     head, *rows = (tmp_path / "landmarks.csv").read_text().split()
