@@ -522,16 +522,6 @@ def _where_time_begins() -> None:
     assert_approved(said("time", epoch=epoch))
 
 
-@pytest.mark.parametrize(
-    "repeatability_px",
-    [np.nan, 0.4],
-)
-def test_where_the_repeatability_is_from(repeatability_px: float) -> None:
-    one = level_flight()
-    picks = replace(one.picks, repeatability_px=repeatability_px)
-    assert_approved(flight_words(solve(replace(one, picks=picks))).repeated)
-
-
 def test_every_other_sentence_about_a_flight() -> None:
     velocity = CameraPath(CAMERA[None], velocity_m_s=np.array([[9.0, 0, 0]]))
     options = FlightOptions("cauchy")

@@ -23,7 +23,7 @@ from vopd.findings import Finding
 
 FOCAL = 10.4
 PIXELS = Units("m", "px", 1.0, "px", 1.0)
-WORDS = Words(source="flight", reading="a pick", repeated="by points picked several times")
+WORDS = Words(source="flight", reading="a pick")
 ABOUT = About("hand.toml", 1, "a flight by hand", words=WORDS)
 POINTS = np.array([[3.0, 2.0], [-4.0, 1.0], [1.0, -4.0], [2.0, 2.0]])
 NAMES = {7: "church tower", 8: "bridge; north end", 9: "=A1", 10: "<crossing>"}

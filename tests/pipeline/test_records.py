@@ -334,10 +334,9 @@ def test_words_and_units_of_any_source() -> None:
     assert asdict(Words()) == {
         "source": "source", "jobs": True, "attack": True, "no_fixes": "", "surface": "in the image",
         "centre": "principal point", "landmark": "its name or number",
-        "reading": "a measured image coordinate", "repeated": "by repeated measurements",
-        "vertical": "", "altitude": "above the ellipsoid", "own_position": "", "columns": {},
-        "flags": {}, "conventions": {},
-        "sigma_keys": {},
+        "reading": "a measured image coordinate", "vertical": "",
+        "altitude": "above the ellipsoid", "own_position": "", "columns": {}, "flags": {},
+        "conventions": {}, "sigma_keys": {},
     }  # fmt: skip
     assert Units() == ("ft", "mm", 0.3048, "µm", 1000.0)
     assert Units._fields == (

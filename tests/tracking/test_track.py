@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import json
 import re
 import shutil
 import struct
@@ -284,6 +285,33 @@ def test_images_that_cannot_be_read_cost_the_others_nothing(flight: Path) -> Non
     assert_approved(ran.stderr.splitlines()[0])
     found = [row for row in rows(flight / "tracked.csv") if row["frame"] not in ("90", "100")]
     assert found == whole
+    for image in Path("images").iterdir():
+        image.write_bytes(b"\x89PNG")
+    ran = vopd("track", "flight.toml")
+    assert ran.status == 1
+    assert_approved(ran.stderr.splitlines()[-1])
+
+
+def test_a_folder_of_images_is_asked_for_where_clicks_name_images(flight: Path) -> None:
+    change("clicks.csv", "frame,", "image,")
+    change("flight.toml", 'times = "video"', 'times = "times.csv"')
+    times = {row["image"]: float(row["image"]) / 250.0 for row in rows(Path("clicks.csv"))}
+    lines = [f"{image},{t_s}" for image, t_s in times.items()]
+    Path("times.csv").write_text("\n".join(["image,t_s", *lines, ""]), encoding="utf-8")
+    ran = vopd("track", "flight.toml")
+    assert ran.status == 1
+    assert_approved(ran.stderr)
+
+
+def test_a_video_of_several_cameras_is_refused(flight: Path) -> None:
+    matrix = [[300.0, 0.0, 159.5], [0.0, 300.0, 89.5], [0.0, 0.0, 1.0]]
+    lens = {"image_width": SIZE[0], "image_height": SIZE[1], "camera_matrix": matrix}
+    Path("b.json").write_text(json.dumps(lens | {"distortion_coefficients": [0.0] * 5}))
+    Path("lenses.csv").write_text("image,lens\n0,\n1,b.json\n", encoding="utf-8")
+    change("flight.toml", "[camera]\n", '[camera]\nof_images = "lenses.csv"\n')
+    ran = vopd("track", "flight.toml")
+    assert ran.status == 1
+    assert_approved(ran.stderr)
 
 
 def test_images_of_another_size_cost_the_others_nothing(flight: Path) -> None:

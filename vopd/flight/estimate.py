@@ -280,9 +280,6 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         jobs=False,
         landmark="its name",
         reading="a pick's u or v",
-        repeated="by points picked several times"
-        if np.isfinite(flight.picks.repeatability_px)
-        else "as stated in the project",
         attack=flight.path.wind_m_s is not None or not np.array_equal(flight.mount, FORWARD),
         altitude=altitude,
         columns={"altitude_m": altitude},
