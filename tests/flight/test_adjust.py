@@ -87,6 +87,16 @@ def test_the_lens_and_the_residuals_are_as_solved() -> None:
     assert_close("table value", joint.moved_m, own_m)
 
 
+def test_the_flight_as_read_has_the_picks_as_stated() -> None:
+    """Where they are four times worse than stated, and all was solved again with that."""
+    flight = drawn(2, ("focal",), {"clock": 0.08})
+    off_px = np.random.default_rng(0).normal(0.0, 4.0, flight.picks.pixel.shape)
+    noisy = replace(flight, picks=replace(flight.picks, pixel=flight.picks.pixel + off_px))
+    result = adjust(noisy, ["focal"]).result
+    assert result.estimates.joint is not None and result.estimates.joint.passes > 0
+    assert result.read.picks.one_sigma_px == flight.picks.one_sigma_px == 1.0
+
+
 def test_a_project_that_frees_is_that_adjustment() -> None:
     flight = drawn(3, (), {"focal": 4.0}, frames=6)
     free = replace(flight, options=replace(flight.options, free=("focal", "k1")))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import shutil
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved, refused
+from tests.kit.command import ROOT
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import write_project
 from tests.kit.tagged_images import tagged_image
@@ -405,6 +408,44 @@ def test_positions_have_the_sigma_by_which_they_scatter(
     assert run("new", here, "--set", "track.sigma_m=7").status == 0
     again = read_project(here / "flight.toml").sections["track"].values
     assert (again["sigma_m"], again["sigma_bias_m"]) == (7, track["sigma_bias_m"])
+
+
+def test_frames_and_files_of_a_project_are_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A video's by images, images by a video; clicks and landmarks by a list of both."""
+    monkeypatch.chdir(tmp_path)
+    inputs = ROOT / "tests" / "approved" / "inputs"
+    shutil.copytree(inputs / "f12-images", "images")
+    shutil.copy(inputs / "f12-picks" / "gcp_list.txt", ".")
+    assert run("new", "ex").status == 0
+
+    def picks_after(*options: str) -> dict[str, Any]:
+        assert run("new", "v", *options).status == 0
+        own = ("file", "times", "video", "frame_rate_hz")
+        values = tomllib.loads(Path("v/flight.toml").read_text(encoding="utf-8"))["picks"]
+        return {key: value for key, value in values.items() if key in own}
+
+    others = "--landmarks=ex/landmarks.csv", "--track=ex/track.csv", "--lens=ex/lens.json"
+    clicks = {"file": "clicks.csv"}
+    of_images = {"times": "../images", "video": "../images"}
+    of_video = {"times": "video", "video": "../ex/flight.mp4"}
+    assert picks_after("--video", "ex/flight.mp4", *others) == clicks | of_video
+    assert picks_after("--images", "images") == clicks | of_images
+    assert picks_after("--height", "ellipsoid") == clicks | of_images
+    assert picks_after("--video", "ex/flight.mp4") == clicks | of_video
+    (tmp_path / "v" / "clicks.csv").write_text("frame,landmark,u_px,v_px\n0,L1,1,2\n")
+    assert picks_after("--sigma-time", ".02") == clicks | of_video
+    assert picks_after("--gcp", "gcp_list.txt") == {"file": "../gcp_list.txt"} | of_video
+    landmarks = tomllib.loads(Path("v/flight.toml").read_text(encoding="utf-8"))["landmarks"]
+    assert landmarks["file"] == "../gcp_list.txt"
+    for options in (
+        ["--images", "images", "--wind", "ex/wind.csv"],
+        ["--video", "images/F0.JPG", "--video", "images/F1.JPG", "--gcp", "gcp_list.txt"],
+    ):
+        ran = run("new", "ex", *options)
+        assert ran.status == 1
+        assert_approved(ran.stderr)
 
 
 def test_errors_of_several_files_are_told_at_once(

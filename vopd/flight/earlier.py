@@ -93,8 +93,6 @@ def _leave_out(
     gone = sure_keys(answers)
     if ("track", "sigma_m") in said - gone:  # of which a part is each position's own
         gone.add(("track", "sigma_bias_m"))
-    if "lens" in files:
-        gone.add(("camera", "lens"))
     if video or "images" in files:
         gone |= {("picks", key) for key in ("times", "video", "frame_rate_hz")}
         before.files.pop("images", None)
