@@ -164,7 +164,10 @@ def test_the_record_of_a_source_that_failed() -> None:
         source="a", path="in/a.dat", status="failed", error="in/a.dat: why",
         input_sha256="digest", version=__version__, options='{"formats": ["csv"]}',
     )  # fmt: skip
-    assert failed_record(source, given, "why").input_sha256 == ""
+    failed = failed_record(source, given, "why")
+    assert failed.input_sha256 == ""
+    counts = [value for value in vars(failed).values() if isinstance(value, int | float)]
+    assert len(counts) > 8 and not any(counts)
     assert (given.history, given.report) == (HistoryOptions(), "")
 
 

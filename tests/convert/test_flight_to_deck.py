@@ -121,6 +121,24 @@ def test_names_become_numbers_and_a_table_says_which(tmp_path: Path) -> None:
     assert run("punch", path, "-q").stderr == ""
 
 
+@pytest.mark.parametrize("more", [0, 2])
+def test_twelve_of_the_numbers_are_told(more: int, tmp_path: Path) -> None:
+    """Landmarks 1 to 6, and others that no picks show."""
+    path = write_project(tmp_path)
+    every = [*MARKS, *(f"more {k}" for k in range(6 + more))]
+    picks, landmarks = tmp_path / "picks.csv", tmp_path / "landmarks.csv"
+    place = landmarks.read_text().splitlines()[1].partition(",")[2]
+    seen = picks.read_text().splitlines()[1].split(",", 2)
+    for name in every[6:]:
+        with landmarks.open("a") as file, picks.open("a") as other:
+            file.write(f"{name},{place}\n")
+            other.write(f"{seen[0]},{name},{seen[2]}\n")
+    told = run("punch", path).stderr.partition("numbered anew")[2].splitlines()[1:]
+    assert told[:12] == [f"    landmark,{k},{name}" for k, name in enumerate(every, 1)][:12]
+    assert len(told) == (13 if more else 12)
+    assert_approved(told[12:])
+
+
 def test_check_landmarks_are_ignored_in_all_frames(tmp_path: Path) -> None:
     """Group 12 names them, and the solve is that of the flight without them."""
     toml = PLAIN + '[solve]\ncheck_landmarks = ["mast", "well"]\n'

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -69,6 +70,17 @@ def freed(dense: Dense, columns: Floats) -> tuple[float, Floats]:
     inverse = np.linalg.inv(normal * scale[:, None] * scale) * scale[:, None] * scale
     step = inverse[:, len(dense.prior) :] @ right
     return float(right @ step[len(dense.prior) :]), step
+
+
+@pytest.mark.parametrize("freedom", [2, 4, 6])
+def test_evidence_of_a_chance_below_all_numbers(freedom: int) -> None:
+    """Chi-square of 2n degrees exceeds g by exp(-g/2) times n terms of exp(g/2)'s series."""
+    gain = np.array([3000.0, 5000.0])
+    some = solved("least-squares", 8)[2].take(np.arange(2))
+    one = replace(some, freedom=np.full(2, freedom), gain=gain, chance=np.zeros(2))
+    half = gain / 2.0
+    terms = sum(half**k / math.factorial(k) for k in range(freedom // 2))
+    assert_close("tail of chi-square", one.evidence, gain - 2.0 * np.log(terms))
 
 
 def moves(test: LeftOut, k: int, step: Floats, frames: int) -> None:
