@@ -481,9 +481,15 @@ def test_tracks_that_are_not_of_one_camera_that_moves_are_refused(tmp_path: Path
     path.write_text(toml)
     head, last = rows.rstrip("\n").rsplit("\n", 1)
     cells = last.split(",")
-    tracked.write_text("\n".join([head, ",".join([*cells[:2], "-99999.5", *cells[3:]]), ""]))
+
+    def with_last_at(u_px: str) -> str:
+        return "\n".join([head, ",".join([*cells[:2], u_px, *cells[3:]]), ""])
+
+    tracked.write_text(with_last_at("-19200.5"))  # ten widths of the image
     with refused(VopdError):
         solve_flight(path)
+    tracked.write_text(with_last_at("-19199.5"))
+    assert read_flight(str(path)).picks.pixel[-1, 0] == -19199.5
     tracked.write_text(rows)
     (tmp_path / "lenses.csv").write_text("frame,lens\n0,a.json\n1,b.json\n")
     for name in "ab":
