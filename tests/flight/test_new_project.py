@@ -436,7 +436,11 @@ def test_frames_and_files_of_a_project_are_replaced(
     assert picks_after("--video", "ex/flight.mp4") == clicks | of_video
     (tmp_path / "v" / "clicks.csv").write_text("frame,landmark,u_px,v_px\n0,L1,1,2\n")
     assert picks_after("--sigma-time", ".02") == clicks | of_video
-    assert picks_after("--gcp", "gcp_list.txt") == {"file": "../gcp_list.txt"} | of_video
+    ran = run("new", "v", "--gcp", "gcp_list.txt")  # of images, which a video does not have
+    assert ran.status == 1
+    assert_approved(ran.stderr)
+    both = "--gcp", "gcp_list.txt", "--images", "images"
+    assert picks_after(*both) == {"file": "../gcp_list.txt"} | of_images
     landmarks = tomllib.loads(Path("v/flight.toml").read_text(encoding="utf-8"))["landmarks"]
     assert landmarks["file"] == "../gcp_list.txt"
     for options in (

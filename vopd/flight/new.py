@@ -25,6 +25,7 @@ from vopd.flight.files import (
     InputFormat,
     open_input,
     read_by_content,
+    shown,
 )
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
@@ -279,11 +280,19 @@ def look_at_picks(
 
     Returns:
         Whether the frames have numbers and not names.
+
+    Raises:
+        VopdError: where the frames of a video have names
     """
     if name is None:
         _missing(new, "picks", "a CSV with frame,landmark,u_px,v_px, or another format")
         return True
     file, rows = _read(new, values, folder, "picks", name, PICK_FORMATS)
+    if of_video and isinstance(rows.frame, Names):
+        raise file.error(
+            f"it names images ({shown(rows.frame[0])}), which have no place in a video: give their "
+            "folder as --images in the place of --video, or the numbers of the video's frames"
+        )
     if rows.grid is None:
         new.needed["picks", "pixel_grid"] = "the file does not say it"
     if isinstance(rows.size_px, tuple) and ("camera", "image_size_px") not in values:
