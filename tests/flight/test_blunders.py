@@ -101,6 +101,24 @@ def test_a_gross_pick_turns_its_own_frame_alone(flight: Flight) -> None:
     assert named.history().flags.raised["misfit"].tolist() == [False, False, False, True, False]
 
 
+@pytest.mark.parametrize("wrong_m", [0.0, 30.0])
+def test_a_last_frame_of_a_check_landmark_alone_costs_no_other(
+    flight: Flight, wrong_m: float
+) -> None:
+    check = MARKS.index("corner")
+    before = flight.picks
+    kept = (before.frame < FRAMES - 1) | (before.landmark == check)
+    own = {name: getattr(before, name)[kept] for name in ("frame", "landmark", "pixel", "sigma_px")}
+    picks = replace(before, **own)
+    marks = replace(flight.landmarks, used=tuple(k != check for k in range(COUNT)))
+    one = moved(replace(flight, picks=picks, landmarks=marks), TOWER, (wrong_m, 0.0, 0.0))
+    result = solve_flight_read(dropping(one))
+    assert np.isnan(result.camera_deg[-1]).all()
+    truth = truth_deg()[:-1] % 360.0 - [0, 360, 0]
+    assert np.abs(result.camera_deg[:-1] - truth).max() < within("angle of an example")
+    assert any("tower" in said for said in messages(result)) == (wrong_m > 0.0)
+
+
 def test_three_picks_of_a_frame_stay(flight: Flight) -> None:
     """Four gross picks of six: three at most are dropped."""
     away = {k: (100.0 * (-1) ** k, 70.0 * k) for k in (12, 13, 15, 16)}

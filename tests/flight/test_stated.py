@@ -92,8 +92,8 @@ def test_velocities_have_columns_of_their_own() -> None:
 
 
 def test_dilutions_of_gpx_are_times_3_m_and_5_m_upward() -> None:
-    """hdop .8 and vdop 1.2; pdop 2 for both; none."""
-    points = ("<hdop>0.8</hdop><vdop>1.2</vdop>", "<pdop>2</pdop>", "")
+    """hdop .8 and vdop 1.2; pdop 2 for both; none; one that is none."""
+    points = ("<hdop>0.8</hdop><vdop>1.2</vdop>", "<pdop>2</pdop>", "", "<pdop>-1</pdop>")
     body = "".join(
         f'<trkpt lat="1" lon="2"><ele>3</ele><time>2026-05-01T00:00:0{k}Z</time>{one}</trkpt>'
         for k, one in enumerate(points)
@@ -101,7 +101,7 @@ def test_dilutions_of_gpx_are_times_3_m_and_5_m_upward() -> None:
     head = '<gpx version="1.1" creator="x" xmlns="http://www.topografix.com/GPX/1/1">'
     rows = read_text(TRACK_FORMATS, "t.gpx", f"{head}<trk><trkseg>{body}</trkseg></trk></gpx>")
     assert_close("table value", rows.sigma_m[:2], [[2.4, 2.4, 6.0], [6.0, 6.0, 10.0]])
-    assert np.isnan(rows.sigma_m[2]).all()
+    assert np.isnan(rows.sigma_m[2:]).all()
 
 
 def test_accuracies_of_geo_txt_are_above_0() -> None:
