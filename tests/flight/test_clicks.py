@@ -401,6 +401,20 @@ def test_sigmas_that_no_pick_has_are_told_of_a_tracked_file_and_its_project(tmp_
     assert_approved([one for one in told if "sigma_px" in one])
 
 
+def test_a_folder_in_the_folder_of_the_images_changes_nothing(tmp_path: Path) -> None:
+    path, images = clicked_project(tmp_path), tmp_path / "images"
+    path.write_text(path.read_text().replace(KEYS, KEYS + 'video = "images"\n'))
+    images.mkdir()
+    (images / "a.png").write_bytes(b"1")
+    project = read_project(str(path))
+    before = track_digests(project)
+    (images / "b").mkdir()
+    assert track_digests(project) == before
+    (images / "b.png").write_bytes(b"1")
+    after = track_digests(project)
+    assert {key for key in after if after[key] != before[key]} == {"video"}
+
+
 def test_clicks_that_were_not_tracked_are_told_of_the_tracked_flight(tmp_path: Path) -> None:
     """The church is clicked twice, far apart, and one click is of a name that is not known."""
     path = clicked_project(tmp_path)

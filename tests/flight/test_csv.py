@@ -313,6 +313,8 @@ def test_two_heights_of_two_levels_are_asked_for(tmp_path: Path) -> None:
         ("landmarks", "name,lat,Laenge,Hoehe\na,1,2,3\n"),
         ("track", "t_s,x,Hochwert,Hoehe\n1,2,3,4\n"),
         ("picks", "frame,mark it,u,down\n1,a,2,3\n"),
+        ("picks", "frame,star,x_mm,y_mm\n1,a,2,3\n"),
+        ("picks", "frame,star,u_px,v_px,ra_deg,dec_deg\n1,a,2,3,4,5\n"),
     ],
 )
 def test_all_missing_columns_are_named_at_once(kind: str, text: str, tmp_path: Path) -> None:
@@ -397,6 +399,16 @@ def test_times_and_images_of_a_track(
     assert rows.coordinate.tolist() == [[3.0, 2.0, 4.0]] and rows.geodetic
     assert rows.sigma_m.tolist() == [[0.5] * 3] and [*rows.line] == [2]
     assert rows.said == "CSV, 1 position" and rows.velocity_m_s is None
+
+
+@pytest.mark.parametrize("cell", ["1777636801500", "1777636801.5"])
+def test_times_since_1970_in_a_column_of_another_name(cell: str, tmp_path: Path) -> None:
+    """By their size they are milliseconds, or seconds; NOON is 1777636800 s."""
+    rows = read(tmp_path, "track", f"time,lat_deg,lon_deg,h_m\n{cell},2,3,4\n")
+    assert NOON == 1777636800.0
+    assert rows.time_s is not None and rows.time_s.tolist() == [NOON + 1.5]
+    assert rows.clock == "utc-column"
+    assert_approved(rows.said)
 
 
 def test_sigmas_of_a_drone_s_marks_are_east_north_up(tmp_path: Path) -> None:

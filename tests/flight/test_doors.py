@@ -269,6 +269,21 @@ def test_damaged_variables_of_matlab(name: str) -> None:
         read_variables(HEAD + DAMAGED[name], ["x"])
 
 
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [
+        (element(14, b""), []),
+        (variable(4, (1, 2), element(4, "h\u00fc".encode("utf-16-le"))), "h\u00fc"),
+        (variable(4, (1, 2), element(16, "\u00fc".encode())), "\u00fc"),
+    ],
+    ids=["empty", "text of codes", "text in UTF-8"],
+)
+def test_cells_of_matlab_that_are_empty_or_texts(content: bytes, found: object) -> None:
+    """An older MATLAB writes the codes of letters, and an empty cell has no parts at all."""
+    (cell,) = read_variables(HEAD + variable(1, (1, 1), content), ["x"])["x"]
+    assert (cell if isinstance(cell, str) else cell.tolist()) == found
+
+
 def test_cells_of_matlab_stand_in_each_other_twenty_deep() -> None:
     found = read_variables(HEAD + cells(19), ["x"])["x"]
     for _ in range(20):

@@ -57,10 +57,29 @@ def test_a_text_is_read_twenty_thousand_characters_at_a_time_to_the_end_of_a_lin
 def test_the_first_byte_that_is_not_utf_8_is_named(
     mark: bytes, before: int, tmp_path: Path
 ) -> None:
-    """Counted from 0, behind the mark."""
+    """Counted from 0, the first of the file."""
     (tmp_path / "a").write_bytes(mark + b"x" * before + b"\xc3(" + b"y" * 9000)
     said = told(lambda: open_input("a", tmp_path).text)
-    assert_approved(said, parts=[before])
+    assert_approved(said, parts=[len(mark) + before])
+
+
+@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
+@pytest.mark.parametrize("at", [1 << 20, (1 << 20) + 5, (1 << 21) - 1])
+def test_a_text_that_ends_within_a_letter(mark: bytes, at: int, tmp_path: Path) -> None:
+    """Bytes are counted over the blocks that are read, and the half letter is the first wrong."""
+    (tmp_path / "a").write_bytes(mark + b"x" * at + b"\xe2\x82")
+    said = told(lambda: open_input("a", tmp_path).text)
+    assert_approved(said, parts=[len(mark) + at])
+
+
+def test_files_that_are_too_large_are_not_read(tmp_path: Path) -> None:
+    own = InputFile("a", tmp_path / "a")
+    with own.path.open("wb") as file:
+        file.truncate(400_000_001)
+    assert_approved(told(lambda: own.text))
+    with own.path.open("wb") as file:
+        file.truncate(1_000_001)
+    assert_approved(told(own.matlab))
 
 
 def test_a_folder_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

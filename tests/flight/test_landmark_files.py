@@ -125,6 +125,7 @@ def collection(*features: dict[str, Any]) -> str:
         feature(5, -90.5, 3),
         feature(1, 2, 3, properties=None),
         feature(1, 2, 3, properties={"title": "x"}),
+        feature(5, 45, 10**400),
     ],
 )  # fmt: skip
 def test_features_that_are_refused(second: dict[str, Any]) -> None:
@@ -343,3 +344,25 @@ def test_a_mapped_column_says_its_unit() -> None:
     for crs, columns in ((FEET, {"x_m": "a", "y_m": "b", "z_m": "c"}), ("EPSG:32611", mapped)):
         with refused(VopdError):
             on_grid(crs, "landmark,a,b,c", columns)
+
+
+# Patches, and the rows of CIRN
+
+
+def test_sides_of_patches() -> None:
+    """An empty cell leaves the side to the tracker."""
+    rows = read("landmark,lat_deg,lon_deg,h_m,patch_px\na,1,2,3,7\nb,1,2,3,\nc,1,2,3,101\n")
+    assert np.array_equal(rows.patch_px, [7.0, np.nan, 101.0], equal_nan=True)
+    assert read("landmark,lat_deg,lon_deg,h_m\na,1,2,3\n").patch_px is None
+
+
+@pytest.mark.parametrize("side", ["6", "102", "9.5"])
+def test_sides_of_patches_that_are_refused(side: str) -> None:
+    assert_approved(told(f"landmark,lat_deg,lon_deg,h_m,patch_px\na,1,2,3,\nb,1,2,3,{side}\n"))
+
+
+def test_rows_of_cirn_may_have_blank_lines_between() -> None:
+    rows = read("1.000000,9.5,8.5,7.5\n\n \n12.000000,1,2,3\n")
+    assert rows.name == ["1", "12"] and [*rows.line] == [1, 4]
+    assert rows.coordinate.tolist() == [[9.5, 8.5, 7.5], [1.0, 2.0, 3.0]]
+    assert_approved(told("1.000000,9.5,8.5,7.5\n\n12.500000,1,2,3\n"))

@@ -18,7 +18,7 @@ from vopd.flight import read as read_module
 from vopd.flight.files import InputFile, open_input, read_by_content
 from vopd.flight.flight import FrameSlots
 from vopd.flight.formats.lens import LensRead, make_lens
-from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows
+from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows, clicks_of
 from vopd.flight.project import Project, Section
 from vopd.flight.read import CameraLens, join_picks, read_pick_rows
 
@@ -309,6 +309,13 @@ def test_points_of_cvat_videos() -> None:
     sizes = read(cvat(image("a"), image("b", width=41), image("c", height=31))).size_px
     assert sizes == {"a": (40, 30), "b": (41, 30), "c": (40, 31)}
     assert np.isnan(rows.sigma_px).all() and rows.sigma_px.shape == (3,)
+
+
+def test_points_between_key_frames_are_no_clicks() -> None:
+    """CVAT marks with keyframe 0 what it has interpolated; pixels are from the first's centre."""
+    states = ((4, 'keyframe="1"'), (5, 'keyframe="0"'), (6, ""))
+    clicks = clicks_of(read(cvat(track(*states))))
+    assert clicks == [("4", "well", 4.0, 1.5), ("6", "well", 6.0, 1.5)]
 
 
 @pytest.mark.parametrize(

@@ -144,6 +144,11 @@ def test_geo_txt_that_is_refused(line: str) -> None:
     assert_approved(told(f"EPSG:4326\n\n{line}\n"))
 
 
+def test_words_behind_the_angles_of_a_geo_txt_are_no_accuracies() -> None:
+    rows = read("EPSG:4326\nA.JPG 1 2 3 4 5 6 north wall\nB.JPG 1 2 3 4 5 6 0.1 wall\n")
+    assert rows.sigma_m is None and rows.coordinate.tolist() == [[1.0, 2.0, 3.0]] * 2
+
+
 def test_geo_txt_with_a_text_for_a_number() -> None:
     assert_approved(told("EPSG:4326\n\nA.JPG 1 x 3\n"))
 

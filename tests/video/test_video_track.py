@@ -40,11 +40,11 @@ def gps5(rows: list[tuple[float, float, float]], fix: int = 3, dilution: int = 2
     )
 
 
-def gps9(rows: list[tuple[float, float, int]]) -> bytes:
+def gps9(rows: list[tuple[float, float, int]], day: int = 9_000) -> bytes:
     """Latitude, seconds of a day, and the fix; at 15 east, 300 m, with a dilution of 2."""
     scale = 10**7, 10**7, 1000, 1000, 100, 1, 1000, 100, 1
     content = b"".join(
-        struct.pack(">7l2H", round(a * 1e7), 15 * 10**7, 300_000, 0, 0, 9_000,
+        struct.pack(">7l2H", round(a * 1e7), 15 * 10**7, 300_000, 0, 0, day,
                     round(s * 1e3), 200, fix)
         for a, s, fix in rows
     )  # fmt: skip
@@ -89,6 +89,17 @@ def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
     assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5])
     assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.1])
     assert_approved(rows.said)
+
+
+def test_a_packet_that_is_cut_short_has_what_is_whole_in_it(tmp_path: Path) -> None:
+    whole, cut = gps5([(47.1, 15.2, 400.5)]), gps5([(47.2, 15.3, 401.0)])[:-4]
+    rows = read(write_gpmf(tmp_path / "a.mp4", [(0, whole + cut), (1000, whole[:-4])]))
+    assert_close("place or time as a file has it", rows.coordinate, [[15.2, 47.1, 400.5]])
+
+
+def test_a_day_beyond_the_calendar_is_no_date(tmp_path: Path) -> None:
+    packets = [(0, gps9([(47.0, 0.2, 3), (47.1, 0.7, 3)], day=2**31 - 1))]
+    assert_approved(read(write_gpmf(tmp_path / "a.mp4", packets)).said)
 
 
 @pytest.mark.parametrize("is_first", [True, False])

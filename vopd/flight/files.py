@@ -142,7 +142,7 @@ class InputFile:
                         raise self.error("not a text file: it has null characters")
                     yield chunk + text.readline(LONGEST_LINE)
         except UnicodeDecodeError as error:
-            at = _first_wrong_byte(self.path, error)
+            at = _first_wrong_byte(self.path)
             raise self.error(not_utf8(self._first_bytes, at)) from error
 
     def refuse_folder(self) -> None:
@@ -223,26 +223,22 @@ def open_input(
         file = InputFile(name, path, columns=columns, crs=crs, clock=clock)
         _ = file.head
         return file
-    except ValueError as error:  # a name that no file can have
-        raise VopdError(f"{name!r}: {reason(error)}") from error
     except OSError as error:
         raise VopdError(f"{name}: {error.strerror} (paths are relative to {folder})") from error
 
 
-def _first_wrong_byte(path: Path, error: UnicodeDecodeError) -> int:
-    """Find the byte that is not UTF-8; the error counts from somewhere in the file."""
-    decoder, at = codecs.getincrementaldecoder(ENCODING)(), 0
-    try:
-        with path.open("rb") as file:
-            while block := file.read(1 << 20):
-                kept = len(decoder.getstate()[0])
-                decoder.decode(block)
-                at += len(block)
+def _first_wrong_byte(path: Path) -> int:
+    """Find the byte that is not UTF-8, from 0, the first of the file, on."""
+    decoder, at = codecs.getincrementaldecoder("utf-8")(), 0
+    with path.open("rb") as file:
+        for block in chain(iter(lambda: file.read(1 << 20), b""), [b""]):
             kept = len(decoder.getstate()[0])
-            decoder.decode(b"", final=True)
-    except UnicodeDecodeError as found:
-        return at - kept + found.start
-    return error.start
+            try:
+                decoder.decode(block, final=not block)
+            except UnicodeDecodeError as error:
+                return at - kept + error.start
+            at += len(block)
+    return at
 
 
 class InputFormat(NamedTuple, Generic[R]):

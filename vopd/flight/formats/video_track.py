@@ -19,7 +19,7 @@ from vopd.findings import count_text
 from vopd.flight.files import InputFile
 from vopd.flight.formats.track import TrackRows, sigma_of_dilution_m
 from vopd.flight.image_tags import DILUTION_SAID
-from vopd.inputs import plain_number, whole_number
+from vopd.inputs import LAST_S, plain_number, whole_number
 from vopd.video import payloads
 
 # GPMF: a packet of data a second or so, in which each sensor has a stream of keys and values.
@@ -91,8 +91,9 @@ def _track(kind: Gps, table: Floats, count: int) -> TrackRows:
     if np.isfinite(own_s).all() and (np.diff(own_s) > 0.0).all():
         ahead_s = float(np.median(own_s - time_s))
         time_s = own_s - ahead_s
-        if ahead_s > 1e8:
-            said += f", UTC of the first frame about {_date(ahead_s)}"
+        if 1e8 < ahead_s < LAST_S - DAY_ZERO.timestamp():
+            first = DAY_ZERO + timedelta(seconds=round(ahead_s))
+            said += f", UTC of the first frame about {first:%Y-%m-%dT%H:%M:%SZ}"
     later = np.append(True, np.diff(time_s) > 0.0)
     sigma: Floats = table[:, [5, 5, 6]]
     if kind.sigma is None:
@@ -109,13 +110,6 @@ def _track(kind: Gps, table: Floats, count: int) -> TrackRows:
         sigma_by=DILUTION_SAID if kind.sigma is None else "the receiver",
         by_video=True,
     )
-
-
-def _date(after_2000_s: float) -> str:
-    try:
-        return f"{DAY_ZERO + timedelta(seconds=round(after_2000_s)):%Y-%m-%dT%H:%M:%SZ}"
-    except OverflowError:
-        return "unknown"
 
 
 Stream = dict[bytes, tuple[str, int, int, bytes]]
