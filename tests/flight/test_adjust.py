@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import vopd
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd as command
 from tests.kit.dense_minimum import NAMES, dense_minimum, drawn, freed_problem
 from tests.kit.flight_project import write_project
@@ -17,10 +18,12 @@ from tests.kit.joint_flights import FOCAL, Dense, drone, flight_of
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, Parameter, adjust
+from vopd.flight.adjusted_table import as_text
 from vopd.flight.equations import Priors
-from vopd.flight.flight import CameraPath, FlightOptions
+from vopd.flight.flight import CameraPath, Flight, FlightOptions
 from vopd.flight.free import names_of
 from vopd.flight.result import solve_flight_read
+from vopd.geometry.lenses import Lens, LensKind
 
 
 def by_name(made: Adjustment) -> dict[str, Parameter]:
@@ -174,6 +177,76 @@ def test_a_clock_that_moves_nothing_is_refused() -> None:
     for name in ("clock", "clock-rate"):
         with pytest.raises(VopdError, match=f"leave {name} out"):
             adjust(still, [name])
+
+
+def picked(flight: Flight, kept: Any) -> Flight:
+    """The flight with some of its picks."""
+    names = ("frame", "landmark", "pixel", "sigma_px")
+    own = {name: getattr(flight.picks, name)[kept] for name in names}
+    return replace(flight, picks=replace(flight.picks, **own))
+
+
+def of_landmark_0_alone(flight: Flight) -> Flight:
+    """The flight whose first landmark is picked in the first frame, and no other there."""
+    frame, landmark = flight.picks.frame, flight.picks.landmark
+    return picked(flight, (landmark == 0) == (frame == 0))
+
+
+def refusals() -> dict[str, tuple[Flight, str]]:
+    """Flights that lack what is to be free, by what they lack."""
+    flight = drawn(9, (), {}, mark_m=0.3)
+    lens, marks = flight.lens, flight.landmarks
+    fisheye = Lens(LensKind.FISHEYE, lens.size_px, lens.focal_px, lens.centre_px, np.zeros(4))
+    table = np.array([[0.0, 0.0], [1.0, 1500.0]])
+    radial = Lens(
+        LensKind.RADIAL_TABLE, lens.size_px, lens.focal_px, lens.centre_px, np.zeros(0), table=table
+    )
+    still = CameraPath(flight.path.position_m[[0] * 12], bias_sigma_m=np.full(3, 1.0))
+    fixed = replace(flight.options, solve_position=False)
+    used = tuple(k > 0 for k in range(len(marks.name)))
+    first = f"landmark:{marks.name[0]}"
+    return {
+        "fisheye": (replace(flight, lens=fisheye), "p1p2"),
+        "table": (replace(flight, lens=radial), "k1"),
+        "stands": (replace(flight, path=still), "track-offset"),
+        "fixed": (replace(flight, options=fixed), "landmarks"),
+        "check": (replace(flight, landmarks=replace(marks, used=used)), first),
+        "never": (picked(flight, flight.picks.landmark != 0), first),
+        "alone": (of_landmark_0_alone(flight), first),
+    }
+
+
+@pytest.mark.parametrize("lack", ["fisheye", "table", "stands", "fixed", "check", "never", "alone"])
+def test_what_a_flight_does_not_have_is_not_free(lack: str) -> None:
+    flight, name = refusals()[lack]
+    with refused(VopdError):
+        adjust(flight, [name])
+
+
+def test_landmarks_that_take_no_part_and_exact_heights_have_no_row() -> None:
+    """The first one is alone in the first frame; the second one's height is exact."""
+    flight = of_landmark_0_alone(drawn(9, (), {}, mark_m=0.3))
+    marks = flight.landmarks
+    sigma_m = marks.sigma_m.copy()
+    sigma_m[1, 2] = 0.0
+    uncertain = replace(flight, landmarks=replace(marks, sigma_m=sigma_m))
+    rows = by_name(adjust(uncertain, ["landmarks"]))
+    axes = ("east", "north", "up")
+    wanted = {f"landmark:{name} {axis}" for name in marks.name[1:] for axis in axes}
+    assert set(rows) == wanted - {f"landmark:{marks.name[1]} up"}
+
+
+def test_an_adjustment_draws_the_flight_as_it_is_solved() -> None:
+    made = adjust(drawn(3, (), {"focal": 4.0}, frames=6), ["focal"])
+    for name in ("attitude", "residuals"):
+        own, other = made.plot(name), made.result.plot(name)
+        assert [one.get_ylabel() for one in own.axes] == [one.get_ylabel() for one in other.axes]
+    assert made.plot().axes[0].get_ylabel() == made.plot("attitude").axes[0].get_ylabel()
+
+
+def test_parameters_that_are_hardly_correlated_are_told_as_such() -> None:
+    made = adjust(drawn(3, (), {"focal": 4.0}, frames=6), ["focal"])
+    assert_approved(as_text(made, correlations=True).splitlines()[-1])
 
 
 def test_the_library_takes_a_project() -> None:

@@ -24,6 +24,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.cli.new import write_project
 from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, adjust
+from vopd.flight.adjusted import digests
 from vopd.flight.adjusted_project import (
     adjusted_project,
     opencv_text,
@@ -226,6 +227,48 @@ def test_changed_files_are_refused(copied: Path, name: str) -> None:
         solve_flight(copied / "flight.toml")
 
 
+def test_a_file_that_is_new_is_refused(copied: Path) -> None:
+    file = copied / "flight.toml"
+    (copied / "times.csv").write_text("frame,t_s\n0,1\n", encoding="utf-8")
+    text = file.read_text(encoding="utf-8")
+    file.write_text(re.sub("(?m)^frame_rate_hz.*$", 'times = "times.csv"', text), encoding="utf-8")
+    with refused():
+        solve_flight(file)
+
+
+def test_of_the_images_of_a_folder_names_sizes_and_tags_count(tmp_path: Path) -> None:
+    """Those of drones have some megabytes each: what is behind the tags is not read."""
+
+    def digest(name: str, content: bytes) -> str:
+        folder = tmp_path / f"{len([*tmp_path.iterdir()])}"
+        (folder / "inside").mkdir(parents=True)
+        (folder / name).write_bytes(content)
+        return digests({"[track] file": folder})["[track] file"]
+
+    first = digest("a.jpg", b"tags" + bytes(70_000))
+    assert digest("a.jpg", b"tags" + bytes(69_999) + b"1") == first
+    others = [("b.jpg", b"tags" + bytes(70_000)), ("a.jpg", b"tags" + bytes(70_001)),
+              ("a.jpg", b"tagS" + bytes(70_000))]  # fmt: skip
+    assert first not in [digest(*one) for one in others]
+
+
+def test_a_lens_with_a_skew_is_written_as_a_table(tmp_path: Path) -> None:
+    """As OpenCV has none like it."""
+    source = tmp_path / "source"
+    source.mkdir()
+    write_flight(source, EXACT, np.random.default_rng(1))
+    file = source / "flight.toml"
+    text = file.read_text(encoding="utf-8")
+    assert "[camera.lens]\n" in text
+    file.write_text(text.replace("[camera.lens]\n", "[camera.lens]\nskew_px = 2.5\n"), "utf-8")
+    both = again(tmp_path, file, "focal", "k1")
+    lens = both.again.flight.lens
+    assert isinstance(lens, Lens) and lens.skew_px == 2.5
+    assert_close("flight pixel", lens.focal_px, both.joint.result.flight.lens.focal_px)
+    assert_close("table value", lens.k, both.joint.result.flight.lens.k)
+    assert_alike(both)
+
+
 def test_another_offset_of_the_clock_is_refused(copied: Path) -> None:
     file = copied / "flight.toml"
     text = file.read_text(encoding="utf-8")
@@ -334,6 +377,9 @@ def crooked(values: dict[str, Any]) -> None:
         put("values", 0, value=1500.0),
         put("sigma_px", value=1e-300),
         put("reading_sigma_px", value=1e-300),
+        put("covariance", 0, value=[1.0, 2.0]),
+        put("covariance", 0, value="row"),
+        put("sha256", "[wind] file", value="0" * 64),
     ],
 )
 def test_a_damaged_covariance_file_is_refused(

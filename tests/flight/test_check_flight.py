@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, long_track, marks_m, write_project
 from tests.tolerances import assert_close
@@ -26,6 +26,7 @@ from vopd.flight.flight import Flight
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of, read_flight
 from vopd.flight.result import solve_flight_read
+from vopd.flight.scene import photograph
 from vopd.flight.solve import SolvedFlight
 from vopd.geometry.earth import earth_centred_m, geodetic
 
@@ -241,6 +242,24 @@ def test_numbers_that_are_missing_in_a_folder_of_images(tmp_path: Path) -> None:
     for number in range(20, 23):
         (folder / f"frame_{number:04}.png").write_bytes(b"")
     assert not [*messages_of_files(replace(one, video=(folder,)))]
+
+
+def test_images_that_are_not_there_or_named_otherwise(tmp_path: Path) -> None:
+    """A folder without an image; one with other names; and all that are picked beside another."""
+    one, folder = flight(tmp_path), tmp_path / "frames"
+    folder.mkdir()
+    named = tuple(f"{k}.png" for k in range(5))
+    own = replace(one, video=(folder,), image_name=named)
+    (found,) = messages_of_files(own)
+    assert_approved(found.removeprefix(f"{folder}"))
+    for name in ("x.png", "y.png"):
+        (folder / name).write_bytes(b"")
+    assert_approved([*messages_of_files(own)])
+    with refused(VopdError, parts=[folder]):
+        photograph(own, 0, "0.png")
+    for name in named:
+        (folder / name).write_bytes(b"")
+    assert not [*messages_of_files(own)]
 
 
 def test_picks_outside_the_image_are_counted_and_the_first_is_named(tmp_path: Path) -> None:

@@ -69,6 +69,10 @@ def test_systems_with_heights_of_their_own() -> None:
         assert_approved(told([16.0, 80.0, 0.0], crs=crs, height=None))
 
 
+def test_longitudes_beyond_a_turn() -> None:
+    assert_approved(told([16.0, 47.0, 300.0], [-360.5, 47.0, 300.0]))
+
+
 def test_latitudes_beyond_the_poles() -> None:
     poles = positions([0.0, 90.0, 0.0], [0.0, -90.0, 0.0])
     assert_close("flight position", poles[:, 2], [6356752.314245, -6356752.314245])
@@ -208,6 +212,9 @@ def test_the_grid_of_a_place_is_named_also_where_proj_names_none() -> None:
     found = _missing_grids("No operation matches", vertical, "EPSG:4979", america)
     assert found and found[0].startswith("us_noaa_")
     assert _missing_grids("No operation matches", vertical, "EPSG:4979", europe) == []
+    nowhere = np.array([[1e9, 1e9, 10.0]])
+    grid = pyproj.CRS("EPSG:32618+5703")
+    assert _missing_grids("No operation matches", grid, "EPSG:4979", nowhere) == []
 
 
 def test_an_area_of_use_has_a_margin() -> None:

@@ -317,6 +317,18 @@ def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
         read_tags(tmp_path / "e.png")
 
 
+def test_images_of_another_kind_than_their_suffix_says(tmp_path: Path) -> None:
+    """Of a PNG all pixels are decoded for its tags: one of more than 20 megapixels is not read."""
+    for name, size in (("small", (64, 48)), ("large", (5000, 4001))):
+        Image.new("1", size).save(tmp_path / f"{name}.jpg", format="PNG")
+    tags = read_tags(tmp_path / "small.jpg")
+    assert tags.size_px == (64, 48) and not tags.is_placed and not tags.damage
+    with refused(VopdError):
+        read_tags(tmp_path / "large.jpg")
+    with refused(VopdError):
+        read_tags(tmp_path / "a\0.jpg")
+
+
 def test_angles_by_zero_are_no_position(tmp_path: Path) -> None:
     exif = Image.Exif()
     exif[0x8825] = {1: "N", 2: (Rational(1, 1), Rational(1, 1)), 3: "E", 4: (1.0, 2.0, 3.0)}

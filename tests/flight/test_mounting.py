@@ -17,6 +17,7 @@ from vopd.flight.adjust import Adjustment, adjust
 from vopd.flight.adjusted_project import adjusted_project
 from vopd.flight.check_flight import check_flight
 from vopd.flight.project import read_project
+from vopd.flight.read import read_flight
 from vopd.flight.result import solve_flight
 
 PLAN = Plan(Errors(0.3), frames=20, landmarks=6, sigma_px=True, frame_hz=5.0, jitter_deg=0.0)
@@ -150,3 +151,25 @@ def test_attitudes_that_are_of_no_frame_or_twice_of_one(by: str, rows: str, tmp_
     (tmp_path / "ins.csv").write_text(f"{by},yaw_deg,pitch_deg,roll_deg\n{rows}")
     with refused(VopdError):
         adjust(tmp_path / "flight.toml", ["mount"])
+
+
+def test_attitudes_with_sigmas_of_their_own(tmp_path: Path) -> None:
+    """Half of them are known ten times as well; an empty cell has that of the project."""
+    write(tmp_path, [1.0, -2.0, 3.0], "frame,second", np.random.default_rng(1))
+    rows = tmp_path / "ins.csv"
+    head, *lines = rows.read_text(encoding="utf-8").splitlines()
+    lines = [f"{one},{'0.03' if k % 2 else ''}" for k, one in enumerate(lines)]
+    rows.write_text("\n".join([f"{head},sigma_deg", *lines, ""]), encoding="utf-8")
+    read = read_flight(str(tmp_path / "flight.toml")).vehicle
+    assert read is not None
+    assert_close("ratio", np.degrees(read.sigma_rad), [SENSOR_DEG, 0.03] * 10)
+
+
+def test_attitudes_are_in_order_of_their_times(tmp_path: Path) -> None:
+    write(tmp_path, [1.0, -2.0, 3.0], "row,t_s", np.random.default_rng(1))
+    rows = tmp_path / "ins.csv"
+    lines = rows.read_text(encoding="utf-8").splitlines()
+    lines[3:5] = lines[4:2:-1]
+    rows.write_text("\n".join(lines), encoding="utf-8")
+    with refused(VopdError):
+        read_flight(str(tmp_path / "flight.toml"))

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import vopd
 from tests.approved.texts import assert_approved, refused
@@ -315,6 +316,38 @@ def test_what_a_track_by_time_asks_of_frames(
     assert ([*needs(new)], values, new.said) == (needed, {}, [])
     if needed:
         assert_approved(needs(new))
+
+
+@pytest.mark.parametrize("picked", [True, False])
+def test_images_without_tags_are_the_photographs_of_a_project(picked: bool, tmp_path: Path) -> None:
+    """PNG has no tags: its size is that of its pixels; nothing was said of them beside picks."""
+    folder = tmp_path / "images"
+    folder.mkdir()
+    for name in ("a.png", "c.png"):
+        Image.new("RGB", (64, 48)).save(folder / name)
+    (tmp_path / "p.csv").write_text("image,landmark,u_px,v_px\na.png,m,1,2\nb.png,m,3,4\n")
+    (tmp_path / "t.csv").write_text(FILES["utc.csv"])
+    given = {"images": str(folder), "track": str(tmp_path / "t.csv")}
+    new = project_of_files(tmp_path, given | ({"picks": str(tmp_path / "p.csv")} if picked else {}))
+    found = tomllib.loads(new.contents["flight.toml"].decode())
+    assert found["picks"]["video"] == "images" and found["camera"]["image_size_px"] == [64, 48]
+    assert ("camera", "image_size_px") not in new.needed
+    lost = [one for one in new.said if "picked and not there" in one]
+    assert len(lost) == picked
+    assert_approved(lost)
+
+
+def test_sigmas_of_velocities_and_lists_of_landmarks(tmp_path: Path) -> None:
+    """A track's velocities have none; a list of names is written as one of TOML."""
+    (tmp_path / "t.csv").write_text(
+        "t_s,lat_deg,lon_deg,h_m,vn_m_s,ve_m_s,vd_m_s\n0,47,16,300,1,2,3\n1,47,16,301,1,2,3\n"
+    )
+    new = project_of_files(tmp_path, {"track": str(tmp_path / "t.csv")})
+    assert_approved(new.needed["track", "velocity_sigma_m_s"])
+    own = tmp_path / "own"
+    run("new", own, "--track", tmp_path / "t.csv", "--set", "solve.check_landmarks=mast, old well")
+    found = tomllib.loads((own / "flight.toml").read_text(encoding="utf-8"))
+    assert found["solve"]["check_landmarks"] == ["mast", "old well"]
 
 
 def test_images_of_a_new_project(tmp_path: Path) -> None:

@@ -13,7 +13,8 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.formats.lens import make_lens
-from vopd.flight.read import read_flight
+from vopd.flight.project import read_project
+from vopd.flight.read import read_camera, read_flight
 from vopd.flight.result import solve_flight
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
@@ -113,6 +114,33 @@ def test_frames_of_one_camera_have_the_uncertainty_that_they_have_alone(
         "sigma_camera_pitch_deg",
     ):
         assert_close("solved angle", here[column], one[column])
+
+
+def test_one_camera_of_all_images_is_a_lens_of_the_project(tmp_path: Path) -> None:
+    path = two_cameras(tmp_path)
+    rows = [f"{frame},a.json" for frame in range(FRAMES)]
+    (tmp_path / "cameras" / "lenses.csv").write_text("\n".join(["frame,lens", *rows, ""]))
+    write_picks(tmp_path, pixels(), range(FRAMES))
+    result = solve_flight(str(path))
+    assert isinstance(result.flight.lens, Lens) and result.flight.lens.size_px == LENS.size_px
+    assert_close("solved angle", result.camera_deg, truth_deg())
+
+
+def test_the_largest_sigma_of_several_lenses_counts(tmp_path: Path) -> None:
+    """That of a focal length in proportion: 4 of 1000 px are 6 of the first lens's 1500."""
+    path = two_cameras(tmp_path)
+    for name, focal, sigmas in (("a", 1500.0, (5.0, 1.0)), ("b", 1000.0, (4.0, 3.0))):
+        square = [sigmas[0] ** 2, 0.0, 0.0, sigmas[1] ** 2]
+        (tmp_path / "cameras" / f"{name}.xml").write_text(
+            "<calibration><projection>frame</projection><width>1920</width><height>1080</height>"
+            f"<f>{focal}</f><covariance><params>f cx</params><coeffs>"
+            f"{' '.join(map(str, square))}</coeffs></covariance></calibration>"
+        )
+    table = tmp_path / "cameras" / "lenses.csv"
+    table.write_text(table.read_text().replace(".json", ".xml"))
+    read = read_camera(read_project(str(path))).read
+    assert read.sigma == {"focal": 6.0, "centre_u": 3.0}
+    assert read.lens.focal_px.tolist() == [1500.0, 1500.0]
 
 
 def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:

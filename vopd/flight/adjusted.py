@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Floats
 from vopd.attitude.reading_sigma import SOURCES
 from vopd.files import reason
 from vopd.findings import count_text
@@ -511,10 +511,3 @@ def held_text(flight: Flight, held: HeldParameters) -> str:
     if len(held.landmark):
         names.append(count_text(len(held.landmark), "landmark"))
     return ", ".join(names)
-
-
-def of_landmarks(held: HeldParameters, total: int) -> Ints:
-    """Look up the rows of landmarks among those that are held, (total,); -1: it is not."""
-    row = np.full(total, -1)
-    row[held.landmark] = np.arange(len(held.landmark))
-    return row

@@ -83,10 +83,10 @@ def earth_centred_positions(
                 f"{where}: {longitude[0]:g}, {latitude[0]:g} are metres of a grid and no degrees: "
                 f"{GIVE_METRES}"
             )
-        if (np.abs(latitude) > 90.0).any():
-            raise VopdError(f"{where}: latitude {np.abs(latitude).max():g}: x is the longitude")
-        if (np.abs(longitude) > 360.0).any():
-            raise VopdError(f"{where}: longitude {np.abs(longitude).max():g}: it is -180 to 360")
+        if (far := np.abs(latitude) > 90.0).any():
+            raise VopdError(f"{where}: latitude {latitude[far][0]:g}: x is the longitude")
+        if (far := np.abs(longitude) > 360.0).any():
+            raise VopdError(f"{where}: longitude {longitude[far][0]:g}: it is -180 to 360")
         vertical = name == ELLIPSOIDAL
     else:
         if geodetic and not crs_is_geographic(name, where):

@@ -127,10 +127,9 @@ def mount_findings(flight: Flight) -> list[Finding]:
     """Warn of a vehicle whose attitudes are not the camera's, turned by one mount, or not used.
 
     Args:
-        flight: as it is solved
+        flight: as it is solved, with a vehicle
     """
-    if flight.vehicle is None:
-        return []
+    assert flight.vehicle is not None
     if flight.vehicle.turned_deg is None:
         message = (
             f"[vehicle] attitude: {flight.vehicle.name} is not used, for the mount is not free: "

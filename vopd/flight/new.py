@@ -199,9 +199,6 @@ def look_at_pictures(new: NewProject, values: KeyValues, folder: Path, images: s
         folder: where the project will be
         images: their folder, or the one
     """
-    found = images_in(Path(images))
-    if not found:
-        return
     values.setdefault(("picks", "video"), _named(images, folder))
     inside = Path(images) if Path(images).is_dir() else Path(images).parent
     if lost := lost_images(new.picked, [inside]):
@@ -213,18 +210,22 @@ def look_at_pictures(new: NewProject, values: KeyValues, folder: Path, images: s
 
 
 def take_size(new: NewProject, values: KeyValues, images: Path) -> None:
-    """Take the size of images that may have tags, where it is not known.
+    """Take the size of images from the tags of the first, or its pixels, where it is not known.
 
     Args:
         new: what is asked
         values: the keys that are known, to be added to
-        images: their folder, or the one
+        images: their folder, or the one; of other files nothing is taken
     """
-    found = images_in(images)
-    if found and ("camera", "image_size_px") not in values:
-        tags = [*new.tags(images)[0].values()]
-        values["camera", "image_size_px"] = toml_numbers(*tags[0].size_px)
-        new.needed.pop(("camera", "image_size_px"), None)
+    stills = stills_in(images)
+    if ("camera", "image_size_px") in values or not stills:
+        return
+    if images_in(images):
+        size_px = next(iter(new.tags(images)[0].values())).size_px
+    else:
+        size_px = next(open_frames([str(stills[0])]).pictures([0])).size
+    values["camera", "image_size_px"] = toml_numbers(*size_px)
+    new.needed.pop(("camera", "image_size_px"), None)
 
 
 def has_positions(new: NewProject, values: KeyValues, folder: Path, images: str) -> bool:
