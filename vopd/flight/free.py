@@ -128,7 +128,8 @@ def _refused(flight: Flight, name: str) -> str:
         )
     coefficients = LENS_COEFFICIENTS[flight.lens.kind]
     if name in ("k1", "k2", "p1p2") and parameters[0] not in coefficients:
-        has = f"its coefficients are {', '.join(coefficients)}" if coefficients else "it has a table"
+        own = ", ".join(coefficients)
+        has = f"its coefficients are {own}" if coefficients else "it has a table"
         return f"a lens of the model {flight.lens.kind.value} has no {name}: {has}"
     if name in ("clock", "clock-rate") and path.velocity_m_s is None:
         why = "stands still" if path.stands else "has positions that belong to images"
