@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 import shutil
 from dataclasses import replace
@@ -11,8 +12,11 @@ import numpy as np
 import pytest
 
 import vopd
+from tests.approved.texts import assert_approved
+from vopd.attitude import summary
 from vopd.attitude.long_history import one_part
 from vopd.attitude.summary import columns, frames_of
+from vopd.findings import Finding
 from vopd.screen import aligned, shortened, width, wrapped
 
 ROOT = Path(__file__).parents[2]
@@ -29,6 +33,29 @@ def test_results_show_themselves_in_print_and_in_a_notebook() -> None:
     assert flight.history()._repr_html_().count("<tr>") == 6
     run = vopd.run(ROOT / "decks" / "appendix_h" / "case2.dat")
     assert run._repr_html_().count("<tr>") == 2 and "card 59" in run._repr_html_()
+
+
+def test_a_notebook_has_what_print_has() -> None:
+    """What yaw is on a map's grid, what the sigmas include, what is doubtful, and warnings."""
+    history = vopd.solve_flight(HILL).history().take(np.array([0, 1]))
+    about = history.estimate.about
+    words = replace(about.words, conventions={"grid azimuth": "true azimuth less 1 degree"})
+    estimate = replace(history.estimate, about=about._replace(words=words))
+    one = one_part(replace(history, estimate=estimate))
+    said = re.findall("<p>(.*?)</p>", html.unescape(summary.html([one], [Finding("odd")])))
+    printed = " ".join(summary.text([one], 80, ["odd"]).split())
+    assert len(said) == 5 and "less 1 degree" in said[1]
+    for paragraph in said:
+        assert paragraph.removeprefix("not in it: ").removeprefix("warning: ") in printed
+
+
+def test_flagged_frames_of_several_jobs_are_told_with_their_jobs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(ROOT / "tests" / "approved" / "inputs" / "five_jobs.dat", "a.dat")
+    shown = str(vopd.run("a.dat")).splitlines()
+    assert_approved([line for line in shown if "two_landmarks," in line])
 
 
 def test_blanks_at_the_ends_of_a_title_are_not_of_it(tmp_path: Path) -> None:
