@@ -308,6 +308,20 @@ def is_unsolved(found: Calibration, failure: Failure, free: tuple[str, ...]) -> 
     return found.failure == failure and bool(blank) and found.covariance.shape == (size, size)
 
 
+@pytest.mark.parametrize(("apart", "known"), [(0.0, False), (1e-12, False), (1e-7, True)])
+def test_distances_from_the_centre_that_are_alike_do_not_hold_two_unknowns(
+    apart: float, known: bool
+) -> None:
+    """Stars on a circle about the principal point: focal length and k1 move them alike."""
+    azimuth = np.arange(12) * np.pi / 6.0
+    radius = 0.4 * (1.0 + apart * (-1.0) ** np.arange(12))
+    tangents = radius[:, None] * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
+    free = "focal", "k1"
+    found = calibrate(StarField.of(stars_of(tangents), images_of(tangents), FOCAL), LOOK, free)
+    assert is_unsolved(found, Failure.SINGULAR, free) != known
+    assert (found.failure == Failure.NONE) == known
+
+
 def test_why_there_is_no_solution() -> None:
     three = StarField.of(stars_of_fields(TANGENTS[:3]), imaged(TANGENTS[:3], TRUE), 240.0)
     assert is_unsolved(calibrate(three, LOOK, UNKNOWNS), Failure.SINGULAR, UNKNOWNS)
