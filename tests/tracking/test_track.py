@@ -88,6 +88,9 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     assert sum(row["status"] == "clicked" for row in found) == 6
     for row in found:
         assert (row["u_px"] == "") == (row["status"] not in ("clicked", "tracked"))
+    matched = [float(row["sigma_px"]) for row in found if row["status"] == "tracked"]
+    told = next(line for line in done.stderr.splitlines() if "standard deviation" in line)
+    assert told.endswith(f" {np.median(matched):.3f} px, from the residuals")
     one = count(flight)
     assert len(one.track_px[0]) > 160
     assert np.sqrt(np.mean(one.track_px[0])) < within("tracked pick")

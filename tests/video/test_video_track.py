@@ -82,6 +82,16 @@ def test_gps5_is_spread_over_its_packets(tmp_path: Path) -> None:
     assert_approved(rows.said)
 
 
+@pytest.mark.parametrize("cut", [1, 12, 40, 90])
+def test_a_packet_that_is_cut_off_costs_no_other(cut: int, tmp_path: Path) -> None:
+    """So many bytes are missing at its end; what an entry says to hold is whole, or not there."""
+    one, two, three = ((47.0 + k / 10.0, 15.2, 400.0) for k in range(3))
+    packets = [(0, gps5([one])), (1000, gps5([two, two])[:-cut]), (2000, gps5([three]))]
+    rows = read(write_gpmf(tmp_path / "a.mp4", packets))
+    assert_close("place or time as a file has it", rows.time_s, [0.0, 2.0])
+    assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.2])
+
+
 def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
     """Samples at 36000.2 and .7 s of a day are half a second apart; the packet begins at 0."""
     packets = [(0, gps9([(47.0, 36_000.2, 3), (47.1, 36_000.7, 3)])), (1000, gps9([(0, 1, 0)]))]
