@@ -24,7 +24,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.cli.new import write_project
 from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, adjust
-from vopd.flight.adjusted import digests
+from vopd.flight.adjusted import CovarianceFile, digests
 from vopd.flight.adjusted_project import (
     adjusted_project,
     opencv_text,
@@ -209,6 +209,24 @@ def test_the_files_have_what_was_solved_for(drone: Both) -> None:
     sigma = dict(zip(held["names"], np.sqrt(np.diag(held["covariance"])), strict=True))
     for one in drone.joint.parameters:
         assert_close("part of a sigma", sigma[one.name] / one.sigma_after, 1.0)
+
+
+def test_a_covariance_is_written_to_the_last_bit(drone: Both) -> None:
+    """Variances of 1e-30 to 1e9, as those of k5 and of pixels are."""
+    file = drone.folder / "covariance.json"
+    values = json.loads(file.read_text(encoding="utf-8"))
+    names = values["names"]
+    scale = np.logspace(-15.0, 4.5, len(names))
+    root = np.random.default_rng(1).normal(size=(len(names), len(names))) * scale[:, None]
+    covariance = root @ root.T
+    written = CovarianceFile(
+        "flight.toml", ("focal",), tuple(names), tuple(values["units"]), scale, covariance,
+        covariance / 3.0, 0, None, 1.0, 1.0, 5.0, "", {},
+    )  # fmt: skip
+    read = json.loads(written.text())
+    assert read["values"] == scale.tolist()
+    assert read["covariance"] == covariance.tolist()
+    assert read["by_picks"] == (covariance / 3.0).tolist()
 
 
 def test_a_project_that_is_there_is_not_overwritten(drone: Both) -> None:

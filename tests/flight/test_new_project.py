@@ -485,6 +485,17 @@ def test_frames_and_files_of_a_project_are_replaced(
         assert_approved(ran.stderr)
 
 
+@pytest.mark.parametrize("metres", [".5", "-.5", "48"])
+def test_a_height_in_metres_is_the_geoid_s(metres: str, tmp_path: Path) -> None:
+    write_project(tmp_path)
+    folder = tmp_path / "new"
+    files = ["--landmarks", tmp_path / "landmarks.csv", "--track", tmp_path / "track.csv"]
+    assert run("new", folder, *files, "--height", metres).status == 0
+    values = tomllib.loads((folder / "flight.toml").read_text(encoding="utf-8"))
+    for section in ("landmarks", "track"):
+        assert values[section]["height"] == {"undulation_m": float(metres)}
+
+
 def test_errors_of_several_files_are_told_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

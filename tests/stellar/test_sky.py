@@ -10,6 +10,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import ccsds_ndm
@@ -32,6 +33,7 @@ from vopd.stellar.files.read import StarFile, file_directions, lines_text
 from vopd.stellar.sky import (
     BODY_FRAME,
     CAMERA_FRAME,
+    IDENTIFIED,
     FileSky,
     PlacesOfStars,
     SkyFrame,
@@ -1111,3 +1113,11 @@ def test_each_common_mistake_is_named(mistake: str) -> None:
 def test_the_right_file_draws_no_warning() -> None:
     result = solve_night(by_place(right_ones()), *LENS, "--y-down", *AT_NIGHT)
     assert result.status == 0 and result.stderr == ""
+
+
+@pytest.mark.parametrize("kind", [IDENTIFIED, "ra_deg,dec_deg"])
+def test_what_coordinates_without_a_date_refer_to(kind: str) -> None:
+    file: Any = SimpleNamespace(kind=kind, positions=np.zeros((1, 2)))
+    found = sky_directions(file, SkyRequest(None), lambda _: None)
+    assert found.directions.tolist() == [[1.0, 0.0, 0.0]] and found.frame is None
+    assert_approved(found.epoch)

@@ -953,7 +953,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
         text = re.sub(r"(?<![\w.])\.(?=\d)", "0.", text)
     if row.kind == "size":  # 1920x1080
         text = text.replace("x", ", ")
-    if row.kind in ("text", "file") and key[1] == "height" and is_number(text):
+    if key[1] == "height" and is_number(text):
         text = f"{{ {'ground_m' if option == GROUND else 'undulation_m'} = {text} }}"
     elif option == GROUND:
         raise VopdError(f"{option}: {text} is not a number of metres")
