@@ -16,7 +16,6 @@ from scipy.spatial.transform import Rotation
 from scipy.special import bdtr, chdtrc
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.findings import VopdError
 from vopd.flight.blunders import gross_picks
@@ -70,12 +69,6 @@ class TestedFlight:
     def flight(self) -> Flight:
         """The flight."""
         return self.estimates.flight
-
-    @property
-    def reading(self) -> JobReadingSigma:
-        """The reading sigma in force without what is named."""
-        assert self.estimates.reading is not None
-        return self.estimates.reading
 
     @property
     def predicted_px(self) -> Floats:
@@ -277,14 +270,24 @@ def _as_time(one: Named, joint: JointSolution) -> Named:
     fix, own = int(tests.fix[0]), int(late[0])
     frame, path = int(tests.frame[own]), model.flight.path
     speed, off_m = model.velocity_m_s[frame], joint.state.fix_m[fix]
-    time_s = float(speed @ off_m / (speed @ speed))
     stated_m2 = np.square(model.fix_sigma_m[fix] / NO_PRIOR)
+    velocity_m_s = np.zeros(3)
     if path.velocity_sigma_m_s is not None:
-        stated_m2 += (np.nan_to_num(path.velocity_sigma_m_s[frame])[[1, 0, 2]] * time_s) ** 2
-    weight = np.linalg.inv(fix_covariances(joint.factored)[fix] + np.diag(stated_m2))
+        velocity_m_s = np.nan_to_num(path.velocity_sigma_m_s[frame])[[1, 0, 2]]
+
+    def weight_at(late_s: float) -> Floats:
+        """Weigh the fix's error, of which the velocity's own is the larger the later it is."""
+        of_velocity = np.diag(stated_m2 + (velocity_m_s * late_s) ** 2)
+        return np.asarray(np.linalg.inv(fix_covariances(joint.factored)[fix] + of_velocity))
+
+    def left_at(late_s: float, weight: Floats) -> float:
+        across = off_m - speed * late_s
+        return float(across @ weight @ across)
+
+    tried_s = float(speed @ off_m / (speed @ speed)) * np.linspace(0.0, 2.0, 41)
+    weight = weight_at(min(tried_s.tolist(), key=lambda one: left_at(one, weight_at(one))))
     time_s = float(speed @ weight @ off_m / (speed @ weight @ speed))
-    across = off_m - speed * time_s
-    left = float(across @ weight @ across)
+    left = left_at(time_s, weight)
     if not chdtrc(2.0, left) > SIGNIFICANCE:
         others = np.flatnonzero(tests.kind != TIME)
         return replace(one, tests=tests.take(others))

@@ -59,18 +59,18 @@ def label(tests: LeftOut, k: int, flight: Flight) -> str:
 
 
 def _fix_label(fix: int, flight: Flight) -> str:
-    """Name a fix by the frames that depend on it."""
+    """Name a fix by the frames that depend on it, and if they are several by its row."""
     fixes = flight.path.fixes
     assert fixes is not None
     own = fixes.frames_of(fix)
-    if not len(own):
-        return f"fix {fix + 1}"
     first, last = (frame_label(flight, int(k)) for k in own[[0, -1]])
     if len(own) == 1:
         parts = np.flatnonzero(fixes.weight[own[0]])
         which = "fix before it" if fix == fixes.first[own[0]] + parts[0] else "fix after it"
         return f"{first}: {which if len(parts) > 1 else 'its fix'}"
-    return f"fix {fix + 1}, of {first} to {last.removeprefix('frame ')}"
+    # the shape of the path between two fixes stands among them
+    row = fix + 1 if fixes.between is None else int((~fixes.between[: fix + 1]).sum())
+    return f"fix {row}, of {first} to {last.removeprefix('frame ')}"
 
 
 def rows(tested: TestedFlight) -> list[dict[str, object]]:
