@@ -274,6 +274,8 @@ class Estimate(FrameEstimate):
     """(F, L, 3) of each landmark's position, as stated, in place of `stated.landmark`."""
     velocity_sigma: Floats | None = None
     """(F, 3) of each frame's velocity, north, east, down; NaN where it is not known."""
+    late_s: Floats | None = None
+    """(F, C) errors of the frames' times besides `stated.time_s`, of C causes in all frames."""
     further: Mapping[str, Floats] = field(default_factory=dict)
     """(F, 2L, C) changes of the residuals by further errors, common to the frames if in `COMMON`.
 

@@ -177,7 +177,7 @@ def test_an_estimate_without_landmarks_has_the_same_frames() -> None:
         "landmark", "used", "ignored", "direction", "image", "residual", "partials", "gain",
         "body_gain", "vehicle_by_camera", "responses", "relative_sigma", "outlier",
         "image_by_ray", "test_residual", "fix_sigma", "landmark_sigma", "further", "errors",
-        "position_ratio", "other_solution_deg", "velocity_sigma", "exchanged",
+        "position_ratio", "other_solution_deg", "velocity_sigma", "exchanged", "late_s",
     }  # fmt: skip
 
 

@@ -11,6 +11,7 @@ import pytest
 from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import TOML, lens_of, read_text, write_project
 from tests.tolerances import assert_close
+from vopd import solve_flight
 from vopd.findings import VopdError
 from vopd.flight.flight import Flight
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
@@ -184,6 +185,23 @@ def test_what_is_exact_and_what_is_not_stated(tmp_path: Path) -> None:
     expected = {"p1": 0.1, "p2": 0.1, "clock_rate": 2e-5, "refraction": 0.5}
     expected["clock"] = 0.0
     assert {name: round(one, 12) for name, one in options.parameter_sigma.items()} == expected
+
+
+def test_the_rate_of_the_clock_where_all_else_is_exact(tmp_path: Path) -> None:
+    """It was in no sigma of a flight whose positions and landmarks are exact."""
+    exact, stated = 'sigma_t_s = "exact"', "sigma_t_s = 0.1"
+    name, rate = "sigma_time_camera_yaw_deg", "[uncertainty]\nclock_rate_ppm = 1e5\n"
+    late = solve_flight(write_project(tmp_path, TOML.replace(exact, stated))).to_dataframe()
+    path = write_project(tmp_path, TOML + rate)
+    slow = solve_flight(path).to_dataframe()
+    since_s = np.array([-0.2, -0.1, 0.0, 0.1, 0.2])  # of the middle; a tenth of it is the error
+    expected = np.abs(since_s)[[0, 1, 3, 4]] * late[name].to_numpy()[[0, 1, 3, 4]]
+    found = slow[name].to_numpy()[[0, 1, 3, 4]]
+    assert_close("ratio", found / expected, np.ones(4))
+    path.write_text(TOML.replace(exact, stated) + rate)
+    both = solve_flight(path).to_dataframe()[name].to_numpy()[[0, 1, 3, 4]]
+    together = np.hypot(found, late[name].to_numpy()[[0, 1, 3, 4]])
+    assert_close("ratio", both / together, np.ones(4))
 
 
 def test_a_lens_has_only_its_own_coefficients(tmp_path: Path) -> None:

@@ -199,8 +199,11 @@ def given_components(
         found.append(of_all._replace(common=True))
     if sigmas.focal_length > 0.0:
         found.append(_by_residuals("focal", r.focal_length[..., None] * sigmas.focal_length))
-    if sigmas.time_s > 0.0:
-        found.append(_time(estimate, sigmas.time_s))
+    late_s = np.full((len(estimate.frame), 1), sigmas.time_s)
+    if estimate.late_s is not None:
+        late_s = np.hstack([late_s, estimate.late_s])
+    if late_s.any():
+        found.append(_time(estimate, late_s))
     for name, change in estimate.further.items():
         one = _by_residuals(name, change)
         found.append(one._replace(common=one.common and name not in OF_FRAMES))
@@ -233,9 +236,9 @@ def _centre(estimate: Estimate) -> Floats:
     return -np.stack([along_x, along_y], axis=2)
 
 
-def _time(estimate: Estimate, sigma_s: float) -> ErrorComponent:
-    one = _by_residuals("time", estimate.responses.time[..., None] * sigma_s)
-    one.angles[:, 6:9, 0] = estimate.responses.attack_by_time * sigma_s
+def _time(estimate: Estimate, late_s: Floats) -> ErrorComponent:
+    one = _by_residuals("time", estimate.responses.time[..., None] * late_s[:, None])
+    one.angles[:, 6:9] = estimate.responses.attack_by_time[..., None] * late_s[:, None]
     return one
 
 

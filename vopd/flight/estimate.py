@@ -491,6 +491,8 @@ class FlightEstimates:
         slots, here = _slots(part), np.tile(one.used, 2)
         further = {name: slots.coordinates(own[part.picks]) for name, own in self._further.items()}
         further = {name: np.where(here[..., None], own, 0.0) for name, own in further.items()}
+        if rate := joint.stated[0].get("clock_rate"):
+            one = replace(one, late_s=rate * joint.model.since_s[part.frames, None])
         one = replace(one, further={**one.further, **further})
         return self._with_stated_residual(one, part, joint) if joint.passes else one
 
