@@ -181,6 +181,63 @@ class Job(Record):
     return_group: int  # NGO, 1 to 13: where reading goes on after this job
 
 
+SHAPES: Mapping[str, tuple[int | str, ...]] = {
+    "camera.focal_length_mm": (), "camera.lens_radius_mm": (25,),
+    "camera.lens_distortion_um": (25,), "camera.multiplier": (3,), "camera.offset_deg": (3,),
+    "camera.initial_deg": (3,),
+    "trajectory.time_s": ("rows",), "trajectory.position_ft": ("rows", 3),
+    "trajectory.velocity_ft_s": ("rows", 3), "trajectory.altitude_ft": ("rows",),
+    "trajectory.origin_latitude_deg": (), "trajectory.origin_longitude_deg": (),
+    "trajectory.origin_radius_kft": (),
+    "wind.altitude_ft": ("rows",), "wind.velocity_ft_s": ("rows", 2),
+    "clock.frame": ("rows",), "clock.time_s": ("rows",),
+    "landmarks.number": ("rows",), "landmarks.longitude_deg": ("rows",),
+    "landmarks.longitude_min": ("rows",), "landmarks.latitude_deg": ("rows",),
+    "landmarks.latitude_min": ("rows",), "landmarks.altitude_ft": ("rows",),
+    "ignored.frame": ("rows",), "ignored.landmark": ("rows", 6), "ignored.everywhere": ("others",),
+    "readings.frame": ("rows",), "readings.fiducial_in": ("rows", 4, 3, 2),
+}  # fmt: skip
+"""The fields of a job's parts: the lengths of their axes, one of a part's rows by its word."""
+PARTS: Mapping[str, type] = {
+    "camera": Camera, "trajectory": Trajectory, "wind": Wind, "clock": Clock,
+    "landmarks": Landmarks, "ignored": Ignored, "readings": Readings,
+}  # fmt: skip
+
+
+def check_fields(job: Job) -> None:
+    """Refuse a job one of whose fields is of another kind or shape, as `replace` can make it.
+
+    Raises:
+        VopdError: naming the field
+    """
+    if not isinstance(job.title, str):
+        raise VopdError(f"job.title is {type(job.title).__name__}, not a text")
+    for part, kind in PARTS.items():
+        if not isinstance(getattr(job, part), kind):
+            own = type(getattr(job, part)).__name__
+            raise VopdError(f"job.{part} is {own}, not vopd's {kind.__name__}")
+    for own_name, kind in (("layout", LandmarkLayout), ("points", LandmarkReadings)):
+        if not isinstance(getattr(job.readings, own_name), kind):
+            own = type(getattr(job.readings, own_name)).__name__
+            raise VopdError(f"job.readings.{own_name} is {own}, not vopd's {kind.__name__}")
+    rows: dict[tuple[str, int | str], int] = {}
+    for name, shape in SHAPES.items():
+        part, _, own_name = name.partition(".")
+        value = getattr(getattr(job, part), own_name)
+        number = isinstance(value, np.ndarray | np.number | int | float)
+        if not number or np.asarray(value).dtype.kind not in "iuf":
+            what = "an array of numbers" if shape else "a number"
+            raise VopdError(f"job.{name} is {type(value).__name__}, not {what}")
+        found = np.shape(value)
+        if len(found) == len(shape):
+            for length, one in zip(found, shape, strict=True):
+                if isinstance(one, str):
+                    rows.setdefault((part, one), length)
+        wanted = tuple(rows.get((part, one), 0) if isinstance(one, str) else one for one in shape)
+        if found != wanted:
+            raise VopdError(f"job.{name} has the shape {found}, not {wanted}")
+
+
 @dataclass(frozen=True)
 class Deck(Sequence[Job]):
     """The jobs of a deck in order, with its name and the warnings about its cards."""

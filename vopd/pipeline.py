@@ -23,7 +23,7 @@ from vopd.findings import (
     refuse_other_kind,
 )
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
-from vopd.job import Deck, Job, copied_readings_text
+from vopd.job import Deck, Job, check_fields, copied_readings_text
 from vopd.results import Outcome, Results, SolvedJob, SourceEnd
 from vopd.solved import Run
 
@@ -121,6 +121,7 @@ def run(
     several: list[Job] = [jobs] if isinstance(jobs, Job) else list(jobs)
     for job in several:
         refuse_other_kind(job, Job, "vopd.run", "the path of a deck, or jobs of vopd.read_deck")
+        check_fields(job)
     deck = jobs if isinstance(jobs, Deck) else Deck(tuple(several))
     options = SolveOptions(fixes, initial, compare_initial)
     solved: list[SolvedJob] = []

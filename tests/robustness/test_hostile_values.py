@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import vopd
@@ -121,6 +122,35 @@ def test_arguments_of_another_kind(kind: str) -> None:
     """Python's own errors, endless recursion, and a start that was the closed form unasked."""
     with refused(vopd.VopdError):
         OTHER_KINDS[kind]()
+
+
+JOB = JOBS[0]
+FIELDS: dict[str, Callable[[], vopd.Job]] = {
+    "no trajectory": lambda: replace(JOB, trajectory=None),
+    "a camera in words": lambda: replace(JOB, camera="16 mm"),
+    "no title": lambda: replace(JOB, title=None),
+    "no focal length": lambda: replace(JOB, camera=replace(JOB.camera, focal_length_mm=None)),
+    "a focal length in words": lambda: replace(
+        JOB, camera=replace(JOB.camera, focal_length_mm="10.4")
+    ),
+    "two angles": lambda: replace(JOB, camera=replace(JOB.camera, initial_deg=np.zeros(2))),
+    "times without positions": lambda: replace(
+        JOB, trajectory=replace(JOB.trajectory, time_s=np.zeros(2))
+    ),
+    "angles in words": lambda: replace(
+        JOB, camera=replace(JOB.camera, offset_deg=np.array(["a", "b", "c"]))
+    ),
+    "no points": lambda: replace(JOB, readings=replace(JOB.readings, points=None)),
+}
+
+
+@pytest.mark.parametrize("kind", FIELDS)
+def test_jobs_of_other_fields(kind: str) -> None:
+    """They ended in numpy's errors; a focal length of None went through."""
+    with refused(vopd.VopdError):
+        vopd.run(FIELDS[kind]())
+    with pytest.raises(vopd.VopdError):
+        vopd.write_deck([FIELDS[kind]()])
 
 
 @pytest.mark.parametrize(("job", "kind"), [(1, IndexError), (-2, IndexError), ("1", TypeError)])

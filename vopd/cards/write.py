@@ -14,7 +14,7 @@ from vopd.cards.numbers import nearest_that_fits, write_number
 from vopd.cards.read import read_jobs
 from vopd.cards.text import COLUMNS
 from vopd.findings import VopdError, group_text, refuse_other_kind
-from vopd.job import Job
+from vopd.job import Job, check_fields
 
 Rows = Sequence[Sequence[float]]
 
@@ -41,6 +41,7 @@ def write_deck(jobs: Job | Sequence[Job]) -> str:
     several: Sequence[Job] = jobs if isinstance(jobs, Sequence) else [jobs]
     for job in several:
         refuse_other_kind(job, Job, "vopd.write_deck", "jobs, as vopd.read_deck reads them")
+        check_fields(job)
     cards: list[str] = []
     start = 1
     for job in several:
