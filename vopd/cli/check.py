@@ -10,7 +10,13 @@ import click
 
 from vopd.cards.read import open_deck
 from vopd.check import check_deck
-from vopd.cli.options import NumberRange, output_option, sources_argument, text_or_json_option
+from vopd.cli.options import (
+    NumberRange,
+    output_option,
+    sources_argument,
+    tell_unused,
+    text_or_json_option,
+)
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import Finding, VopdError, first_of_each_kind
@@ -77,6 +83,7 @@ def command(
     """
     if quiet and output != "-":
         raise click.UsageError("-q writes nothing: leave out -q or -o.")
+    tell_unused(sources, ("--spread", "--limits-1974"), quiet)
     refuse_to_overwrite(sources, output)
     reports = {deck: _check(deck, spread, limits_1974) for deck in sources}
     if not quiet:

@@ -14,7 +14,7 @@ from vopd.cli.console import Messages, Progress
 from vopd.cli.options import SharedOptions
 from vopd.findings import VopdError, count_text, finding_of
 from vopd.job import GOES_ON
-from vopd.pipeline import in_groups, solve_sources
+from vopd.pipeline import in_groups, is_flight, solve_sources
 from vopd.results import SolvedJob, SourceEnd
 from vopd.solved import histories_of_run
 
@@ -91,7 +91,7 @@ def collect_jobs(
     Raises:
         VopdError: where no frame of any deck has an attitude
     """
-    if options.solve.fixes and not options.quiet:
+    if options.solve.fixes and not options.quiet and not all(map(is_flight, decks)):
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
     found = Collected([], [], False, False, 0)
     messages = Messages(options.quiet, on_message)

@@ -223,6 +223,8 @@ def solve_options(function: AnyCommand, hidden: bool = False) -> AnyCommand:
         chosen = _chosen_fixes(fix, ellipsoid)
         if compare_initial and initial == "deck":
             raise click.UsageError("--compare-initial is only for --initial closed-form.")
+        own = (*_SOLVE_OPTIONS, "--fiducial-sigma")
+        tell_unused(others.get("sources", ("deck",)), own, others.get("quiet", False))
         return function(**others, solve=SolveOptions(chosen, initial, compare_initial, limits_1974))
 
     return _with(_of_decks(_SOLVE_OPTIONS, hidden), with_solve)
@@ -294,6 +296,23 @@ def history_options(function: AnyCommand) -> AnyCommand:
         ),
     )
     return _with(options, solve_options(with_options, hidden=True))
+
+
+def tell_unused(sources: Iterable[str], names: Iterable[str], quiet: bool) -> None:
+    """Say which options of decks are given where all sources are flights, and so have no use.
+
+    Args:
+        sources: what the command is given
+        names: of the options
+        quiet: whether nothing is said
+    """
+    if quiet or not all(one.lower().endswith(".toml") for one in sources):
+        return
+    ctx = click.get_current_context()
+    for option in ctx.command.params:
+        source = ctx.get_parameter_source(option.name or "")
+        if option.opts[0] in names and source is click.core.ParameterSource.COMMANDLINE:
+            click.echo(f"{option.opts[0]}: not used: it is for decks", err=True)
 
 
 # Arguments and options for file names, shared by all commands.

@@ -61,6 +61,11 @@ def with_sigmas(flight: Flight, sigmas: Sigmas) -> Flight:
         The flight itself where none of them takes part in its solve.
     """
     path, marks, options = flight.path, flight.landmarks, flight.options
+    if sigmas.reading == 0.0:
+        raise VopdError(
+            f"{flight.source}: reading sigma: no pick is exact: give pixels, as 0.5 of a click, or "
+            "leave it out"
+        )
     given = Sigmas(sigmas.reading, **{name: getattr(sigmas, name) for name in SOLVED_WITH})
     if given in (Sigmas(), options.given):
         return flight
