@@ -286,6 +286,22 @@ def since_1970(epoch: datetime | None, first_s: float) -> str:
     )
 
 
+MOMENT = re.compile(r"[\dW-]+.\d\d(:?\d\d(:?\d\d([.,]\d+)?)?)? ?(Z|[+-][\d:.]+)?|[\dW-]+", re.ASCII)
+"""A date, or a date and time; Python also takes `11:58,5` for half a second after 11:58, and the
+frame of a time code, `11:58:43:12`, for 12 hundredths."""
+
+
+def read_moment(text: str) -> datetime:
+    """Read a date and time in ISO 8601, of which only seconds may have a fraction.
+
+    Raises:
+        ValueError: if it is none
+    """
+    if not MOMENT.fullmatch(text):
+        raise ValueError(f"{text!r} is not a date and time")
+    return datetime.fromisoformat(text)
+
+
 LEAP_SECOND = re.compile(r"[\d-]*[T ]\d\d:?59:?60(?!\d)[\d.Z:+-]*")
 
 

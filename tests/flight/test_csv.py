@@ -398,7 +398,8 @@ def test_times_and_images_of_a_track(
     assert rows.time_s is None if time is None else rows.time_s.tolist() == [time]
     assert rows.coordinate.tolist() == [[3.0, 2.0, 4.0]] and rows.geodetic
     assert rows.sigma_m.tolist() == [[0.5] * 3] and [*rows.line] == [2]
-    assert rows.said == "CSV, 1 position" and rows.velocity_m_s is None
+    unused = " (not used: t_s)" if columns == "t_s,t_utc" else ""
+    assert rows.said == f"CSV{unused}, 1 position" and rows.velocity_m_s is None
 
 
 @pytest.mark.parametrize("cell", ["1777636801500", "1777636801.5"])

@@ -129,9 +129,7 @@ def test_inline_lenses_at_their_limits() -> None:
     by_sensor = found({"model": "brown", "focal_mm": 10, "sensor_mm": [32, 16]})
     assert by_sensor.lens.focal_px.tolist() == [20.0, 30.0]  # 10 of 64 / 32, 10 of 48 / 16
     assert_approved(by_sensor.said)
-    both = found(TABLE | FX)  # the model says which numbers count
-    assert both.lens.table is None and both.said.startswith("lens: brown, no distortion")
-    table = found(TABLE | {"k": [0.5]})
+    table = found(TABLE)
     assert_approved(table.said)
     assert table.lens.centre_px.tolist() == [31.5, 23.5]
     given = TABLE | {"cx_px": 30, "cy_px": 20, "table_px": [[1, 0.5], [2, -0.4]]}
@@ -146,6 +144,23 @@ def test_inline_lenses_at_their_limits() -> None:
     both = found({"model": "brown"} | sensor, pixel_grid="corner")
     assert_approved(both.said)
     assert both.lens.skew_px == 0.5
+
+
+UNUSED: dict[str, dict[str, Any]] = {
+    "a table of another model": TABLE | FX,
+    "coefficients beside a table": TABLE | {"k": [0.5]},
+    "a skew beside a table": TABLE | {"skew_px": 0.5},
+    "a sensor beside pixels": FX | {"sensor_mm": [32, 16]},
+    "a focal length in mm and along v in pixels": {
+        "model": "brown", "focal_mm": 10, "sensor_mm": [32, 24], "fy_px": 25.0,
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNUSED)
+def test_numbers_that_a_lens_does_not_use(name: str) -> None:
+    """They were left out without a word."""
+    assert_approved(refusal(Path(), UNUSED[name], image_size_px=[64, 48]))
 
 
 LENGTHS = {1: None, 4: None, 5: 4, 6: 4, 8: 4, 9: 5}  # how many numbers are given, and k has

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
@@ -146,7 +147,13 @@ def command(
 
     files = {key: name for _, key, _ in _FILES if (name := given[key]) is not None}
     answers = _answers(given, position, columns, keys)
-    if "lens" in files and (table := lens_of_numbers(files["lens"])):
+    if position is not None and "track" in files:
+        raise click.UsageError("--position is of a camera that does not move: leave out --track.")
+    try:
+        table = lens_of_numbers(files.get("lens", ""))
+    except VopdError as error:
+        raise click.UsageError(f"--lens: {error}.") from error
+    if table:
         del files["lens"]
         answers.append(Answer("--lens", [("camera", "lens")], table, at_once=True))
     again = deck is None and bool(answers or files or video) and (Path(folder) / NAME).exists()
@@ -255,6 +262,11 @@ def _columns(text: str) -> Answer:
     value = f"[{', '.join(map(toml_text, parts))}]"
     if "=" in names:
         pairs = [part.partition("=") for part in parts]
+        given = [name.strip() for name, _, _ in pairs]
+        for name in given:
+            if not re.fullmatch(r"\w+", name, re.ASCII) or given.count(name) > 1:
+                what = "is there twice" if given.count(name) > 1 else "is no name of a column here"
+                raise click.UsageError(f"--columns: {text}: {name!r} {what}.")
         mapped = [f"{a.strip()} = {toml_text(b.strip())}" for a, _, b in pairs]
         value = f"{{ {', '.join(mapped)} }}"
     return Answer("--columns", [(section, "columns")], value, at_once=True)

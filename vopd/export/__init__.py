@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from vopd.files import optional_package
 from vopd.findings import Report, VopdError, strict
-from vopd.inputs import leap_second
+from vopd.inputs import leap_second, read_moment
 
 if TYPE_CHECKING:  # a command that offers the formats does not wait for what makes them
     from vopd.attitude.history import History
@@ -273,7 +273,7 @@ def parse_epoch(text: str) -> datetime:
         VopdError: where the text is not a date and time
     """
     try:
-        moment = datetime.fromisoformat(text)
+        moment = read_moment(text)
         if moment.tzinfo is None:
             moment = moment.replace(tzinfo=UTC)
         return moment.astimezone(UTC)

@@ -226,6 +226,23 @@ def units_of_grid(crs: str | None, where: str) -> list[AxisUnit]:
     ]
 
 
+def doubt_of_heights(section: str, said: str, crs: str | None) -> list[str]:
+    """Doubt heights in metres beside x and y in feet, where no column says their unit.
+
+    Args:
+        section: of the file
+        said: its format, as it is said
+        crs: of its coordinates
+    """
+    units = units_of_grid(crs, section)
+    if said.startswith("CSV") or len(units) != 2 or units[0].is_metre:
+        return []
+    return [
+        f"[{section}] file: x and y are {units[0].name}, by the grid {crs}, and heights are taken "
+        "for metres: if they are feet as well, give a CSV with x_ft, y_ft, z_ft"
+    ]
+
+
 def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     """Project positions on the grid of a projected CRS; None for one that is not projected.
 

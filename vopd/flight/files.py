@@ -11,7 +11,7 @@ from array import array
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, date, datetime, time
+from datetime import UTC, date, time
 from difflib import get_close_matches
 from functools import cached_property
 from io import StringIO
@@ -31,7 +31,7 @@ from vopd.files import (
     not_utf8,
     reason,
 )
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, count_text, first_of
 from vopd.inputs import (
     LATE_S,
     LEAST_SIGMA,
@@ -47,6 +47,7 @@ from vopd.inputs import (
     no_file,
     plain_digits,
     plain_number,
+    read_moment,
     too_many_bytes,
 )
 
@@ -319,6 +320,7 @@ def _seen(word: str) -> str:
 
 
 MANY_NAMED = 40  # words that are listed
+MANY_UNUSED = 12  # columns that are listed
 MANY_WORDS = 2_000  # among which a like one is looked for: it takes 20 microseconds each
 LONG_WORD = 100  # characters
 
@@ -381,11 +383,16 @@ FROM_GROUND = re.compile(
 M_PER_FT = 0.3048
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 COORDINATES = (*PLANE, *GEODETIC)
+DEGREES = ("lat_deg", "lon_deg")
+SEXAGESIMAL = re.compile(r"\d\s*[°º:'′NSEWnsew]|[NSEWnsew]\s*\d|\d\s+\d")  # noqa: RUF001
+"""In degrees with minutes, or with a letter for their sign."""
 HEIGHTS = ("h_m", "z_m")
 HEIGHTS_FT = {"h_ft": "h_m", "z_ft": "z_m"}  # as a project may map them
 FEET = HEIGHTS_FT | {"x_ft": "x_m", "y_ft": "y_m"}
 ENOUGH = ((("frame", "image"), ("frame", "image")), (TIME, (*TIME, "image")))
 """Columns, and those that are not looked for under other names where one of the first is there."""
+ONE_OF = TIME[::-1], ("image", "frame")
+"""Columns of which the first that is there is read."""
 
 
 def coordinate_columns(geodetic: bool) -> tuple[str, str, str]:
@@ -449,7 +456,7 @@ def own_names(
     for name in known:
         if name in found or name in left_out:
             continue
-        others = TIMES if name == TIME[0] else SYNONYMS.get(name, ())
+        others = TIMES if name == TIME[0] else SYNONYMS.get(name, (name,))
         there = [plain.index(one) for one in others if one in plain]
         if name in COORDINATES and not there:
             there = [k for k, one in enumerate(plain) if _bare_name(name, one, feet) in others]
@@ -557,7 +564,37 @@ class CsvTable:
         own, here = (", ".join(names[k] for k in there) for names in (self.own, self.header))
         unit = ", the time in milliseconds" if self.in_ms(TIME[0]) else ""
         unit += ", the height in feet" if any(map(self.in_feet, HEIGHTS)) else ""
-        return f" ({own} read as {here}{unit})" if there else ""
+        said = [f"{own} read as {here}{unit}"] if there else []
+        said += [f"not used: {first_of(unused, MANY_UNUSED)}"] if (unused := self._unused()) else []
+        return f" ({'; '.join(said)})" if said else ""
+
+    def _unused(self) -> list[str]:
+        """List the columns that the file names and that are not read, by its own names."""
+        if isinstance(self.file.columns, list):
+            return []  # the project names them, each of which it knows
+        read = {*self.known}
+        for some in ONE_OF:
+            read -= {*[name for name in some if name in read and self.has(name)][1:]}
+        read |= {one for one in self.header if self.has("t_utc") and plain_name(one) in DATES}
+        pairs = zip(self.own, self.header, strict=True)
+        return [own for own, name in pairs if name and name not in read]
+
+    def check_signs(self, degrees: Floats) -> None:
+        """Refuse a south or west that stands beside the number in a column of its own, (n, 2).
+
+        Raises:
+            VopdError: naming its row
+        """
+        for name in self._unused():
+            letters = [*map(str.upper, self.column(self.header[self.own.index(name)]))]
+            for axis, (plus, minus) in enumerate((("E", "W"), ("N", "S"))):
+                if minus in letters and {*letters} <= {plus, minus, ""}:
+                    below = [one == minus for one in letters] & (degrees[:, axis] > 0.0)
+                    for row in np.flatnonzero(below)[:1].tolist():
+                        message = f"{minus} is the sign of {degrees[row, axis]:g}, which is not"
+                        what = "latitudes in the south" if axis else "longitudes in the west"
+                        message += f" read: write {what} below 0, and remove the column"
+                        raise self.error(message, row, name)
 
     def check_degrees(self, degrees: Floats) -> None:
         """Refuse a longitude or latitude that is none, (n, 2).
@@ -736,6 +773,8 @@ class CsvTable:
             value = plain_number(text)
         except ValueError as error:
             hint = "; decimals take a point" if "," in text else hint
+            if name in DEGREES and SEXAGESIMAL.search(text):
+                hint = ": write decimal degrees, below 0 in the south and west"
             raise self.error(f"{shown(text)} is not a number{hint}", row, name) from error
         if not np.isfinite(value):
             raise self.error(f"{text[:LONG_WORD]} is not a finite number{hint}", row, name)
@@ -810,7 +849,7 @@ class CsvTable:
 
     def _time(self, name: str, row: int, text: str, columns: str = "") -> float:
         try:
-            moment = datetime.fromisoformat(text)
+            moment = read_moment(text)
             if moment.tzinfo is not None:
                 return moment.astimezone(UTC).timestamp()
         except (ValueError, OverflowError) as error:

@@ -51,7 +51,7 @@ from vopd.flight.project import (
     with_common_error,
 )
 from vopd.flight.scene import lost_images, other_images
-from vopd.flight.track import scatter_of
+from vopd.flight.track import not_in_metres, scatter_of
 from vopd.geometry.earth import earth_centred_m
 from vopd.inputs import is_number, no_date
 from vopd.video import grey_frames, image_numbers, open_frames, stills_in
@@ -134,6 +134,7 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
         return
     file = open_input(name, Path())
     values["camera", "lens"] = _named(file.name, folder)
+    values.pop(("camera", "pixel_grid"), None)  # which was of a table
     try:
         found = read_by_content(LENS_FORMATS, file, LensQuestion())
     except VopdError as error:
@@ -157,10 +158,21 @@ def lens_of_numbers(text: str) -> str:
     Args:
         text: focal length, or fx, fy, cx, cy and up to five coefficients k1, k2, p1, p2, k3 of
             OpenCV, pixels
+
+    Raises:
+        VopdError: where they are not so many, or are no lens
     """
     numbers = [part.strip() for part in text.split(",")]
-    if not all(map(is_number, numbers)) or len(numbers) not in (1, 4, 5, 6, 8, 9):
+    if not all(map(is_number, numbers)):
         return ""
+    if len(numbers) not in (1, 4, 5, 6, 8, 9):
+        raise VopdError(
+            f"{len(numbers)} numbers: give FX; FX,FY,CX,CY; or these and K1; K1,K2; K1,K2,P1,P2; "
+            "K1,K2,P1,P2,K3"
+        )
+    lengths = [float(one) for one in numbers[:2]]
+    if not (np.isfinite([float(one) for one in numbers]).all() and min(lengths) > 1.0):
+        raise VopdError(f"{text}: a focal length is above 1 px, and all numbers are finite")
     values = [repr(float(one)) for one in numbers]
     told = [
         f"{name}_px = {one}" for name, one in zip(("fx", "fy", "cx", "cy"), values, strict=False)
@@ -877,6 +889,8 @@ def look_at_files(
         new.needed["position", "height"] = "no file says what its heights are counted from"
         if ("position", "x_m") in values:
             new.needed["position", "crs"] = "it has x and y"
+            if wrong := not_in_metres(new.crs.get("position"), "--crs"):
+                errors.append(VopdError(f"--position: {wrong}"))
         _sigma(new, "position", "sigma_m")
     else:
         track = look(look_at_track, named.get("track"))

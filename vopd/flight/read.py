@@ -17,6 +17,7 @@ from vopd.findings import Finding, NeededError, count_text, first_of
 from vopd.flight.adjusted import with_held, with_stated_offset
 from vopd.flight.coordinates import (
     crs_name,
+    doubt_of_heights,
     earth_centred_positions,
     map_grid,
     outside_area,
@@ -62,6 +63,7 @@ from vopd.flight.track import (
     number_frames,
     read_path,
 )
+from vopd.flight.unused import unused_keys
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
@@ -85,6 +87,8 @@ def read_lens(project: Project) -> LensRead:
         VopdError: where it is missing, or its image size is not that of the project
     """
     section = project.section("camera")
+    if section.has("camera") and isinstance(section.values.get("lens"), dict):
+        raise section.error("camera", "is of a file with several cameras, and lens is a table")
     size = section.size("image_size_px")
     made_of = section.size("lens_size_px")
     if made_of is None:
@@ -170,8 +174,13 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
         assumed += f", {grid} grid"
     else:
         assumed += ", principal point in the image's middle as none is given"
-    if model == LensKind.RADIAL_TABLE.value:
-        return LensRead(_radial_table(table, size, focal, centre), f"lens: radial table{assumed}")
+    by_table = model == LensKind.RADIAL_TABLE.value
+    found = _radial_table(table, size, focal, centre) if by_table else None
+    for key in ("k", "skew_px") if by_table else ("table_px",):
+        if table.has(key) and table.values[key] != []:
+            raise table.error(key, f"a lens of the model {model} has none: leave it out")
+    if found is not None:
+        return LensRead(found, f"lens: radial table{assumed}")
     k = table.numbers("k") if table.has("k") and table.values["k"] != [] else ()
     counts = MODELS[LensKind(model)].counts
     if len(k) not in counts:
@@ -188,12 +197,14 @@ def _focal(table: Section, size: tuple[int, int]) -> tuple[tuple[float, float], 
         width, height = table.numbers("sensor_mm")
         if min(width, height) <= 0.0:
             raise table.error("sensor_mm", "is the sensor's width and height, both above 0")
-        if table.has("fx_px"):
-            raise table.error("focal_mm", "fx_px is there too: give one of them")
+        for key in [one for one in ("fx_px", "fy_px") if table.has(one)]:
+            raise table.error("focal_mm", f"{key} is there too: give one of them")
         f = table.number("focal_mm")
         return (f * size[0] / width, f * size[1] / height), ", focal length by the sensor's size"
     if not table.has("fx_px"):
         raise table.error("fx_px", "is needed, or focal_mm and sensor_mm")
+    if table.has("sensor_mm"):
+        raise table.error("sensor_mm", "is for focal_mm, and fx_px is in its place: leave it out")
     fx = table.number("fx_px")
     return (fx, table.number("fy_px", fx)), ""
 
@@ -677,9 +688,11 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         if joined.repeatability_px < COPIED_PX:
             findings.append(Finding(COPIED, name, severity="warning"))
     camera, wind_said, wind_doubts = add_wind(project, path.path)
-    outside = outside_area(landmark_crs(project.section("landmarks"), rows), landmarks.position_m)
+    crs = landmark_crs(project.section("landmarks"), rows)
+    outside = outside_area(crs, landmarks.position_m)
     doubts = [*picks.doubts, *times.doubts, *path.doubts, *wind_doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
+    doubts += doubt_of_heights("landmarks", rows.said, crs)
     if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
     if camera_lens.table is None:
@@ -694,6 +707,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         )
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, times, label)
+    findings += [Finding(one, name, severity="warning") for one in unused_keys(project)]
     refraction = refraction_of(project.section("atmosphere"))
     offset_s = project.section("track").number("offset_s") if project.has("track") else 0.0
     flight = Flight(

@@ -15,6 +15,7 @@ from vopd.findings import VopdError, count_text, first_of
 from vopd.flight.coordinates import (
     HeightDatum,
     crs_name,
+    doubt_of_heights,
     earth_centred_positions,
     units_of_grid,
 )
@@ -37,6 +38,7 @@ from vopd.flight.formats.track import (
 from vopd.flight.image_tags import images_in, tags_of
 from vopd.flight.project import VIDEO, Project, Section, toml_numbers
 from vopd.flight.stated import Notes, RowSigmas, key_sigma, row_sigmas
+from vopd.flight.unused import unused_by_image
 from vopd.flight.velocity import (
     Roughness,
     gap_curvature,
@@ -599,10 +601,11 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         rows.coordinate, rows.geodetic, crs, track_height(section, rows, landmarks), where
     )
     notes = Notes([f"{file.name}: {rows.said}{_above_ground(section)}"], {})
-    doubts = []
+    doubts = doubt_of_heights("track", rows.said, crs)
     if rows.image and (times.image or rows.time_s is None):
         times, time_s = times_of_track(section, rows, times)
         path = path_by_image(section, rows, position, times, time_s, notes)
+        doubts += unused_by_image(project, rows)
     else:
         path = path_by_time(section, rows, position, times, notes, file.name)
         doubts = doubts_of_rounded_times(section, times, path)
@@ -635,19 +638,33 @@ def _above_ground(section: Section) -> str:
     return f"; heights from the ground at {height['ground_m']:g} m, counted as the landmarks'"
 
 
+def not_in_metres(crs: str | None, where: str) -> str:
+    """Say that a grid does not count in metres, as a fixed position does; empty if it does.
+
+    Args:
+        crs: the grid
+        where: file or section, for errors
+    """
+    for unit in units_of_grid(crs, where):
+        if not unit.is_metre:
+            write = "write lat_deg, lon_deg and h_m, or a grid in metres"
+            return f"is metres, and the grid {crs} counts in {unit.name}: {write}"
+    return ""
+
+
 def fixed_path(section: Section, times: FrameTimes, landmarks: Section | None = None) -> PathRead:
     """Read the path of a camera that does not move from `[position]`."""
-    geodetic = section.has("lat_deg")
+    geodetic = section.has("lat_deg") or section.has("lon_deg")
     keys = coordinate_columns(geodetic)
+    for key in [one for one in coordinate_columns(not geodetic) if section.has(one)]:
+        raise section.error(key, f"{keys[0]} is there too: give degrees or metres of a grid")
     coordinate = np.array([[section.number(key) for key in keys]])
     crs = section.text("crs") if section.has("crs") else None
     if crs is None and not geodetic:
         raise section.error("crs", "is needed with x_m and y_m")
     where = f"{section.project}: [position]"
-    for unit in [] if geodetic else units_of_grid(crs, where):
-        if not unit.is_metre:
-            message = f"is metres, and the grid {crs} counts in {unit.name}: write "
-            raise section.error("x_m", f"{message}lat_deg, lon_deg and h_m, or a grid in metres")
+    if not geodetic and (wrong := not_in_metres(crs, where)):
+        raise section.error("x_m", wrong)
     datum = height_datum(section, landmarks)
     position = earth_centred_positions(coordinate, geodetic, crs, datum, where)
     notes = Notes(["one fixed position"], {})

@@ -179,6 +179,7 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
     coordinate = coordinates_of(table, geodetic)
     if geodetic:
         table.check_degrees(coordinate)
+        table.check_signs(coordinate)
     sigma = table.sigmas_of_axes(SIGMAS, SIGMA)
     return LandmarkRows(
         names,
@@ -275,7 +276,7 @@ def read_geojson(file: InputFile) -> LandmarkRows:
         if name is None:
             raise file.error(f"no name: a property {', '.join(NAMES[:2])} is needed", column=where)
         values = geometry.get("coordinates", [])
-        if len(values) != 3 or not all(map(_is_number_geojson, values)):
+        if len(values) != 3 or not all(map(is_real_number, values)):
             raise file.error("a landmark needs longitude, latitude and height", column=where)
         if geodetic and abs(values[1]) > 90.0:
             raise file.error(f"{values[1]:g} is no latitude: longitude comes first", column=where)
@@ -288,7 +289,7 @@ def read_geojson(file: InputFile) -> LandmarkRows:
     )  # fmt: skip
 
 
-def _is_number_geojson(value: object) -> bool:
+def is_real_number(value: object) -> bool:
     """Say if a value is a finite number; a whole one beyond 1e308 is none."""
     try:
         return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

@@ -23,6 +23,7 @@ from vopd.flight.files import (
     coordinate_columns,
     has_columns,
     read_csv,
+    shown,
 )
 from vopd.flight.formats.landmarks import (
     CRS,
@@ -32,6 +33,7 @@ from vopd.flight.formats.landmarks import (
     coordinates_of,
     geojson_crs,
     has_latitudes,
+    is_real_number,
     parse_gpx,
     recognises_geojson,
     recognises_gpx,
@@ -144,6 +146,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
             message += "the line" if no_fix.sum() == 1 else f"all {more}"
             raise table.error(message, int(np.argmax(no_fix)))
         table.check_degrees(coordinate)
+        table.check_signs(coordinate)
     return TrackRows(
         coordinate,
         geodetic,
@@ -376,9 +379,14 @@ def read_shots_geojson(file: InputFile) -> TrackRows:
     except (ValueError, RecursionError) as error:
         raise file.error(f"not valid JSON: {reason(error)}") from error
     images = [str(one["properties"]["filename"]) for one in features]
-    coordinate = np.array([one["geometry"]["coordinates"] for one in features], float)
-    if not images or coordinate.shape != (len(images), 3) or not np.isfinite(coordinate).all():
-        raise file.error("a shot needs longitude, latitude and height")
+    places = [one["geometry"]["coordinates"] for one in features]
+    for image, place in zip(images, places, strict=True):
+        if not isinstance(place, list) or len(place) != 3 or not all(map(is_real_number, place)):
+            message = f"a shot needs longitude, latitude and height, not {shown(place)}"
+            raise file.error(f"{image}: {message}")
+    coordinate = np.array(places, float)
+    if not images:
+        raise file.error("no shot is in the file")
     crs = geojson_crs(file, root, features)
     geodetic = crs_is_geographic(crs, file.name)
     if geodetic and (abs(coordinate[:, 1]) > 90.0).any():

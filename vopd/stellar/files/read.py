@@ -27,6 +27,7 @@ from vopd.inputs import (
     no_file,
     plain_digits,
     read_limited,
+    read_moment,
 )
 from vopd.stellar.field import ground_directions, star_directions
 
@@ -551,7 +552,7 @@ def _moment(stars: Sequence[Star], source: str) -> datetime | None:
         if not text:
             continue
         try:
-            found = datetime.fromisoformat(text)
+            found = read_moment(text)
             found = found.replace(tzinfo=found.tzinfo or UTC).astimezone(UTC)
         except (ValueError, OverflowError):
             message = leap_second(text) or f"{text!r} is not an ISO 8601 date and time"
