@@ -310,6 +310,32 @@ def test_sizes_that_explain_as_well_are_named_together(
         assert_approved(said)
 
 
+@pytest.mark.parametrize("stands", [True, False])
+def test_the_size_of_an_error_that_all_frames_share(
+    stands: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the place of a camera that stands, or of all positions of a track, east, north, up."""
+    monkeypatch.setattr(
+        misfit, "size_spoken_for", lambda _, name: (3.0, 11.0 * (name != "reading"))
+    )
+    rng = np.random.default_rng(3)
+    flight = flight_of(rng, drone(rng, 3, 5), 0.5, Priors())
+    place = flight.path.position_m[[0] * 3] if stands else flight.path.position_m
+    path = CameraPath(place, bias_sigma_m=np.array([1.0, 2.0, 4.0]))
+    assert path.stands == stands
+    assert_approved(sizes_text(replace(flight, path=path)))
+
+
+def test_a_long_flight_is_looked_at_by_its_drawn_frames(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A focal length that is 3 % off is named as by all frames, with its larger sigma."""
+    every = [one for one in said(solved(tmp_path, "focal length", 30.0)) if "focal" in one]
+    monkeypatch.setattr(misfit, "MOST_PICKS", 60)
+    some = [one for one in said(solved(tmp_path, "focal length", 30.0)) if "focal" in one]
+    assert_approved([*every, *some])
+
+
 def test_angles_stand_where_no_explanation_has_a_solution(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -673,19 +673,20 @@ def sizes_text(flight: Flight, left_out: Bools | None = None) -> str:
 
 def _metres(joint: JointSolution, alike: list[str], found: dict[str, tuple[float, float]]) -> str:
     """Say the size in metres of positions or landmarks, where they alone are spoken for."""
-    priors = joint.model.priors
+    priors, key = joint.model.priors, "sigma_m"
     if alike == ["position"] and priors.fixes is not None:
         own = priors.fixes.of_positions_m
     elif alike == ["position"]:
         place = [priors.parameter.get(name, np.inf) for name in SHIFT]
         own = np.array([[one for one in place if np.isfinite(one)]])
+        key = "sigma_m" if joint.model.flight.path.stands else "sigma_bias_m"
     elif alike == ["landmark"] and priors.landmark_m is not None:
         own = priors.landmark_m[joint.model.free]
     else:
         return ""
     stated_m = float(np.median(own))
     spoken_m = stated_m * found[alike[0]][0]
-    return f": for {spoken_m:.2g} m where {stated_m:.2g} m is stated (sigma_m)"
+    return f": for {spoken_m:.2g} m where {stated_m:.2g} m is stated ({key})"
 
 
 def size_spoken_for(first: JointSolution, component: str) -> tuple[float, float]:
