@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -198,3 +199,22 @@ def test_cards_that_are_held_back_are_counted(basic: int, monkeypatch: pytest.Mo
 def test_a_number_of_thousands_of_digits(option: str) -> None:
     """Python refuses to read more than 4,300."""
     assert vopd("cards", CASE_1, option, "9" * 5000).status == 2
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_sequence_numbers_are_taken_off(end: str, tmp_path: Path) -> None:
+    """Of all cards but those of group 7, which have the altitude there."""
+    lines = CASE_1.read_text().splitlines()
+    heads = re.findall(r"(?m)^card \d+, group (\d+)", cards().stdout)[: len(lines)]
+    groups = [int(one) for one in heads] + [13] * (len(lines) - len(heads))
+    free = [group != 7 and len(line) <= 72 for line, group in zip(lines, groups, strict=True)]
+    both = zip(lines, free, strict=True)
+    numbered = [f"{line:72}{k:08}" if one else line for k, (line, one) in enumerate(both, 1)]
+    (tmp_path / "numbered.dat").write_bytes(end.join([*numbered, ""]).encode())
+    ran = vopd("cards", tmp_path / "numbered.dat", "--strip-sequence", "-o", tmp_path / "bare.dat")
+    assert (ran.status, ran.stdout) == (0, "")
+    assert sum(free) > 50
+    assert_approved(ran.stderr, parts=[sum(free)])
+    bare = (tmp_path / "bare.dat").read_bytes().decode().split("\n")
+    assert [line.rstrip() for line in bare] == [*(line.rstrip() for line in lines), ""]
+    assert vopd("run", tmp_path / "bare.dat").stdout == vopd("run", CASE_1).stdout

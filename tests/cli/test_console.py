@@ -337,3 +337,21 @@ def test_a_shell_accepts_its_script(shell: str, tmp_path: Path) -> None:
         script = tmp_path / "script"
         script.write_text(made.stdout, encoding="utf-8")
         subprocess.run([shell, "-n", script], check=True)
+
+
+# Pages of the documentation
+
+
+def test_a_page_of_the_documentation_is_shown_as_it_stands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By its name, by its file, or by a command; its name is completed by the Tab key."""
+    for name, page in (
+        ("adjust", "adjust"),
+        ("docs/adjust.md", "adjust"),
+        ("punch", "flight-project"),
+    ):
+        own = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+        ran = vopd("help", name)
+        assert (ran.status, ran.stdout) == (0, own + "\n"), name
+    assert offered(monkeypatch, "vopd help cho") == ["plain,choosing"]

@@ -120,6 +120,33 @@ def test_a_project_goes_on_where_it_was(tmp_path: Path) -> None:
     assert_close("direction on a page", to.reshape(-1, 3), lines.direction)
 
 
+def test_frames_that_are_picked_are_on_the_page_again(tmp_path: Path) -> None:
+    """Those of a video: all up to a number, and others spread over it where they are few."""
+    toml = TOML.replace("picks.csv", "clicks.csv").replace(
+        "[landmarks]", 'video = "a.mp4"\n[landmarks]'
+    )
+    project = write_project(tmp_path, toml)
+    head = "frame,landmark,u_px,v_px\n"
+    for picked in ([5, 7, 99], [*range(40)], [1, 2, 3, *range(20, 32)]):
+        rows = "".join(f"{frame},well,1.5,2\n" for frame in picked)
+        Path("clicks.csv").write_text(head + rows)
+        assert vopd("pick", project, "-o", "p.html").status == 0
+        shown = [int(one["name"]) for one in data()["frames"]]
+        inside = [frame for frame in picked if frame < 40]
+        assert shown == sorted(shown) and len(shown) == max(12, len(inside))
+        assert {*inside} <= {*shown} and len({*shown}) == len(shown)
+        others = sorted({*shown} - {*inside})
+        assert not others or (others[0], others[-1]) == (0, 39)
+
+
+def test_where_to_click_next_is_not_known_of_a_flight_without_a_solution(tmp_path: Path) -> None:
+    toml = TOML.replace("[landmarks]", 'video = "a.mp4"\ntracked = "t.csv"\n[landmarks]')
+    project = write_project(tmp_path, toml)
+    done = vopd("pick", project, "-o", "p.html")
+    assert done.status == 0 and {*range(5)} <= {int(one["name"]) for one in data()["frames"]}
+    assert_approved(done.stderr.splitlines()[0].replace(str(tmp_path), "FOLDER"))
+
+
 def test_what_is_no_pick_in_the_picks_of_a_project_is_told(tmp_path: Path) -> None:
     picks = '[picks]\nfile = "picks.csv"\npixel_grid = "centre"'
     assert picks in TOML

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,13 @@ import pytest
 
 from tests.approved.texts import assert_approved, refused
 from tests.tolerances import assert_close
-from vopd.files import install_command, optional_package
+from vopd.files import (
+    A_VIDEO,
+    install_command,
+    kind_by_first_bytes,
+    optional_package,
+    reason,
+)
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, InputFormat, did_you_mean, open_input, read_by_content
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
@@ -22,7 +30,7 @@ from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project import Section
 from vopd.flight.solve import first_attitude
 from vopd.flight.track import times_of_csv, track_height
-from vopd.inputs import parse_json, parse_xml
+from vopd.inputs import no_file, parse_json, parse_toml, parse_xml
 
 
 def told(action: Any) -> str:
@@ -160,6 +168,44 @@ def test_a_package_that_is_missing_says_how_to_install_it(monkeypatch: pytest.Mo
 
     monkeypatch.setattr("vopd.files.import_module", broken)
     assert_approved(told(lambda: optional_package("json", "x", "a file")))
+
+
+def test_a_folder_of_the_name_of_a_package_is_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Python imports a folder of the working directory as an empty package."""
+    (tmp_path / "geodata").mkdir()
+    monkeypatch.syspath_prepend(tmp_path)
+    assert_approved(told(lambda: optional_package("geodata", "geo", "a track")))
+
+    def unknown(_: str) -> None:
+        raise PackageNotFoundError
+
+    monkeypatch.setattr("vopd.files.ROOT", tmp_path)
+    monkeypatch.setattr("importlib.metadata.requires", unknown)
+    assert install_command("geo", ": ") == ""
+
+
+def test_kinds_of_videos_by_their_first_bytes() -> None:
+    assert kind_by_first_bytes(b"RIFF\0\0\0\0AVI LIST") == A_VIDEO
+    assert kind_by_first_bytes(b"RIFF\0\0\0\0WAVEfmt ") != A_VIDEO
+
+
+@pytest.mark.parametrize(
+    "error",
+    [OverflowError("int too large"), UnicodeDecodeError("utf-8", b"\xff", 0, 1, "invalid"),
+     RecursionError("maximum recursion depth"), ZeroDivisionError("division by zero")],
+    ids=["large", "bytes", "deep", "zero"],
+)  # fmt: skip
+def test_reasons_in_plain_words(error: Exception) -> None:
+    assert_approved(reason(error))
+
+
+def test_settings_above_a_megabyte_and_what_is_no_file(tmp_path: Path) -> None:
+    with refused(ValueError):
+        parse_toml(b"#" * 1_000_001)
+    assert no_file(tmp_path / "none") == "" and no_file(os.devnull, pipes=True) == ""
+    assert no_file(tmp_path) == ""
 
 
 def test_packages_are_installed_by_their_names(

@@ -11,6 +11,7 @@ from tests.approved.texts import refused
 from tests.kit.flight_project import FRAMES, LENS, MARKS, TOML, pixels, truth_deg, write_project
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
+from vopd.convert.flight_to_deck import flight_job
 from vopd.findings import VopdError
 from vopd.flight.formats.lens import make_lens
 from vopd.flight.project import read_project
@@ -141,6 +142,12 @@ def test_the_largest_sigma_of_several_lenses_counts(tmp_path: Path) -> None:
     read = read_camera(read_project(str(path))).read
     assert read.sigma == {"focal": 6.0, "centre_u": 3.0}
     assert read.lens.focal_px.tolist() == [1500.0, 1500.0]
+
+
+def test_the_cards_have_one_lens(tmp_path: Path) -> None:
+    """And so a flight of several is not punched."""
+    with refused(VopdError, parts=[tmp_path.as_posix()]):
+        flight_job(solve_flight(str(two_cameras(tmp_path))))
 
 
 def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:

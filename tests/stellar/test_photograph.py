@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import DECKS, vopd
 from tests.kit.stars import photograph as make_photograph
 from tests.kit.stars import written
@@ -328,3 +328,13 @@ def test_the_option_wins_over_the_suffix(tmp_path: Path) -> None:
     path = written_files(tmp_path / "solved.csv", "--format", "json")
     assert len(json.loads(path.read_text())) == 2
     assert written_files(tmp_path / "solved.lst").read_text().startswith("image")
+
+
+def test_what_a_photograph_cannot_be_solved_with() -> None:
+    """A camera's place is for ground points, and 5000 stars are the most."""
+    placed = StarRequest(AXES, SkyRequest(), camera_m=(1.0, 2.0, 3.0))
+    with refused(InputError):
+        photograph_directions(star_file(), placed, lambda _: None)
+    many = star_file(lines=tuple(range(2, 5003)))
+    with refused(InputError):
+        solve_photograph(many, StarRequest(AXES, SkyRequest()))
