@@ -20,6 +20,7 @@ from tests.kit.jobs import APPENDIX_H, reread
 from vopd.cards import deck as card_deck
 from vopd.cards import read as basic_data
 from vopd.cards.deck import CardBlock, CardDeck, byte_matrix
+from vopd.cards.head import read_head
 from vopd.cards.read import open_deck, read_jobs
 from vopd.cards.sequence import strip_sequence
 from vopd.cards.text import CardText
@@ -543,3 +544,21 @@ def test_a_deck_without_its_sequence_numbers_is_the_deck() -> None:
     bare, stripped = strip_sequence("\n".join([*numbered, ""]).encode(), "a")
     assert bare.decode() == TEXT
     assert stripped == set(range(1, 65)) - {34, 35, 36, 37}
+
+
+def test_blank_lines_behind_the_head_of_a_deck_are_no_cards() -> None:
+    content = CASE_1.read_bytes()
+    assert read_head(content + b"\n   \n\n", "deck") == read_head(content, "deck")
+
+
+def test_a_deck_that_cannot_be_read_on_is_named() -> None:
+    """A disk may fail behind the first block."""
+
+    class Failing(io.BytesIO):
+        def read(self, size: int | None = -1, /) -> bytes:
+            if self.tell():
+                raise OSError(5, "words of the system")
+            return super().read(min(size or 1, 2000) if size != -1 else 2000)
+
+    with refused(VopdError):
+        [*read_jobs(Failing(CASE_1.read_bytes()), "deck", lambda _: None)]

@@ -277,6 +277,7 @@ def test_the_nearest_number_that_fits(value: float, item: FormatItem, words: str
 def test_nothing_helps_a_whole_number_that_is_too_long() -> None:
     assert nearest_that_fits(123456.0, I5) == ""
     assert nearest_that_fits(float("inf"), F10_1) == ""
+    assert nearest_that_fits(-123456.0, FormatItem("F", 1, 2, 0)) == ""
 
 
 # Exponents

@@ -11,7 +11,7 @@ import pytest
 
 from tests.approved.texts import assert_approved
 from tests.kit.cards import CardEdit, CardLines, punch, punch_all, two_frames
-from tests.kit.command import CASE_1, vopd
+from tests.kit.command import CASE_1, DECKS, vopd
 from vopd.check import check_deck
 
 Report = dict[str, list[dict[str, Any]]]
@@ -255,3 +255,13 @@ def test_numbers_that_are_far_too_large_are_questioned(tmp_path: Path) -> None:
         status, seen = check(cards, tmp_path)
     assert (status, {one.card for one in seen}) == (0, {25, 37, 44, 56})
     assert max(len(one.message) for one in seen) < 100
+
+
+@pytest.mark.parametrize("together", [1, 2, 10_000])
+def test_jobs_are_checked_some_at_a_time_as_all_at_once(
+    together: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    deck = DECKS / "appendix_h" / "cases_1_2_3.dat"
+    expected = vopd("check", deck).stdout
+    monkeypatch.setattr("vopd.check.TOGETHER", together)
+    assert vopd("check", deck).stdout == expected and "card 59" in expected

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -12,7 +14,8 @@ from scipy.special import chdtri
 
 import vopd
 from tests.approved.texts import assert_approved, refused
-from tests.kit.command import DECKS
+from tests.kit.command import DECKS, ROOT
+from tests.kit.command import vopd as vopd_run
 from tests.kit.simulated_films import SPHERE_1974, WGS84, Earth, Errors, Plan, job_of, simulate
 from tests.tolerances import within
 from vopd.arrays import Floats
@@ -148,6 +151,35 @@ def test_differences_across_north_are_those_elsewhere() -> None:
     )
     for one, other in zip(north.trials[1:], trials.trials[1:], strict=True):
         assert np.abs(one.difference_deg - other.difference_deg).max() < within("solved angle")
+
+
+def test_what_keeps_trials_from_an_end_is_said() -> None:
+    """Times of the trajectory that descend; and a card whose landmark is far from the readings."""
+    job, _ = searched()
+    time_s = job.trajectory.time_s.copy()
+    time_s[2] = time_s[0]
+    back = replace(job, trajectory=replace(job.trajectory, time_s=time_s))
+    with refused(VopdError):
+        search_feature(back, 13, NO_FIXES, "deck")
+    far = with_coordinates(job, 13, coordinates_of(job, 13) + np.array([5.0, 5.0, 0.0]))
+    with refused(VopdError):
+        search_feature(far, 13, NO_FIXES, "deck")
+
+
+def test_trials_as_json_are_those_of_the_csv(tmp_path: Path) -> None:
+    feature = ROOT / "tests" / "approved" / "inputs" / "feature.dat"
+    options = ("adjust", feature, "--free", "landmark:13", "--trials", "-q")
+    as_csv = [*csv.DictReader(vopd_run(*options, "--format", "csv").stdout.splitlines())]
+    ran = vopd_run(*options, "--format", "json")
+    found = json.loads(ran.stdout)
+    assert ran.status == 0 and found["stands"] is True
+    rows = [{k: "" if v is None else v for k, v in one.items()} for one in found["trials"]]
+    assert [one.pop("best") for one in rows] == [one.pop("best") == "yes" for one in as_csv]
+    assert [[str(v) for v in one.values()] for one in rows] == [[*one.values()] for one in as_csv]
+    best = rows[-1]
+    assert best["varied"] == "found"
+    for name in ("latitude_deg", "longitude_deg", "altitude_ft"):
+        assert abs(found[name] - best[name]) < (0.1 if name == "altitude_ft" else 1e-5)
 
 
 def test_a_search_is_rounds_of_latitudes_longitudes_altitudes() -> None:

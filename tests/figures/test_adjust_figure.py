@@ -66,6 +66,16 @@ def test_of_many_those_that_moved_most() -> None:
     assert f"{MOST_ROWS} of 100 parameters" in figure.get_suptitle()
 
 
+def test_of_many_landmarks_those_with_the_largest_residuals() -> None:
+    """The largest first, as for few, and all together below them."""
+    names = [f"m{k}" for k in range(90)]
+    rms = np.column_stack([np.arange(91.0), np.ones(91)])
+    figure = draw_adjusted("title", CHANGES, names, rms)
+    shown = [text.get_text() for text in figure.axes[1].get_yticklabels()]
+    assert shown == [*(f"m{k}" for k in range(89, 89 - MOST_ROWS, -1)), "all"]
+    assert_approved(figure.get_suptitle())
+
+
 @pytest.fixture
 def wrong(tmp_path: Path) -> Path:
     """The hill with a focal length that is 2 % too long."""

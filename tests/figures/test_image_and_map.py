@@ -87,6 +87,24 @@ def test_picks_stand_in_the_photograph_s_own_pixels() -> None:
 
 
 @pytest.mark.usefixtures("not_laid_out")
+def test_picks_outside_the_image_are_named(tmp_path: Path) -> None:
+    """They end half a pixel beyond the last one; three are named."""
+    shutil.copytree(HILL, tmp_path / "hill")
+    project = tmp_path / "hill" / "flight.toml"
+    text = project.read_text(encoding="utf-8")
+    width = 800
+    assert "[1920, 1080]" in text
+    project.write_text(text.replace("[1920, 1080]", f"[{width}, 1080]"), encoding="utf-8")
+    outside = [name for name, (u, _) in picks_of("0").items() if u > width - 0.5]
+    assert len(outside) > 3
+    _, said = panel("image", solve_flight(project).history(), photograph=False)
+    said = " ".join(said.split())
+    assert f"{len(outside)} picks outside the image: " in said
+    names = said.partition("outside the image: ")[2].partition(", ...")[0].split(", ")
+    assert len(names) == 3 and {*names} <= {*outside}
+
+
+@pytest.mark.usefixtures("not_laid_out")
 def test_a_photograph_is_found_by_its_name(tmp_path: Path) -> None:
     """In a folder within that of the project, or in that of --images; else the title says so."""
     shutil.copytree(ROOT / "examples" / "summits", tmp_path / "post")

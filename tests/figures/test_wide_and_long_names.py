@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +12,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import RendererAgg
+from matplotlib.figure import Figure
 
 from tests.approved.texts import assert_approved
 from tests.kit.command import DECKS, vopd
@@ -19,12 +21,52 @@ from tests.kit.renamed_hill import ARABIC, JAPANESE, THAI, WIDE, renamed
 from vopd.figures import draw, least_size_in
 from vopd.figures.adjust import Change, draw_adjusted
 from vopd.figures.residuals import MOST_SIGMAS, residual_points
-from vopd.figures.style import matplotlib_figure, save, text_width_pt, wrapped
+from vopd.figures.style import (
+    matplotlib_figure,
+    plain,
+    round_number,
+    save,
+    text_width_pt,
+    wrapped,
+)
 
 pytestmark = [
     pytest.mark.filterwarnings(r"ignore:Glyph \d+"),
     pytest.mark.filterwarnings("ignore:Matplotlib currently does not support"),
 ]
+
+
+def test_text_for_a_figure_and_round_numbers() -> None:
+    """Of 300 characters all are drawn, of one more the last two are left out for three dots."""
+    assert plain("a" * 300) == "a" * 300 and plain("a" * 301) == "a" * 299 + "…"
+    assert plain("a\tb$") == r"a?b\$"
+    assert [round_number(one) for one in (0.0, -3.0, float("nan"), 0.19, 7.0)] == [
+        1.0, 1.0, 1.0, 0.1, 5.0,
+    ]  # fmt: skip
+
+
+class _Failing(Figure):
+    """A figure that matplotlib cannot write, or warns of."""
+
+    def __init__(self, what: BaseException | Warning) -> None:
+        super().__init__()
+        self._what = what
+
+    def savefig(self, *given: Any, **named: Any) -> None:
+        if isinstance(self._what, Warning):
+            warnings.warn(self._what, stacklevel=1)
+            super().savefig(*given, **named)
+        else:
+            raise self._what
+
+
+def test_what_matplotlib_says_of_a_figure_is_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """But for missing letters, and a date that is none, which the user can mend."""
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+    with pytest.raises(ValueError, match=r"^too large$"):
+        save(_Failing(ValueError("too large")), ".png")
+    with pytest.warns(UserWarning, match=r"^odd$"):
+        assert save(_Failing(UserWarning("odd")), ".svg").startswith(b"<?xml")
 
 
 @cache

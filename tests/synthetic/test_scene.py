@@ -219,6 +219,12 @@ def test_a_plan_keeps_to_its_limits(name: str) -> None:
         assert error.value.part == name
 
 
+def test_an_earth_that_there_is_not_is_refused() -> None:
+    with refused(PlanError) as error:
+        Plan(earth="flat")
+    assert isinstance(error.value, PlanError) and error.value.part == "earth"
+
+
 def test_landmarks_that_cannot_be_had_are_refused() -> None:
     with refused(VopdError):
         make(Plan(frames=800, landmarks=60))
