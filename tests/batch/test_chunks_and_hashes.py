@@ -498,6 +498,16 @@ def test_a_source_that_cannot_be_read_has_no_hash(tmp_path: Path) -> None:
         assert input_sha256(str(tmp_path / name)) == file_sha256(tmp_path / name) == ""
 
 
+def test_a_file_of_a_project_that_is_not_there_is_none_of_its_hash(tmp_path: Path) -> None:
+    project = tmp_path / "p.toml"
+    project.write_text('[picks]\nfile = "a.csv"\n')
+    without = input_sha256(str(project))
+    (tmp_path / "a.csv").write_text("1")
+    assert input_sha256(str(project)) != without != ""
+    (tmp_path / "a.csv").unlink()
+    assert input_sha256(str(project)) == without
+
+
 def test_a_name_that_cannot_be_a_path_hides_no_other(tmp_path: Path) -> None:
     (tmp_path / "z").write_text("")
     text = ('a = "bad\\u0000name"\nb = "%s"\nc = "z"\nd = ""\n' % ("x" * 5000)).encode()

@@ -147,6 +147,25 @@ def test_where_to_click_next_is_not_known_of_a_flight_without_a_solution(tmp_pat
     assert_approved(done.stderr.splitlines()[0].replace(str(tmp_path), "FOLDER"))
 
 
+def test_photographs_of_a_camera_that_stands_are_predicted_one_by_one(tmp_path: Path) -> None:
+    """All are one frame to the solve; and of another size than the lens they are not predicted."""
+    toml = TOML.partition("[track]")[0].replace("frame_rate_hz = 10.0\n", "")
+    toml = toml.replace("first_frame_t_s = 2.0\n", 'video = "photos"\n')
+    toml += '[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nsigma_m = "exact"\n'
+    toml += 'height = "ellipsoid"\n[solve]\nframes = "one"\n'
+    project = write_project(tmp_path, toml.replace("picks.csv", "clicks.csv"))
+    Path("photos").mkdir()
+    for k in (0, 3):
+        Image.new("L", (1920, 1080)).save(Path("photos", f"{k}.png"))
+    assert vopd("pick", project, "-o", "p.html").status == 0
+    first, second = (np.array(one["to"]) for one in data()["frames"])
+    assert first.shape == (6, 3) and np.array_equal(first, second)
+    Image.new("L", (1280, 720)).save(Path("photos", "0.png"))
+    done = vopd("pick", project, "-o", "p.html")
+    assert done.status == 0 and "to" not in data()["frames"][0]
+    assert_approved(data()["unpredicted"].replace(str(tmp_path), "FOLDER"))
+
+
 def test_what_is_no_pick_in_the_picks_of_a_project_is_told(tmp_path: Path) -> None:
     picks = '[picks]\nfile = "picks.csv"\npixel_grid = "centre"'
     assert picks in TOML

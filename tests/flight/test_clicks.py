@@ -34,6 +34,7 @@ from vopd.flight.next_click import next_clicks, next_places
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of, read_flight
 from vopd.flight.result import FlightResult, picks_outside, solve_flight, solve_flight_read
+from vopd.flight.sizes import cost_of_frames
 from vopd.flight.solve import SolvedFlight
 from vopd.flight.tracked_picks import followed_findings
 
@@ -437,6 +438,39 @@ def test_the_sigma_of_clicks_is_the_one_that_is_stated_now(tmp_path: Path) -> No
     path.write_text(path.read_text().replace(KEYS, KEYS + "sigma_px = 1.0\n"))
     after = solve_flight(path).history().uncertainty.components["click"]
     assert (after[:, :3] > 1.5 * before[:, :3]).all()
+
+
+def test_the_sigmas_of_clicks_that_have_their_own_stay(tmp_path: Path) -> None:
+    """A column says them, and so does a point that is clicked twice."""
+    path = clicked_project(tmp_path)
+    clicks = tmp_path / "picks.csv"
+    head, *rows = clicks.read_text().splitlines()
+    stated = path.read_text().replace(KEYS, KEYS + "sigma_px = 1.0\n")
+    tracked = tmp_path / "tracked.csv"
+    for changed in (
+        [f"{head},sigma_px", *(f"{row},0.5" for row in rows)],
+        [head, *rows, rows[0]],
+    ):
+        clicks.write_text("\n".join([*changed, ""]))
+        path.write_text(stated)
+        digests = track_digests(read_project(str(path)))
+        lines = tracked.read_text().splitlines()
+        kept = [one for one in lines if not one.startswith("# clicks:")]
+        tracked.write_text("\n".join([kept[0], f"# clicks: {digests['clicks']}", *kept[1:], ""]))
+        picks = read_flight(str(path)).picks
+        assert picks.clicks is not None and set(picks.clicks.sigma_px.tolist()) == {0.5}
+
+
+def test_the_cost_of_clicked_frames_is_that_of_the_solution() -> None:
+    """A click's error counts in the frames that it was tracked to; readings of one place do not."""
+    one = clicked_flight(np.random.default_rng(3), 8, 4, every=4, reach=5, landmark_m=0.05)
+    solution = solve_jointly(one.flight, priors_of(one.flight))
+    cost = cost_of_frames(solution)
+    clicks = solution.model.clicks
+    assert clicks is not None and (cost > 0.0).all()
+    readings = clicks.squares(solution.state.click_px).sum()
+    assert np.abs(solution.state.click_px).max() > 0.1 and readings > 0.1
+    assert_close("ratio", cost.sum() / (solution.normal.cost - readings), 1.0)
 
 
 def test_residuals_of_an_adjusted_project_are_those_of_the_joint_solution(tmp_path: Path) -> None:

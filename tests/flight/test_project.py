@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from vopd.findings import VopdError
 from vopd.flight.files import InputFile, InputFormat
 from vopd.flight.project import (
@@ -209,6 +209,12 @@ def test_a_project_is_named_as_the_user_named_it(tmp_path: Path) -> None:
     assert not project(tmp_path, GOOD + "[wind]\n").has("wind")  # a header alone
     fixed = project(tmp_path, GOOD.replace('[track]\nfile = "t"', "[position]\nh_m = 1"))
     assert fixed.has("position")
+
+
+def test_files_that_a_section_needs() -> None:
+    with refused(VopdError):
+        Section("p.toml", "picks", {}).files("video")
+    assert Section("p.toml", "picks", {"video": "a.mp4"}).files("video") == ("a.mp4",)
 
 
 @pytest.mark.parametrize(

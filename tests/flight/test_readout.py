@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import replace
 from pathlib import Path
 
@@ -243,6 +244,27 @@ def test_the_readouts_sigma_is_what_another_readout_does(tmp_path: Path) -> None
     turned = np.abs(result.camera_deg - plain.camera_deg)[:, 0]
     assert (turned > 3.0 * found[:, 0]).all() and (turned < 0.16).all()
     assert not result.history().flags.raised["rate_unknown"].any()
+
+
+def test_picks_of_a_rolling_shutter_are_shown_where_they_were_picked(tmp_path: Path) -> None:
+    """And the computed places beside them: both are moved from their frame's time to their row's.
+
+    At 10 degrees a second, .0349 px a millisecond, a last row of 16 ms is some 4 px away.
+    """
+    result = rolling(tmp_path, 16.0)
+    scene_of = result.estimates.whole().scene
+    assert scene_of is not None
+    image = scene_of().image
+    assert image is not None
+    with (tmp_path / "picks.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["frame"] == "2"]
+    view = image(2, "")
+    picked = [[float(row["u_px"]), float(row["v_px"])] for row in rows]
+    assert np.abs(view.pixel - picked).max() < 0.01  # where another round would move them no more
+    apart = view.pixel - view.fitted
+    assert np.abs(apart).max() < 1.5  # 5 sigmas of .3 px
+    moved = view.fitted - view.computed[view.landmark]
+    assert 1.0 < np.abs(moved).max() < 8.0
 
 
 @pytest.mark.parametrize(("readout_ms", "said"), [(109.0, False), (111.0, True)])

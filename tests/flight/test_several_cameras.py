@@ -19,6 +19,7 @@ from vopd.flight.read import read_camera, read_flight
 from vopd.flight.result import solve_flight
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
+from vopd.report.frames import frames_json
 
 OTHER = make_lens("fisheye", (1280, 960), (700.0, 700.0), (641.2, 476.4), (0.03, -0.01))
 INLINE = next(line for line in TOML.splitlines() if line.startswith("lens = "))
@@ -85,6 +86,13 @@ def test_the_image_of_a_frame_has_its_own_lens(tmp_path: Path) -> None:
         _, ray = scene.sight(frame, "")
         axes = local_axes(scene.camera_m[scene.index(frame, "")][None])[0]
         assert_close("flight ray", ray @ axes.T, image.direction_of(image.pixel))
+
+
+def test_frames_of_a_report_have_the_sizes_of_their_images(tmp_path: Path) -> None:
+    """The lens of frames 1 and 3 is of 1280 x 960."""
+    history = solve_flight(str(two_cameras(tmp_path))).history()
+    (job,) = [one for one in json.loads(frames_json([history]))["jobs"] if "sizes" in one]
+    assert job["sizes"] == [[1280, 960], [1920, 1080]] and job["size"] == [1, 0, 1, 0, 1]
 
 
 @pytest.mark.parametrize("camera", ["a", "b"])

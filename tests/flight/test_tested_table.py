@@ -13,8 +13,11 @@ import vopd
 from tests.approved.texts import assert_approved
 from tests.kit.flight_blunders import BlunderRow
 from tests.kit.simulated_flights import write_flight
+from vopd.attitude.sigmas import Sigmas
 from vopd.flight import tested as module
+from vopd.flight.errors import with_sigmas
 from vopd.flight.leave_out import FIX
+from vopd.flight.read import read_flight
 from vopd.flight.tested import Prediction
 from vopd.flight.tested_table import as_text, label, prediction_lines, rows
 
@@ -86,6 +89,16 @@ def test_fixes_are_named_by_their_rows_or_the_one_frame_between(
     told = {label(found.tests, k, found.flight) for k in np.flatnonzero(found.tests.kind == FIX)}
     assert told <= expected and len(told) > 2
     assert told == {row["frame"] for row in rows(found) if row["left_out"] == "fix"}
+
+
+def test_another_sigma_of_positions_leaves_the_path_between_them(tmp_path: Path) -> None:
+    write_flight(tmp_path, PLAN._replace(fix_hz=1.0), np.random.default_rng(SEED))
+    flight = read_flight(str(tmp_path / "flight.toml"))
+    fixes = flight.path.fixes
+    given = with_sigmas(flight, Sigmas(position=3.0)).path.fixes
+    assert fixes is not None and given is not None and fixes.between is not None
+    assert np.array_equal(given.sigma_m[fixes.between], fixes.sigma_m[fixes.between])
+    assert (given.sigma_m[~fixes.between] == 3.0).all() and fixes.between.any()
 
 
 def test_labels_that_are_exchanged_are_named(tmp_path: Path) -> None:

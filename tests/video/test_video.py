@@ -16,11 +16,13 @@ from PIL import Image
 
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import peak
+from tests.kit.flight_project import TOML, write_project
 from tests.kit.video import SIZE, number_of, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.new import example_project
+from vopd.flight.read import read_flight
 from vopd.video import Chapter, VideoFrames, eight_bits, grey_frames, open_frames, spread
 
 EVEN_MS = [40 * k for k in range(40)]
@@ -75,6 +77,17 @@ def test_frames_that_an_edit_list_does_not_show(tmp_path: Path) -> None:
     frames = open_frames([str(tmp_path / "a.mp4")])
     assert (len(frames), frames.hidden, frames.lost) == (1, 50, 0)
     assert_approved(frames.about)
+
+
+def test_a_pick_of_a_frame_that_an_edit_list_does_not_show(tmp_path: Path) -> None:
+    keys = '[picks]\nvideo = "a.mp4"\nfile'
+    project = write_project(tmp_path, TOML.replace("[picks]\nfile", keys, 1))
+    content = bytearray(example_project().contents["flight.mp4"])
+    at = content.index(b"mdhd") + 16
+    content[at : at + 4] = bytes(4)
+    (tmp_path / "a.mp4").write_bytes(content)
+    with refused(VopdError, parts=[tmp_path]):
+        read_flight(str(project))
 
 
 def test_numbers_that_are_missing_among_images(tmp_path: Path) -> None:

@@ -98,7 +98,8 @@ def cost_of_frames(solution: JointSolution) -> Floats:
     """Share the cost of a joint solution among its frames, (F,).
 
     The squares of errors over their prior standard deviations are shared evenly by the picks that
-    depend on them: those of a landmark by its own, those of parameters by all.
+    depend on them: those of a landmark by its own, those of parameters by all. What several
+    readings of one pick differ by from each other is no frame's.
     """
     model, state = solution.model, solution.state
     landmark = np.zeros(len(model.flight.landmarks.name))
