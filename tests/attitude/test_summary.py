@@ -13,6 +13,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved
+from tests.kit.histories import by_hand
 from vopd.attitude import summary
 from vopd.attitude.long_history import one_part
 from vopd.attitude.summary import columns, frames_of
@@ -56,6 +57,25 @@ def test_flagged_frames_of_several_jobs_are_told_with_their_jobs(
     shutil.copy(ROOT / "tests" / "approved" / "inputs" / "five_jobs.dat", "a.dat")
     shown = str(vopd.run("a.dat")).splitlines()
     assert_approved([line for line in shown if "two_landmarks," in line])
+
+
+def test_rows_of_several_decks_and_jobs_name_theirs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of one deck of three jobs, and of two decks; flags of many frames are counted."""
+    monkeypatch.chdir(CASE_1.parent)
+    assert_approved("\n".join(str(vopd.run("cases_1_2_3.dat")).splitlines()[:8]))
+    both = [vopd.run(f"case{k}.dat").histories()[0] for k in (1, 2)]
+    assert_approved("\n".join(summary.text(list(map(one_part, both)), 120).splitlines()[:7]))
+    film = one_part(by_hand(40, time_s=np.arange(40.0)))
+    odd = film.whole.flags.raised["two_landmarks"].copy()
+    odd[::2] = True
+    raised = film.whole.flags.raised | {"two_landmarks": odd}
+    flags = replace(film.whole.flags, raised=raised)
+    (line,) = [
+        one
+        for one in summary.doubt_lines(*frames_of([one_part(replace(film.whole, flags=flags))]))
+        if "two_landmarks" in one
+    ]
+    assert " 20 frames: " in line
 
 
 def test_blanks_at_the_ends_of_a_title_are_not_of_it(tmp_path: Path) -> None:

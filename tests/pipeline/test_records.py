@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import vopd
+from tests.approved.texts import assert_approved
 from tests.kit.command import CASE_1, DECKS
 from tests.kit.estimates import estimate
 from tests.kit.jobs import BY_FRAME, BY_LANDMARK, film
@@ -528,3 +529,9 @@ def test_jobs_of_a_kind_are_together_until_they_have_enough_frames() -> None:
 def test_a_long_job_is_a_group_by_itself() -> None:
     assert list(alike_together([("a", 10), ("a", 1)], 10)) == [[0], [1]]
     assert list(alike_together([], 10)) == []
+
+
+def test_arrays_of_all_jobs_say_what_they_are_where_no_run_is_at_hand() -> None:
+    """As for `help(vopd.Run.vehicle_deg)`."""
+    assert_approved(vopd.Run.vehicle_deg.__doc__)
+    assert isinstance(vopd.run(CASE_1).vehicle_deg, np.ndarray)

@@ -563,6 +563,12 @@ def test_every_column() -> None:
     assert (pixels.field_of_view_deg, pixels.distortion) == (None, 0.0)
 
 
+def test_columns_by_other_names_are_a_warning() -> None:
+    (file,), (found,) = read("# stars\nx,y,ra,dec\n1,2,3,4\n")
+    assert (file.unit, file.kind) == ("px", "ra_deg,dec_deg") and found.severity == "warning"
+    assert_approved(found)
+
+
 def test_columns_that_need_not_be_there() -> None:
     (file,), _ = read(f"{HEAD}\n1,2,0,0,-1\n")
     assert (file.photograph, file.names, file.sigmas, file.utc) == ("", ("",), None, None)

@@ -242,10 +242,13 @@ def test_three_points_of_which_two_are_one_have_no_solution(same: tuple[int, int
     assert three_point_resection(flight_choices(3, 3)[0], np.full((3, 3), np.nan)) == []
 
 
-def two_positions(seed: int, mixed: float) -> tuple[float, np.ndarray, Resection] | None:
+def two_positions(
+    seed: int, mixed: float
+) -> tuple[float, np.ndarray, Resection, tuple[np.ndarray, np.ndarray]] | None:
     """Four points, the first read between where two positions that fit the others have it.
 
-    The ratio of the sums of squares about both, the worse position, and the resection.
+    The ratio of the sums of squares about both, the worse position, and the resection; and the
+    points with their images.
     """
     points, position, matrix, images = flight_choices(seed, 4)
     for other, false in three_point_resection(points[1:], rays_of(images[1:])):
@@ -255,7 +258,8 @@ def two_positions(seed: int, mixed: float) -> tuple[float, np.ndarray, Resection
             ends = [fitted(points, read, matrix, position), fitted(points, read, other, false)]
             (best, _), (worse, second) = sorted(ends, key=lambda one: one[0])
             if np.linalg.norm(ends[0][1] - ends[1][1]) > 300.0 and best > 0.0:
-                return worse / best, second, resection(points, read, FOCAL_CHOICES)
+                found = resection(points, read, FOCAL_CHOICES)
+                return worse / best, second, found, (points, read)
     return None
 
 
@@ -271,12 +275,23 @@ def test_a_second_position_fits_up_to_four_times_as_badly(
 ) -> None:
     made = two_positions(seed, mixed)
     assert made is not None
-    ratio, second, found = made
+    ratio, second, found, _ = made
     assert 2.9 < ratio < 5.5 and (ratio < 4.0) == there_is and found.failure == Failure.NONE
     assert (found.second is not None) == there_is
     if found.second is not None:
         assert_close("rae three-point position", found.second, second)
         assert np.linalg.norm(found.second - found.position) > 300.0
+
+
+def test_the_command_warns_of_a_second_position() -> None:
+    """To a tenth of a metre, as it is printed."""
+    made = two_positions(6, 0.38)
+    assert made is not None
+    _, second, _, (points, read) = made
+    rows = "".join(",".join(map(repr, map(float, row))) + "\n" for row in np.hstack([read, points]))
+    options = ("--focal", str(FOCAL_CHOICES), "--resection")
+    result = vopd("stars", "solve", "-", *options, stdin=HEAD + rows)
+    assert_approved(result.stderr, parts=[f"{one:.1f}" for one in second])
 
 
 @pytest.mark.parametrize("seed", range(6))
