@@ -610,3 +610,12 @@ def test_heights_may_be_mapped_as_feet() -> None:
     )
     found = read_by_content(TRACK_FORMATS, file)
     assert_close("feet", found.coordinate[0], [15.0, 48.0, 304.8])
+
+
+@pytest.mark.parametrize(
+    "text", ['{"images": [1, 2], "annotations": []}', '[{"u": 1, "v": 2}]', "<a>,b"]
+)
+def test_json_and_xml_of_other_programs_have_no_columns(text: str) -> None:
+    """It was advised to rename the columns `{"images": [1` and `2]`."""
+    with refused(VopdError):
+        read_text(PICK_FORMATS, "t", text)

@@ -505,6 +505,8 @@ def _mapped(name: str, own: str) -> str:
 
 def _unnamed(file: InputFile) -> str:
     """Say what to do where the columns of a table are not known; empty if it is no table."""
+    if file.head.lstrip()[:1] in ("{", "[", "<"):
+        return ""  # JSON or XML
     header = header_names(file)
     if header and header[0].startswith(TIE_POINTS):
         return OF_TIE_POINTS

@@ -151,6 +151,13 @@ def solve_photographs(
     if catalogue is not None and files and all(one.kind not in ("", NAMES) for one in files):
         text = "not read: --catalogue is for stars by name, or that have neither name nor position"
         notes.append(Finding(text, catalogue, severity="warning"))
+    if (
+        request.sky.utc is not None
+        and files
+        and not {None, request.sky.utc} & {one.utc for one in files}
+    ):
+        text = "not used: every photograph has another date in its column utc"
+        notes.append(Finding(text, "--date", severity="warning"))
     findings: list[KindOfFinding] = [(str(k), finding) for k, finding in enumerate(notes)]
     failed = any(finding.severity == "error" for finding in notes)
     several = len(files) > 1 or len(names) > 1
