@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageOps
 from scipy.spatial.transform import Rotation
 
 import vopd
@@ -25,6 +25,7 @@ from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import image_tags
 from vopd.flight.files import InputFile, read_by_content
+from vopd.flight.formats.picks import CLICKS
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.image_tags import (
     clock_of_tags,
@@ -35,7 +36,7 @@ from vopd.flight.image_tags import (
     xmp_text,
     zone_of_tags,
 )
-from vopd.flight.new import NewProject, has_positions, look_at_focal, take_size
+from vopd.flight.new import NewProject, has_positions, look_at_focal, project_of_files, take_size
 from vopd.flight.project import Section
 from vopd.flight.track import times_of_images
 from vopd.geometry.earth import geodetic
@@ -658,3 +659,32 @@ def test_a_lens_that_is_named_is_not_that_of_the_tags(tmp_path: Path) -> None:
     assert ran.status == 0
     given = tomllib.loads((tmp_path / "new" / "flight.toml").read_text())["camera"]["lens"]
     assert Path(given).name == lens.name
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_the_size_of_an_image_is_that_of_the_upright_one(orientation: int, tmp_path: Path) -> None:
+    """Clicks on the page of a photograph in portrait were taken for those of one in landscape."""
+    exif = Image.Exif()
+    exif[274] = orientation
+    picture = Image.new("RGB", (64, 48))
+    picture.save(tmp_path / "a.jpg", exif=exif)
+    upright = ImageOps.exif_transpose(Image.open(tmp_path / "a.jpg"))
+    assert read_tags(tmp_path / "a.jpg").size_px == upright.size
+
+
+@pytest.mark.parametrize(("reference", "sign"), [(0, 1), (1, -1), (2, 1), (3, -1)])
+def test_references_of_heights(reference: int, sign: int) -> None:
+    """EXIF 3.0 has 2 and 3 for heights above and below the ellipsoid."""
+    gps = {1: "N", 2: (48, 0, 0), 3: "E", 4: (15, 0, 0), 5: bytes([reference]), 6: 30.0}
+    assert exif_position(gps) == (15.0, 48.0, sign * 30.0)
+
+
+def test_images_of_two_sizes_have_no_size(tmp_path: Path) -> None:
+    """The size of the first was that of all."""
+    tagged_image(tmp_path / "a.jpg", size_px=(64, 48))
+    tagged_image(tmp_path / "b.jpg", size_px=(48, 64))
+    (tmp_path / "clicks.csv").write_text(f"{CLICKS}\nimage,landmark,u_px,v_px\na.jpg,x,1,2\n")
+    given = {"images": str(tmp_path), "picks": str(tmp_path / "clicks.csv")}
+    new = project_of_files(tmp_path / "new", given)
+    assert ("camera", "image_size_px") in new.needed
+    assert_approved([one.partition(": ")[2] for one in new.said if " x " in one])

@@ -19,12 +19,13 @@ from typing import Any, NamedTuple
 from vopd.files import optional_package, reason
 from vopd.findings import VopdError
 from vopd.inputs import no_file, plain_number
-from vopd.video import open_image, stills_in
+from vopd.video import ORIENTATION, open_image, stills_in
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
 GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF
 TAKEN, PART_OF_SECOND = 0x9003, 0x9291  # DateTimeOriginal, SubSecTimeOriginal
 ZONES = (0x9011, 0x9010)  # OffsetTimeOriginal, OffsetTime
+ON_ITS_SIDE = (5, 6, 7, 8)  # ORIENTATION of images whose rows are shown as columns
 LATITUDE = ("GpsLatitude", "Latitude")
 LONGITUDE = ("GpsLongitude", "GpsLongtitude", "Longitude")  # the second is what DJI writes
 ALTITUDE = ("AbsoluteAltitude",)
@@ -51,7 +52,7 @@ class ImageTags(NamedTuple):
 
     position: tuple[float, float, float]  # longitude, latitude, degrees, and altitude, metres
     gimbal_deg: tuple[float, float, float]  # yaw, pitch, roll of the view
-    size_px: tuple[int, int]
+    size_px: tuple[int, int]  # as it is shown upright
     clock_s: float  # what the camera's clock showed, seconds since 1970-01-01 of its own zone
     zone_s: float  # what that zone is ahead of UTC, seconds
     whole_second: bool  # the time has no part of a second
@@ -88,6 +89,7 @@ def read_tags(path: Path) -> ImageTags:
             gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
             xmp = xmp_text(image)
             size = (int(image.size[0]), int(image.size[1]))
+            size = size[::-1] if every.get(ORIENTATION) in ON_ITS_SIDE else size
     except UNREADABLE as error:
         raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
     why = "damaged tags" * bool(damage)
@@ -162,7 +164,9 @@ def xmp_text(image: Any) -> str:
 
 
 def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
-    """Read longitude, latitude, altitude from the GPS tags; reference 1 is below sea level.
+    """Read longitude, latitude, altitude from the GPS tags.
+
+    References 1 and 3 are below sea level and below the ellipsoid.
 
     Raises:
         ValueError: where a tag says no place on the Earth
@@ -185,7 +189,7 @@ def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
         angles.append(-size if side.startswith(signs[1]) else size)
     altitude = float(gps[6]) if 6 in gps else NONE
     below = gps.get(5, b"\0")
-    if below in (1, b"\x01"):
+    if below in (1, 3, b"\x01", b"\x03"):
         altitude = -altitude
     return angles[0], angles[1], altitude
 

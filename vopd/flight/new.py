@@ -233,7 +233,15 @@ def take_size(new: NewProject, values: KeyValues, images: Path) -> None:
     if ("camera", "image_size_px") in values or not stills:
         return
     if images_in(images):
-        size_px = next(iter(new.tags(images)[0].values())).size_px
+        sizes = {one.size_px for one in new.tags(images)[0].values()}
+        if len(sizes) > 1:
+            several = " and ".join(f"{w} x {h}" for w, h in sorted(sizes)[:2])
+            new.said.append(
+                f"{images}: images of {several}: name the lens of each in [camera] of_images, or "
+                "leave those of one size there"
+            )
+            return
+        (size_px,) = sizes
     else:
         size_px = next(open_frames([str(stills[0])]).pictures([0])).size
     values["camera", "image_size_px"] = toml_numbers(*size_px)
