@@ -229,6 +229,9 @@ def test_a_photograph_brings_size_and_principal_distance(
         assert taken.status == 0
         assert_approved(taken.stderr.splitlines()[:1])
         assert taken.stdout.splitlines()[:4] == stated.stdout.splitlines()[:4]
+    church = "stars", "solve", "stars.csv", "--method", "church"  # which frees nothing
+    held = vopd(*church, "--size", "6000,5200", "--focal-px", str(91.0 * 6000.0 / 36.0), "-q")
+    assert vopd(*church, "--images", "orion.jpg").stdout == held.stdout != ""
     known = vopd("stars", "solve", "stars.csv", "--images", "orion.jpg", "--focal-px", "15200")
     assert (known.status, "\nfocal " in known.stdout, "\nfocal " in taken.stdout) == (
         0,
