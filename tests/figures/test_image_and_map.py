@@ -186,6 +186,19 @@ def test_a_strip_has_the_clicks_near_its_places(
     assert ", ".join(f"{one.k} {one.kind}" for one in found) == strip
 
 
+def test_patches_of_picks_are_of_frames_over_the_whole_flight() -> None:
+    """All five frames have all six landmarks; each patch is that of its frame's own photograph."""
+    grey = np.random.default_rng(1).integers(0, 255, (1080, 1920), dtype=np.uint8)
+    pictures = {k: Image.fromarray(np.roll(grey, k, axis=1)) for k in range(5)}
+    axis, said = panel("patches", hill(), photograph=lambda number, name: pictures[number])
+    assert [one.get_text() for one in axis.get_yticklabels()] == list(picks_of("0"))
+    boxes = [(box.get_x(), box.get_y()) for box in axis.patches]
+    assert len({*boxes}) == len(boxes) == 30
+    shown = [text.get_text().split()[0] for text in axis.texts]
+    assert shown == ["0", "1", "2", "3", "4"] * 6
+    assert "blue border" not in said and "not found: where it should be" in said
+
+
 def test_true_north_on_the_map_of_a_grid() -> None:
     """It is to the left of the grid's by sin(latitude) of the degrees east of the meridian, 15."""
     history = solve_flight(ROOT / "examples" / "summits" / "flight.toml").history()

@@ -166,6 +166,13 @@ def test_one_frame_has_its_residuals_by_landmark() -> None:
     assert len({spot.get_facecolor().tobytes() for spot in figure.axes[0].collections}) == 2
 
 
+def test_a_residual_of_one_frame_that_does_not_fit_is_marked() -> None:
+    odd = [[False, True, False, False]]
+    figure, _ = drawn(by_hand(1, residual=np.column_stack([X, Y])[:1], outlier=odd))
+    for axis, values in zip(figure.axes, (-X[0], -Y[0]), strict=True):
+        assert points(labelled(axis)["does not fit"]) == [[1.0, values[1]]]
+
+
 # The image of one frame
 
 MICROMETRES = Units("ft", "mm", 0.3048, "µm", 1000.0)

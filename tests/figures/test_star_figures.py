@@ -382,6 +382,9 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     assert images() == 0
     pillow.new("L", (600, 400), 20).save(tmp_path / "orion.png")
     assert images() == 1 and "600 x 400" in picture.read_text(encoding="utf-8")
+    (tmp_path / "broken.png").write_bytes(b"no image")
+    broken = plot(file, "-o", picture, "--images", tmp_path / "broken.png")
+    assert broken.status == 0 and "no photograph: " in picture.read_text(encoding="utf-8")
     (tmp_path / "other").mkdir()
     (tmp_path / "orion.png").rename(tmp_path / "other.png")
     assert images() == 0
