@@ -559,6 +559,14 @@ def test_a_calibration_at_another_size_is_named(
     assert_approved(found)
 
 
+def test_a_size_of_the_calibration_that_is_stated_is_not_looked_for(tmp_path: Path) -> None:
+    """It is the wrong one: a focal length is named, and no other size."""
+    size = "image_size_px = [1920, 1080]\n"
+    path = hill_with(tmp_path, (size, f"{size}lens_size_px = [1280, 720]\n"))
+    found = " ".join(messages(path))
+    assert "speak for" in found and "was it calibrated at that size" not in found
+
+
 @pytest.mark.parametrize(("times", "size"), [(2.0, "960 x 540"), (1.5, "1280 x 720")])
 def test_picks_in_smaller_pictures_are_named(times: float, size: str, tmp_path: Path) -> None:
     """They seemed to be of a camera 300 m away; so far from the middle no lens has these."""

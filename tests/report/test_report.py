@@ -21,6 +21,7 @@ import pytest
 import vopd.report as report_module
 import vopd.report.frames as frames_module
 from tests.approved.texts import assert_approved, refused
+from tests.kit.clicked_flights import clicked_flight
 from tests.kit.command import DECKS, vopd
 from tests.kit.flight_project import TOML, write_project
 from tests.kit.histories import about, by_hand, flight, histories, table_text
@@ -33,9 +34,11 @@ from vopd.attitude.long_history import with_about
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import column_name
 from vopd.errata import fixes
+from vopd.figures.patches import has_patches
 from vopd.findings import VopdError
+from vopd.flight.result import solve_flight_read
 from vopd.pipeline import read_deck, run
-from vopd.report import COLUMNS, batch_page, report, style_and_script
+from vopd.report import COLUMNS, batch_page, embedded_figures, report, style_and_script
 from vopd.report.answer import angle_table
 from vopd.report.frames import SHOWN, frames_json, undrawn
 
@@ -362,6 +365,14 @@ def test_a_flight_without_velocity_has_no_angles_of_attack() -> None:
     known = replace(one.estimate, attack_deg=np.full_like(one.estimate.attack_deg, np.nan))
     names = {row[0] for row in angle_table([history(known)])[1]}
     assert names == {row[0] for row in angle_table([one])[1]} - {"alpha", "beta", "eta"}
+
+
+def test_a_page_without_the_video_of_its_clicks_has_the_other_figures(tmp_path: Path) -> None:
+    one = clicked_flight(np.random.default_rng(3), 8, 4, every=4, reach=5).flight
+    gone = replace(one, video=(tmp_path / "gone.mp4",), folder=tmp_path)
+    (history,) = [solve_flight_read(gone).history()]
+    assert has_patches([history])
+    assert [figure.name for figure in embedded_figures([history])] == ["residuals"]
 
 
 @pytest.mark.usefixtures("no_figures")
