@@ -30,13 +30,17 @@ from vopd.flight.flight import Flight
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
 from vopd.flight.joint import covariance_of_sums, solve_jointly
-from vopd.flight.next_click import next_clicks, next_places
+from vopd.flight.next_click import next_click_texts, next_clicks, next_places
 from vopd.flight.project import read_project
 from vopd.flight.read import flight_of, read_flight
 from vopd.flight.result import FlightResult, picks_outside, solve_flight, solve_flight_read
 from vopd.flight.sizes import cost_of_frames
 from vopd.flight.solve import SolvedFlight
-from vopd.flight.tracked_picks import followed_findings
+from vopd.flight.tracked_picks import (
+    correlation_of_neighbours,
+    followed_findings,
+    hidden_marks,
+)
 
 
 @pytest.mark.parametrize(("seed", "landmark_m"), [(0, 0.0), (1, 0.05)])
@@ -571,6 +575,17 @@ def test_the_next_click_lowers_the_sigma_as_a_solve_with_it_does() -> None:
 
 
 # Tracks of other programs
+
+
+def test_a_flight_without_clicks_is_not_asked_for_more(tmp_path: Path) -> None:
+    """Nor has it frames that are lost or marks that are hidden, or residuals of followed picks."""
+    path = write_project(tmp_path)
+    one = solve_flight(path).estimates.joint
+    assert one is not None
+    assert next_clicks(one) == next_places(one) == next_click_texts(one) == []
+    assert np.isnan(correlation_of_neighbours(one))
+    (tmp_path / "picks.csv").unlink()
+    assert hidden_marks(read_project(str(path)), ("church",)) == frozenset()
 
 
 def test_tracks_of_another_program_are_said_to_share_their_clicks(

@@ -25,8 +25,14 @@ from tests.kit.flight_project import (
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import result as result_module
+from vopd.flight.blunders import Blunders
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Picks, Refraction
-from vopd.flight.result import require_two_landmarks, solve_flight, solve_flight_read
+from vopd.flight.result import (
+    freed_beside_blunders,
+    require_two_landmarks,
+    solve_flight,
+    solve_flight_read,
+)
 from vopd.flight.solve import FlightBlocks
 
 
@@ -272,3 +278,19 @@ def test_projects_without_one_epoch_have_no_dates(tmp_path: Path) -> None:
     assert_approved(ran.stderr)
     ran = run("attitude", dated, undated)
     assert ran.status == 0 and "zero is each source's own epoch" in ran.stdout
+
+
+@pytest.mark.parametrize("apart", [True, False])
+def test_what_named_picks_did_to_free_parameters_is_said(apart: bool) -> None:
+    """They are left out of what frames have in common, or are too many for that."""
+    flight = three_frames()
+    flight = replace(flight, options=replace(flight.options, free=("focal", "k1")))
+    pick = np.arange(len(flight.picks.frame)) < 3
+    none, marks = np.zeros_like(pick), np.zeros(len(flight.landmarks.name), bool)
+    found = Blunders(
+        pick, none, marks, marks, np.full((len(marks), 3), np.nan), pick, np.zeros(len(pick))
+    )
+    (said,) = freed_beside_blunders(flight, found, pick if apart else none)
+    assert_approved(said)
+    for fixed in (replace(flight.options, free=()), replace(flight.options, drop_blunders=True)):
+        assert freed_beside_blunders(replace(flight, options=fixed), found, pick) == []

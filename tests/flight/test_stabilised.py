@@ -15,6 +15,7 @@ from tests.kit.command import vopd
 from tests.kit.joint_flights import at_frames, axes, turned_out
 from tests.tolerances import assert_close
 from tools.render_video import Settings, make
+from vopd.flight import stabilised
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.misfit import SHIFTED
 from vopd.flight.result import solve_flight_read
@@ -86,6 +87,21 @@ def test_positions_that_are_off_by_themselves_are_not_called_stabilised_alone() 
     for seed in range(3):
         flight = placed(drawn(seed).flight, np.random.default_rng(seed), 0.1, 0.02)
         assert all("or for positions" in one for one in said(flight))
+
+
+@pytest.mark.parametrize("evidence", [5.9, 6.1])
+def test_positions_are_named_beside_shifts_that_they_explain_as_well(
+    evidence: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As well is within 6 of chi-square."""
+    one = clicked_flight(np.random.default_rng(3), 8, 4, every=4, reach=5)
+    joint = solve_flight_read(one.flight).estimates.joint
+    assert joint is not None
+    found = stabilised.Shifts(12.0, 1e-9, evidence)
+    monkeypatch.setattr(stabilised, "shifts_of_frames", lambda _: found)
+    said = stabilised.shifts_text(joint)
+    assert ("or for positions" in said) == (evidence < 6.0)
+    assert_approved(said)
 
 
 def test_a_rendered_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
