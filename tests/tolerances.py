@@ -296,6 +296,17 @@ TOLERANCES = {
     "mount to the side": Tolerance(
         "deg", 1.0, "a camera 12 degrees down with a roll of 2: its right is so near to level"
     ),
+    "fix that is off": Tolerance(
+        "m", 0.6, "three sigmas of what six picks of 1 px tell of a frame's place, .2 m"
+    ),
+    "time of a late fix": Tolerance("s", 0.04, "the same along a track of 10 m/s, twice"),
+    "landmark that is off": Tolerance(
+        "m", 0.3, "twenty picks of 1 px at 100 to 200 m: .1 m, and what it draws the others by"
+    ),
+    "pick moved by a shutter": Tolerance(
+        "px", 0.01, "rows settle where another round moves them less than a hundredth of .3 px"
+    ),
+    "residual of noisy picks": Tolerance("px", 1.5, "five sigmas of .3 px"),
     "angle beside a blunder": Tolerance(
         "deg", 0.01, "picks of .01 px, 4E-4 degree; five of six hold each frame, roll worst"
     ),

@@ -13,6 +13,7 @@ import vopd
 from tests.approved.texts import assert_approved
 from tests.kit.flight_blunders import BlunderRow
 from tests.kit.simulated_flights import write_flight
+from tests.tolerances import assert_close
 from vopd.attitude.sigmas import Sigmas
 from vopd.flight import tested as module
 from vopd.flight.errors import with_sigmas
@@ -51,7 +52,7 @@ def test_a_fix_that_is_off_is_no_time(row: int, tmp_path: Path) -> None:
     (one,) = found.named
     assert one.tests.kind.tolist() == [FIX] and first["left_out"] == "fix"
     away_m = np.array([first[f"fits_{way}_m"] for way in ("east", "north", "up")], float)
-    assert np.abs(away_m - [0.0, -5.0, 0.0]).max() < 0.6  # 3 sigmas of the picks of one frame
+    assert_close("fix that is off", away_m, [0.0, -5.0, 0.0])
     assert_approved("\n".join(as_text(found, None, ()).splitlines()[1:7]))
 
 
@@ -63,7 +64,8 @@ def test_a_fix_that_is_late_is_a_time(tmp_path: Path) -> None:
     first = rows(found)[0]
     assert first["left_out"] == "time" and first["frame"] == "frame 4"
     later_s = first["fits_later_s"]
-    assert isinstance(later_s, float) and abs(later_s - 0.2) < 0.04
+    assert isinstance(later_s, float)
+    assert_close("time of a late fix", later_s, 0.2)
     assert_approved("\n".join(as_text(found, None, ()).splitlines()[1:7]))
 
 
@@ -79,7 +81,7 @@ def test_fixes_are_named_by_their_rows_or_the_one_frame_between(
     frame_s = np.arange(8) / frame_hz
     expected = set()
     for k, at_s in enumerate(row_s):
-        own = np.flatnonzero(np.abs(frame_s - at_s) < 1.0)
+        own = np.flatnonzero((frame_s > at_s - 1.0) & (frame_s < at_s + 1.0))
         if len(own) == 1:
             way = "before" if at_s < frame_s[own[0]] else "after"
             expected.add(f"frame {own[0]}: fix {way} it")
@@ -120,7 +122,7 @@ def test_a_landmark_that_is_off_is_named_with_what_it_fits(tmp_path: Path) -> No
     result = vopd.solve_flight(tmp_path / "flight.toml")
     (said,) = [one.message for one in result.findings if "would fit" in one.message]
     east_m = float(said.partition("it would fit ")[2].split(" m")[0])
-    assert abs(east_m + 3.0) < 0.3  # .05 m by its picks, and what it draws the others by
+    assert_close("landmark that is off", east_m, -3.0)
     assert_approved(said)
     found = module.tested_flight(result)
     assert rows(found)[0]["landmark"] == name
