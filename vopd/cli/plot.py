@@ -276,6 +276,10 @@ def command(
         with whole_file(output) as file:
             file.write(content)
         ctx.exit(status)
+    for option, value in (("--frame", frame), ("--images", images)):
+        if value is not None and not {"all", *OF_ONE_FRAME} & {*names}:
+            one = ", ".join(OF_ONE_FRAME)
+            raise click.UsageError(f"{option} is for the figures {one}, not {', '.join(names)}.")
     histories, status = collect_histories(sources, options)
     if job is not None:
         histories = [one for one in histories if one.about.job == job]
