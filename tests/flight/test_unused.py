@@ -15,6 +15,7 @@ from vopd.flight.flight import Flight
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.read import read_flight
 
 OPENCV = (
@@ -128,6 +129,14 @@ def test_columns_that_a_project_names_are_known_to_it(tmp_path: Path) -> None:
     columns = 'columns = ["landmark", "lat_deg", "lon_deg", "h_m", "note"]'
     changes = ("landmarks.csv", "marks.csv"), ('marks.csv"\n', f'marks.csv"\n{columns}\n')
     assert "not used" not in " ".join(flight(tmp_path, *changes).about)
+
+
+@pytest.mark.parametrize("name", ["height_agl", "Alt AGL (ft)", "height above ground"])
+def test_heights_from_the_ground_of_winds(name: str) -> None:
+    """They were taken for heights above the level of the track's; a track's own are asked for."""
+    with refused(VopdError):
+        read_text(WIND_FORMATS, "t.csv", f"{name},from_deg,speed_m_s\n0,240,3\n9,240,3\n")
+    assert read_text(TRACK_FORMATS, "t.csv", f"t_s,lat_deg,lon_deg,{name}\n1,2,3,4\n").from_ground
 
 
 @pytest.mark.parametrize("name", ["Sigma_m", "SIGMA (m)", "sigma_m"])

@@ -108,6 +108,9 @@ def read(file: InputFile) -> WindRows:
         apart = np.abs(table.numbers("speed_m_s") - speed) > ROUNDED * speed + 1.0
         for row in np.flatnonzero(apart):
             raise table.error("the two speeds differ: leave out one column", int(row), "speed_m_s")
+    if ground := table.from_ground:
+        message = "counts from the ground: add the ground's height to all, and call it h_m"
+        raise file.error(message, column=ground)
     toward = from_direction(direction, speed)
     said = f"CSV{table.read_as}, {'knots' if knots else 'm/s'}"
     return upward(file, table.numbers("h_m"), toward, said)
