@@ -25,8 +25,9 @@ from vopd.flight.adjust import adjust
 from vopd.flight.adjusted_project import adjusted_project
 from vopd.flight.check_flight import check_flight
 from vopd.flight.click_tests import without_wrong_clicks
+from vopd.flight.clicks import AT_ONCE, errors_of_frames
 from vopd.flight.errors import priors_of
-from vopd.flight.flight import Flight
+from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
 from vopd.flight.joint import covariance_of_sums, solve_jointly
@@ -551,6 +552,24 @@ def test_tracks_that_are_not_of_one_camera_that_moves_are_refused(tmp_path: Path
     path.write_text(toml.replace(lens, 'of_images = "lenses.csv"'))
     with refused(VopdError):
         solve_flight(path)
+
+
+@pytest.mark.parametrize("at_once", [1, 1000, AT_ONCE])
+def test_errors_by_clicks_have_their_covariance_in_parts_of_any_size(
+    at_once: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their squares are B B' of all errors of clicks, where those reach two picks of a frame."""
+    monkeypatch.setattr("vopd.flight.clicks.AT_ONCE", at_once)
+    picks = clicked_flight(np.random.default_rng(3), 20, 5, every=20, reach=20).flight.picks
+    assert picks.clicks is not None
+    slots = FrameSlots.of(picks.frame, 20)
+    found = errors_of_frames(picks.clicks, slots, np.ones(len(picks.frame), bool))
+    covariance = found @ found.swapaxes(1, 2)
+    variance = picks.clicks.variance_px2(len(picks.frame))
+    for pick in range(len(picks.frame)):
+        own = slots.slot[pick] + np.array([0, slots.slots])
+        part = covariance[picks.frame[pick]][np.ix_(own, own)]
+        assert_close("table value", part, variance[pick])
 
 
 def test_the_next_click_lowers_the_sigma_as_a_solve_with_it_does() -> None:
