@@ -336,6 +336,16 @@ def test_the_first_number_of_each_card_of_a_list(group: int, card: int, field: s
     assert found.message == "not a whole number: 'x1'"
 
 
+@pytest.mark.parametrize(("after", "group"), [(37, "group 7"), (38, "group 8"), (40, "group 9")])
+def test_a_blank_card_is_of_the_group_that_is_not_full(after: int, group: str) -> None:
+    cards = CASE_1.read_text().splitlines()
+    cards.insert(after, "")
+    found = check_deck(io.BytesIO("\n".join(cards).encode()), "deck")
+    (error,) = (one for one in found if one.severity == "error")
+    assert error.card == after + 1
+    assert_approved(str(error), parts=[after + 1, group])
+
+
 @pytest.mark.parametrize(
     ("number", "change"),
     [

@@ -688,3 +688,17 @@ def test_images_of_two_sizes_have_no_size(tmp_path: Path) -> None:
     new = project_of_files(tmp_path / "new", given)
     assert ("camera", "image_size_px") in new.needed
     assert_approved([one.partition(": ")[2] for one in new.said if " x " in one])
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".tif"])
+def test_tags_of_more_pixels_than_are_decoded(
+    suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of JPEG and TIFF the header alone is read, whatever the size; others are decoded."""
+    monkeypatch.setattr("vopd.flight.image_tags.MOST_PIXELS", 20)
+    size = 40, 30
+    Image.new("L", size).save(tmp_path / f"a{suffix}")
+    assert read_tags(tmp_path / f"a{suffix}").size_px == size
+    Image.new("L", size).save(tmp_path / "a.png")
+    with refused(VopdError):
+        read_tags(tmp_path / "a.png")

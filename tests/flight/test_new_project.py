@@ -485,6 +485,15 @@ def test_frames_and_files_of_a_project_are_replaced(
         assert_approved(ran.stderr)
 
 
+def test_a_value_of_set_may_have_an_equals_sign(tmp_path: Path) -> None:
+    write_project(tmp_path)
+    crs, track = "+proj=utm +zone=33 +ellps=WGS84", tmp_path / "track.csv"
+    ran = run("new", tmp_path / "new", "--track", track, "--set", f"landmarks.crs={crs}")
+    assert ran.status == 0
+    values = tomllib.loads((tmp_path / "new" / "flight.toml").read_text(encoding="utf-8"))
+    assert values["landmarks"]["crs"] == crs
+
+
 @pytest.mark.parametrize("metres", [".5", "-.5", "48"])
 def test_a_height_in_metres_is_the_geoid_s(metres: str, tmp_path: Path) -> None:
     write_project(tmp_path)
