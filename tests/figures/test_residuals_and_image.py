@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+import vopd
 from tests.approved.texts import assert_approved
 from tests.kit.estimates import POINTS, estimate
 from tests.kit.figures import DARK_RED, OKABE_ITO, arrows_and_key, labelled, points, texts, ticks
@@ -18,6 +20,8 @@ from vopd.attitude.history import History, history
 from vopd.estimate import Units, Words
 from vopd.figures.image import arrow_scale, draw_image, residual_arrows
 from vopd.figures.residuals import draw_residuals, residual_points
+from vopd.synthetic import Plan
+from vopd.synthetic.flight import make
 
 X = np.array([[3.0, 1.0, -2.0, 0.0], [1.0, 1.0, 2.0, 0.5], [4.0, 1.0, 2.0, 0.25]])
 Y = np.array([[0.0, 5.0, 1.0, 0.5], [6.0, 0.0, 2.0, 0.5], [0.0, 0.0, 4.0, 0.5]])
@@ -338,3 +342,16 @@ def test_the_words_of_a_source() -> None:
 def test_an_image_whose_landmarks_are_all_at_the_centre_has_a_size() -> None:
     axis, _ = drawn_image(by_hand(1, image=np.zeros((1, 4, 2))))
     assert_close("table value", axis.get_ylim(), (-0.00135, 0.00135))
+
+
+def test_no_name_of_many_covers_the_mark_of_another() -> None:
+    """On film, where x grows to the left."""
+    (job,) = make(Plan(frames=1, landmarks=60, seed=1))[:1]
+    figure = vopd.run(job).plot("image")
+    FigureCanvasAgg(figure).draw()
+    axis = max(figure.axes, key=lambda one: len(one.texts))
+    boxes = [text.get_window_extent() for text in axis.texts]
+    drawn = [line.get_xydata() for line in axis.lines if line.get_marker() in ("o", "s")]
+    marks = axis.transData.transform(np.vstack(drawn))
+    assert len(boxes) > 50
+    assert not [box for box in boxes for mark in marks if box.contains(*mark)]

@@ -8,6 +8,7 @@ import shutil
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.cli.new import write_project
 from vopd.findings import VopdError
 from vopd.flight.adjust import Adjustment, adjust
-from vopd.flight.adjusted import CovarianceFile, digests
+from vopd.flight.adjusted import CovarianceFile, digests, held_text
 from vopd.flight.adjusted_project import (
     adjusted_project,
     opencv_text,
@@ -227,6 +228,12 @@ def test_a_covariance_is_written_to_the_last_bit(drone: Both) -> None:
     assert read["values"] == scale.tolist()
     assert read["covariance"] == covariance.tolist()
     assert read["by_picks"] == (covariance / 3.0).tolist()
+
+
+def test_all_that_is_held_is_named(drone: Both) -> None:
+    held: Any = SimpleNamespace(parameter=("focal", "k1", "east"), landmark=np.arange(3))
+    flight = flight_of(read_project(str(drone.folder / "flight.toml")))
+    assert_approved(held_text(flight, held))
 
 
 def test_a_project_that_is_there_is_not_overwritten(drone: Both) -> None:

@@ -276,6 +276,7 @@ TABLE = (
     Hostile("cvat 30 digits", other("picks", "p.xml", CVAT.format("9" * 30))),
     Hostile("cvat separator", other("picks", "p.xml", CVAT.format("1_0"))),
     Hostile("cvat entities", other("picks", "p.xml", f"{BOMB}]><annotations>&k;</annotations>")),
+    Hostile("marker entities", other("landmarks", "m.xml", f'{BOMB}]><marker label="&k;"/>')),
     Hostile("cvat points", other("picks", "p.xml", '<annotations><track label="a"><points '
             f'frame="0" points="{"x" * 1_000_000}"/></track></annotations>')),
     Hostile("labelme lists", other("picks", "p.json", SHAPES.format(DEEP))),
