@@ -206,13 +206,6 @@ def test_a_standing_camera_s_position_is_given_for_all_frames_together() -> None
     assert moving.fixes is not None and moving.fixes.sigma_m.tolist() == [[2.0] * 3] * 6
 
 
-def test_readings_may_be_left_out() -> None:
-    flight, _ = drawn(Priors(own_fixes(6)))
-    found = solve_flight_read(flight).history(Sigmas(reading=0.0)).uncertainty
-    assert list(found.components) == ["reading", "position"]
-    assert not np.nan_to_num(found.components["reading"]).any()
-
-
 # What the standard deviations include
 
 

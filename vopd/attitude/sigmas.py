@@ -32,7 +32,8 @@ class Sigmas:
 
     Args:
         reading: of each image coordinate of a landmark (on film, the mean of its three
-            readings); None estimates it from the residuals of all frames of the job
+            readings), above 0 for a flight; None estimates it from the residuals of all
+            frames of the job
         fiducial: of each film coordinate of a fiducial, the mean of its three readings;
             None estimates it from the fiducials of the job
         landmark: of each landmark's position, along east, north and up; the same error

@@ -56,14 +56,11 @@ def unused_by_image(project: Project, rows: TrackRows) -> Iterator[str]:
 
 
 def _doubts_of_files(project: Project) -> Iterator[str]:
-    """Doubt files that only other commands read, if they are not there."""
-    picks, landmarks = project.section("picks"), project.section("landmarks")
-    names = [("picks", "video", one) for one in picks.files("video")] if picks.has("video") else []
-    if landmarks.has("terrain"):
-        names.append(("landmarks", "terrain", landmarks.text("terrain")))
-    for section, key, name in names:
+    """Doubt a video that only other commands read, if it is not there."""
+    picks = project.section("picks")
+    for name in picks.files("video") if picks.has("video") else ():
         if not (project.folder / name).exists():
-            yield f"[{section}] {key}: {name} is not there"
+            yield f"[picks] video: {name} is not there"
 
 
 def _doubt_of_sensor(project: Project) -> Iterator[str]:
