@@ -56,7 +56,6 @@ KEYS = {
     "a zone without images": [("[landmarks]", "utc_offset_h = 2.0\n[landmarks]")],
     "a first frame without a rate": [("frame_rate_hz = 10.0", 'times = "times.csv"')],
     "attitudes without a file": [("[picks]\n", "[vehicle]\nattitude_sigma_deg = 0.2\n[picks]\n")],
-    "a video that is not there": [("[picks]\n", '[picks]\nvideo = "flight.mp4"\n')],
     "a sensor of another shape": [
         ("fx_px = 1500.0, fy_px = 1490.0", "focal_mm = 28.0, sensor_mm = [36.0, 24.0]"),
     ],

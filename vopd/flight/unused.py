@@ -11,7 +11,7 @@ SQUARE = 0.03  # of a side: by so much the sizes of a sensor are rounded
 
 
 def unused_keys(project: Project) -> Iterator[str]:
-    """Name the keys that have no effect, and why, for warnings; and files that are not there.
+    """Name the keys that have no effect, and why, for warnings.
 
     Args:
         project: whose keys have been read
@@ -19,7 +19,6 @@ def unused_keys(project: Project) -> Iterator[str]:
     for (section, key), why in _reasons(project).items():
         if project.has(section) and project.section(section).has(key):
             yield f"[{section}] {key}: is not used: {why}"
-    yield from _doubts_of_files(project)
     yield from _doubt_of_sensor(project)
 
 
@@ -53,14 +52,6 @@ def unused_by_image(project: Project, rows: TrackRows) -> Iterator[str]:
     for section, key in keys:
         if project.has(section) and project.section(section).has(key):
             yield f"[{section}] {key}: is not used: the track's positions are those of images"
-
-
-def _doubts_of_files(project: Project) -> Iterator[str]:
-    """Doubt a video that only other commands read, if it is not there."""
-    picks = project.section("picks")
-    for name in picks.files("video") if picks.has("video") else ():
-        if not (project.folder / name).exists():
-            yield f"[picks] video: {name} is not there"
 
 
 def _doubt_of_sensor(project: Project) -> Iterator[str]:
