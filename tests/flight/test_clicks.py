@@ -117,6 +117,13 @@ def test_the_longest_runs_of_lost_frames_come_first() -> None:
     flight = replace(one.flight, picks=replace(one.flight.picks, clicks=lost))
     found = next_places(solve_jointly(flight, priors_of(flight)))
     assert [each.frame for each in found] == ["8", "12", "20"]
+    solved = solve_jointly(one.flight, priors_of(one.flight))
+    most = [(each.frame, each.landmark) for each in next_clicks(solved)]
+    names = one.flight.landmarks.name
+    assert most
+    assert [(each.frame, each.landmark) for each in next_places(solved)] == [
+        (str(one.flight.frame[frame]), names[landmark]) for frame, landmark in most
+    ]
 
 
 def test_more_clicks_than_can_be_solved_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -30,12 +31,14 @@ from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.estimate import Estimate, MapGrid
 from vopd.flight.estimate import (
+    SIGMA_KEYS,
     FlightEstimates,
     flight_estimate,
     flight_words,
     lean_of_verticals_deg,
 )
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.project import ROWS
 from vopd.flight.solve import SolvedFlight, solve
 from vopd.geometry.earth import earth_centred_m, local_axes
 from vopd.geometry.lenses import project
@@ -553,3 +556,12 @@ def test_a_grid_has_its_convergence(convergence: float, said_deg: str) -> None:
     one = np.zeros(1)
     grid = MapGrid("EPSG:32633", one, one, np.array([convergence]))
     assert_approved(said("grid azimuth", grid=grid), parts=[said_deg])
+
+
+def test_the_keys_of_standard_deviations_are_there() -> None:
+    for component, text in SIGMA_KEYS.items():
+        *sections, keys = re.split(r"\[(\w+)\](?: or )?", text)
+        named = [one for one in sections if one]
+        for key in re.findall(r"\w+", keys.partition(":")[0]):
+            for section in named:
+                assert (section, key) in ROWS, (component, section, key)

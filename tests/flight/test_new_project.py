@@ -485,6 +485,20 @@ def test_frames_and_files_of_a_project_are_replaced(
         assert_approved(ran.stderr)
 
 
+@pytest.mark.parametrize(("given", "expected"), [([], 0.0), (["--first-frame", "2.5"], 2.5)])
+def test_the_first_frame_is_at_the_epoch_if_nothing_else_is_said(
+    given: list[str], expected: float, tmp_path: Path
+) -> None:
+    write_project(tmp_path)
+    rows = [f"2026-05-01T11:58:{k}Z,47.64,16.47,{500 + k}" for k in (40, 45, 50)]
+    (tmp_path / "t.csv").write_text("\n".join(["t_utc,lat_deg,lon_deg,h_m", *rows, ""]))
+    files = ["--picks", tmp_path / "picks.csv", "--track", tmp_path / "t.csv"]
+    clock = ["--fps", "10", "--epoch", "2026-05-01T11:58:42Z"]
+    assert run("new", tmp_path / "new", *files, *clock, *given).status == 0
+    values = tomllib.loads((tmp_path / "new" / "flight.toml").read_text(encoding="utf-8"))
+    assert values["picks"]["first_frame_t_s"] == expected
+
+
 def test_a_value_of_set_may_have_an_equals_sign(tmp_path: Path) -> None:
     write_project(tmp_path)
     crs, track = "+proj=utm +zone=33 +ellps=WGS84", tmp_path / "track.csv"
