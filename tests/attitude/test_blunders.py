@@ -170,6 +170,24 @@ def test_two_that_hide_each_other_are_named_together() -> None:
         assert (blunder | unclear)[0, :2].tolist() == [significant] * 2
 
 
+def test_two_of_five_that_hide_each_other_are_named_together() -> None:
+    """As many as may be left out there; of each alone four times the limit's chance is left."""
+    one = frames_of(5, seed=2)
+    rng, rows, most = np.random.default_rng(1), [0, 1, 5, 6], 0.0
+    for _ in range(2000):
+        residual = np.zeros((1, 10))
+        residual[0, rows] = rng.normal(size=4)
+        tried = replace(one, residual=residual)
+        largest = gains_of_picks(tried).max()
+        if (ratio := (squares(tried) - squares(tried, (0, 1))) / largest) > most:
+            most, worst = ratio, residual / np.sqrt(largest)
+    largest = chi2.isf(4.0 * ONE / 5.0, 2)
+    assert chi2.sf(most * largest, 4) < TWO / 10.0 / 10.0  # of ten pairs, far below the limit
+    moved = replace(one, residual=worst * np.sqrt(largest))
+    blunder, unclear = blunders_of_frames(moved, Pool(1.0, np.inf, None))
+    assert (blunder | unclear)[0, :2].all()
+
+
 @pytest.mark.parametrize(
     ("count", "most"), [(3, 0), (4, 1), (5, 2), (6, 3), (7, 3), (8, 4), (9, 4)]
 )

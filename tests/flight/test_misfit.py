@@ -370,3 +370,20 @@ def test_a_clock_rate_of_stated_times_is_in_parts_of_a_million(tmp_path: Path) -
     one.model.flight = replace(one.model.flight, frame_rate_hz=None)
     (rate,) = (e for e in input_errors(one, even_path(one))[0] if e.parameters == ("clock_rate",))
     assert_approved(rate.text(np.array([2e-4]), np.array([3e-5])))
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "words"), [("k1", 0.004, "k1 = -0.1"), ("focal", 9.0, "of 15")]
+)
+def test_values_to_write_are_those_stated_plus_the_errors(
+    name: str, error: float, words: str
+) -> None:
+    """Of the lens that the flight has, whose coefficients are unlike."""
+    rng = np.random.default_rng(7)
+    flight = flight_of(rng, drone(rng, 6, 6), 0.3, Priors())
+    k = np.array([-0.104, 0.02, *[0.0] * 10])
+    lens = replace(flight.lens, focal_px=np.array([1500.0, 1482.0]), k=k)
+    solved = solve_flight_read(replace(flight, lens=lens))
+    tried, _ = input_errors(joint(solved), even_path(joint(solved)))
+    (one,) = (one for one in tried if one.parameters == (name,))
+    assert_approved(one.text(np.array([error]), np.array([error / 100.0])), parts=[words])
