@@ -174,6 +174,7 @@ def test_a_click_on_another_mast_is_named_once_and_not_its_tracks() -> None:
         assert [f.partition(",")[0] for f in messages(found)] == [
             "frame 39: the click of P3 does not fit the other clicks"
         ]
+        assert f": it and {own.sum() - 1} places that are tracked" in messages(found)[0]
         assert np.abs(turns(one, found.estimates.solved)).max() < 2.0 * good
 
 

@@ -38,6 +38,19 @@ def joined(*picks: tuple[int, str, float, float, float], stated: bool = True) ->
     return join_picks(read, lambda k: f"frame {k + 10}", MARKS, "p.toml")
 
 
+def test_marks_of_interpolated_picks_stay_theirs_where_others_are_not_used() -> None:
+    """The first, which no image holds, and one of two that contradict each other."""
+    rows = pick_rows(
+        (0, "arch", 5e6, 6, 0.5), (0, "mast", 7, 8, 0.5), (1, "arch", 1, 2, 0.5),
+        (1, "arch", 900, 2, 0.5), (1, "mast", 3, 4, 0.5), (2, "mast", 5, 6, 0.5),
+    )  # fmt: skip
+    interpolated = np.array([True, False, True, True, True, False])
+    read = replace(rows, grid="centre", stated=True, interpolated=interpolated)
+    picks, _ = join_picks(read, lambda k: f"frame {k}", MARKS, "p.toml")
+    assert picks.frame.tolist() == [0, 1, 2]
+    assert picks.followed.tolist() == [False, True, False]
+
+
 @pytest.mark.parametrize("at_once", [1, 2, 100])
 def test_picks_of_one_point_are_averaged_by_their_weights(
     at_once: int, monkeypatch: pytest.MonkeyPatch
