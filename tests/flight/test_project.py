@@ -18,6 +18,7 @@ from vopd.flight.files import InputFile, InputFormat
 from vopd.flight.project import (
     KEYS,
     SECTIONS,
+    Key,
     Project,
     Section,
     keys_of,
@@ -342,3 +343,21 @@ def test_a_header_alone_is_no_section(tmp_path: Path) -> None:
 def test_values_as_toml() -> None:
     assert toml_text('é "a" \\ b') == '"é \\"a\\" \\\\ b"'
     assert toml_numbers(1920, 0.1, 123456.789012) == "[1920, 0.1, 123456.789012]"
+
+
+OF_ANOTHER_KIND = {
+    "text": 1.5, "file": 1.5, "number": "x", "numbers": "x", "size": "x", "sigma": "x",
+    "texts": 1.5, "files": 1.5, "date": "x",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "key",
+    [key for key in KEYS if "." not in key.section],
+    ids=lambda key: f"{key.section}.{key.name}",
+)
+def test_a_value_of_another_kind_is_refused_where_nothing_reads_it_too(key: Key) -> None:
+    if key.kind in OF_ANOTHER_KIND:
+        section = Section("p.toml", key.section, {key.name: OF_ANOTHER_KIND[key.kind]})
+        with pytest.raises(VopdError, match=rf"\[{key.section}\] {key.name}: "):
+            section.check()

@@ -526,8 +526,8 @@ class Section:
             kind = ROWS[self.name, key].kind
             if isinstance(value, dict) and keys_of(f"{self.name}.{key}"):
                 self.section(key)
-            elif kind in ("text", "number", "numbers", "size", "sigma", "texts", "files", "date"):
-                getattr(self, kind)(key)
+            elif kind != "other":
+                getattr(self, "text" if kind == "file" else kind)(key)
 
     def _row(self, key: str, *kinds: str) -> Key:
         """Look up the row of a key, which is of one of these kinds."""
