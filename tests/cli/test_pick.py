@@ -49,6 +49,14 @@ def test_frames_of_a_video(tmp_path: Path) -> None:
     assert [one["title"] for one in data()["frames"]] == ["3, 0.120 s", "7, 0.280 s"]
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes there alone")
+def test_a_name_that_is_not_utf_8_costs_no_page() -> None:
+    name = os.fsdecode(b"caf\xe9.png")
+    Image.new("L", (40, 30)).save(name)
+    assert vopd("pick", name, "-o", "p.html").status == 0
+    assert "caf" in Path("p.html").read_text(encoding="utf-8")
+
+
 def test_frames_before_one_that_cannot_be_decoded_are_offered() -> None:
     content = example_project().contents["flight.mp4"]
     Path("cut.mp4").write_bytes(content[: len(content) * 2 // 3])
