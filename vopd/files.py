@@ -23,6 +23,8 @@ from vopd.inputs import TOO_DEEP
 # A file appears under its name by one rename, when all of it has been written.
 # docs/promises.md says what a file holds after any failure.
 
+ESCAPED = "backslashreplace"
+"""How bytes of names of files that are not UTF-8 are written in texts, with `str.encode`."""
 TEMPORARY: set[str] = set()
 """The temporary files there are at this moment; what ends the process removes them."""
 

@@ -16,7 +16,8 @@ from pathlib import Path
 import pytest
 
 from tests.approved.texts import assert_approved
-from tests.kit.command import DECKS, ROOT, vopd
+from tests.kit.command import CASE_1, DECKS, ROOT, vopd
+from tests.kit.flight_project import write_project
 from tests.kit.judge import Command, deck_commands, flight_commands, judge, judge_all, star_commands
 
 HERE = Path(__file__).parent
@@ -142,3 +143,39 @@ def test_a_small_address_space_is_refused_at_once(megabytes: int) -> None:
     )  # fmt: skip
     assert found.returncode == 1 and not found.stdout
     assert_approved(found.stderr)
+
+
+OF_NO_TEXT = os.fsdecode(b"caf\xe9")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes there alone")
+@pytest.mark.parametrize(
+    ("command", "status"),
+    [
+        (f"stars solve {OF_NO_TEXT}.csv --focal 76", 0),
+        (f"stars solve {OF_NO_TEXT}.csv b.csv --focal 76 --format csv", 0),
+        (f"stars solve {OF_NO_TEXT}.csv b.csv --focal 76 --format jsonl", 0),
+        (f"new a --picks {OF_NO_TEXT}.picks", 1),
+        (f"adjust {OF_NO_TEXT}/flight.toml --free focal -o a", 1),
+        (f"attitude {OF_NO_TEXT}/flight.toml", 0),
+        (f"run {OF_NO_TEXT}.dat", 0),
+    ],
+    ids=range(7),
+)
+def test_names_of_files_that_are_not_utf_8(
+    command: str, status: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are read and written with escapes; a project, which is UTF-8, cannot have them."""
+    monkeypatch.chdir(tmp_path)
+    for name in (f"{OF_NO_TEXT}.csv", "b.csv"):
+        shutil.copy(DECKS / "stars" / "orion.csv", name)
+    shutil.copy(CASE_1, f"{OF_NO_TEXT}.dat")
+    write_project(Path(OF_NO_TEXT))
+    shutil.copy(Path(OF_NO_TEXT, "picks.csv"), f"{OF_NO_TEXT}.picks")
+    ran = vopd(*command.split())
+    assert (ran.status, "Traceback" in ran.stderr) == (status, False)
+    if status:
+        assert_approved(ran.stderr)
+        assert not Path("a").exists()
+    elif command.startswith("stars"):
+        assert r"caf\udce9.csv" in ran.stdout

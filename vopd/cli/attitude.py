@@ -29,7 +29,7 @@ from vopd.export import (
     own_epoch,
     parse_epoch,
 )
-from vopd.files import whole_file
+from vopd.files import ESCAPED, whole_file
 from vopd.findings import VopdError
 from vopd.inputs import since_1970
 from vopd.pipeline import is_flight
@@ -48,7 +48,6 @@ def _formats() -> str:
     return "\n".join(f"    {name:8} {suffixes:14} {about}" for name, suffixes, about in rows)
 
 
-ESCAPED = "backslashreplace"
 TEXT = "text"  # what a terminal shows; not the format of a file
 
 _HELP = """Show the attitude of every frame, how sure it is, and flags; write it to a file.

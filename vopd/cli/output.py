@@ -86,7 +86,7 @@ def _is_photograph(output: str, inputs: dict[str, list[str]]) -> bool:
     name = os.path.basename(os.path.realpath(output))  # noqa: PTH119
     if Path(name).suffix.lower() not in STILLS:
         return False
-    spelled = b"|".join(re.escape(one.encode()) for one in (name, json.dumps(name)[1:-1]))
+    spelled = b"|".join(re.escape(os.fsencode(one)) for one in (name, json.dumps(name)[1:-1]))
     word = re.compile(rb"(?<![\w.-])(?:%s)(?![\w.-])" % spelled)
     given = [Path(path) for path in inputs if os.path.isdir(path)]  # noqa: PTH112
     for path, files in inputs.items():

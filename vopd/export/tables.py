@@ -33,7 +33,7 @@ from vopd.attitude.table import (
     table_values,
 )
 from vopd.export import FORMATS, FileRequest, statements
-from vopd.files import optional_package
+from vopd.files import ESCAPED, optional_package
 from vopd.findings import Report, VopdError
 
 if TYPE_CHECKING:
@@ -224,7 +224,8 @@ def _known(value: Any) -> Any:
 
 
 def _line(item: dict[str, Any]) -> bytes:
-    return (json.dumps(item, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    text = json.dumps(item, ensure_ascii=False, allow_nan=False) + "\n"
+    return text.encode("utf-8", ESCAPED)
 
 
 # Write a NumPy archive: one array for each column and matrix, and the conventions as text.

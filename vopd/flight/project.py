@@ -683,8 +683,15 @@ KeyValues = dict[tuple[str, str], str]
 
 
 def toml_text(text: str) -> str:
-    """Quote a text, as TOML has it."""
-    return json.dumps(text, ensure_ascii=False)
+    """Quote a text, as TOML has it.
+
+    Raises:
+        VopdError: for the name of a file that is not UTF-8, which TOML is
+    """
+    quoted = json.dumps(text, ensure_ascii=False)
+    if any("\ud800" <= one <= "\udfff" for one in quoted):
+        raise VopdError(f"{shown(text)}: is not UTF-8, and has no place in a project: rename it")
+    return quoted
 
 
 def toml_numbers(*numbers: float) -> str:

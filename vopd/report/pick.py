@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.files import ESCAPED
 from vopd.findings import VopdError, count_text
 from vopd.report import page_template, style_and_script
 from vopd.video import VideoFrames
@@ -111,7 +112,9 @@ def pick_page(
             row["to"] = [one if one[0] == one[0] else None for one in to]
     for row, number in zip(rows, content.film_number, strict=False):
         row["number"] = number
-    digest = hashlib.sha256(f"{frames.source} {[*here]} {known} {hidden} {content.deck}".encode())
+    digest = hashlib.sha256(
+        f"{frames.source} {[*here]} {known} {hidden} {content.deck}".encode("utf-8", ESCAPED)
+    )
     names = [
         *content.landmarks,
         *(one["landmark"] for one in known if one["frame"] in here.values()),

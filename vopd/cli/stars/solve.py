@@ -19,7 +19,7 @@ from vopd.cli.stars.options import (
     solve_options,
     stated,
 )
-from vopd.files import whole_file
+from vopd.files import ESCAPED, whole_file
 from vopd.findings import Finding, Report, VopdError
 
 if TYPE_CHECKING:
@@ -66,15 +66,16 @@ def render(
     from vopd.stellar.files import table, text
 
     if request.listing:
-        return text.as_listed(photographs, request).encode()
+        return text.as_listed(photographs, request).encode("utf-8", ESCAPED)
     if form == "text":
         return text.as_text(
             photographs,
             robust=request.options.weights == "robust",
             size_px=request.axes.size_px,
-        ).encode()
+        ).encode("utf-8", ESCAPED)
     if form in ("json", "csv"):
-        return (table.as_json if form == "json" else table.as_csv)(photographs).encode()
+        whole = (table.as_json if form == "json" else table.as_csv)(photographs)
+        return whole.encode("utf-8", ESCAPED)
     if form in ("aem", "czml"):
         return render_dated(form, photographs, request.sky, report)
     from vopd.export.tables import render_table
