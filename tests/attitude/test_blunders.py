@@ -151,19 +151,28 @@ def test_two_and_three_gross_picks_of_eight_are_named(picks: list[int], position
     assert found(one, Pool(1.0, 13.0, np.array([True]))) == picks  # by this frame alone
 
 
-def test_two_that_hide_each_other_are_named_together() -> None:
-    """No pick alone is significant, the pair is: the direction of many in which that is most so."""
-    one = frames_of(6, seed=2)
-    rng, rows, most = np.random.default_rng(1), [0, 1, 6, 7], 0.0
+def pair_that_hides(count: int) -> tuple[ResidualEquations, float]:
+    """Residuals that the first two picks explain, and how many times the largest pick alone.
+
+    The direction of many in which that is most; without the pair the squares are 1 less.
+    """
+    one = frames_of(count, seed=2)
+    rng, rows, most = np.random.default_rng(1), [0, 1, count, count + 1], 0.0
     for _ in range(2000):
-        residual = np.zeros((1, 12))
+        residual = np.zeros((1, 2 * count))
         residual[0, rows] = rng.normal(size=4)
         tried = replace(one, residual=residual)
         gain = squares(tried) - squares(tried, (0, 1))
         if gain / gains_of_picks(tried).max() > most:
             most, worst = gain / gains_of_picks(tried).max(), residual / np.sqrt(gain)
+    return replace(one, residual=worst), most
+
+
+def test_two_that_hide_each_other_are_named_together() -> None:
+    """No pick alone is significant, the pair is."""
+    one, _ = pair_that_hides(6)
     for gain in (27.0, 30.0):
-        moved = replace(one, residual=worst * np.sqrt(gain))
+        moved = replace(one, residual=one.residual * np.sqrt(gain))
         assert chi2.sf(gains_of_picks(moved).max(), 2) > ONE / 6.0
         significant = chi2.sf(gain, 4) < TWO / 15.0
         blunder, unclear = blunders_of_frames(moved, Pool(1.0, np.inf, None))
@@ -172,18 +181,10 @@ def test_two_that_hide_each_other_are_named_together() -> None:
 
 def test_two_of_five_that_hide_each_other_are_named_together() -> None:
     """As many as may be left out there; of each alone four times the limit's chance is left."""
-    one = frames_of(5, seed=2)
-    rng, rows, most = np.random.default_rng(1), [0, 1, 5, 6], 0.0
-    for _ in range(2000):
-        residual = np.zeros((1, 10))
-        residual[0, rows] = rng.normal(size=4)
-        tried = replace(one, residual=residual)
-        largest = gains_of_picks(tried).max()
-        if (ratio := (squares(tried) - squares(tried, (0, 1))) / largest) > most:
-            most, worst = ratio, residual / np.sqrt(largest)
-    largest = chi2.isf(4.0 * ONE / 5.0, 2)
-    assert chi2.sf(most * largest, 4) < TWO / 10.0 / 10.0  # of ten pairs, far below the limit
-    moved = replace(one, residual=worst * np.sqrt(largest))
+    one, most = pair_that_hides(5)
+    gain = most * chi2.isf(4.0 * ONE / 5.0, 2)
+    assert chi2.sf(gain, 4) < TWO / 10.0 / 10.0  # of ten pairs, far below the limit
+    moved = replace(one, residual=one.residual * np.sqrt(gain))
     blunder, unclear = blunders_of_frames(moved, Pool(1.0, np.inf, None))
     assert (blunder | unclear)[0, :2].all()
 
