@@ -306,7 +306,9 @@ def tell_unused(sources: Iterable[str], names: Iterable[str], quiet: bool) -> No
         names: of the options
         quiet: whether nothing is said
     """
-    if quiet or not all(one.lower().endswith(".toml") for one in sources):
+    from vopd.pipeline import is_flight
+
+    if quiet or not all(map(is_flight, sources)):
         return
     ctx = click.get_current_context()
     for option in ctx.command.params:

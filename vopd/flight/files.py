@@ -588,7 +588,10 @@ class CsvTable:
             VopdError: naming its row
         """
         for name in self._unused():
-            letters = [*map(str.upper, self.column(self.header[self.own.index(name)]))]
+            header = self.header[self.own.index(name)]
+            if not {*map(str.upper, next(self.blocks(header), []))} <= {*"NSEW", ""}:
+                continue  # no signs, as its first rows tell
+            letters = [*map(str.upper, self.column(header))]
             for axis, (plus, minus) in enumerate((("E", "W"), ("N", "S"))):
                 if minus in letters and {*letters} <= {plus, minus, ""}:
                     below = [one == minus for one in letters] & (degrees[:, axis] > 0.0)

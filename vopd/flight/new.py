@@ -170,10 +170,10 @@ def lens_of_numbers(text: str) -> str:
             f"{len(numbers)} numbers: give FX; FX,FY,CX,CY; or these and K1; K1,K2; K1,K2,P1,P2; "
             "K1,K2,P1,P2,K3"
         )
-    lengths = [float(one) for one in numbers[:2]]
-    if not (np.isfinite([float(one) for one in numbers]).all() and min(lengths) > 1.0):
+    pixels = [float(one) for one in numbers]
+    if not (np.isfinite(pixels).all() and min(pixels[:2]) > 1.0):
         raise VopdError(f"{text}: a focal length is above 1 px, and all numbers are finite")
-    values = [repr(float(one)) for one in numbers]
+    values = [*map(repr, pixels)]
     told = [
         f"{name}_px = {one}" for name, one in zip(("fx", "fy", "cx", "cy"), values, strict=False)
     ]

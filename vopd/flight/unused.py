@@ -17,7 +17,7 @@ def unused_keys(project: Project) -> Iterator[str]:
         project: whose keys have been read
     """
     for (section, key), why in _reasons(project).items():
-        if project.has(section) and project.section(section).has(key):
+        if project.section(section).has(key):
             yield f"[{section}] {key}: is not used: {why}"
     yield from _doubt_of_sensor(project)
 
@@ -50,7 +50,7 @@ def unused_by_image(project: Project, rows: TrackRows) -> Iterator[str]:
     if rows.time_s is None:
         keys += [("track", "clock"), ("track", "offset_s"), ("uncertainty", "clock_rate_ppm")]
     for section, key in keys:
-        if project.has(section) and project.section(section).has(key):
+        if project.section(section).has(key):
             yield f"[{section}] {key}: is not used: the track's positions are those of images"
 
 
