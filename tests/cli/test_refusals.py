@@ -234,15 +234,17 @@ def test_a_place_is_on_the_earth(place: str, good: bool) -> None:
 @pytest.mark.parametrize(
     ("given", "is_wrong"),
     [
-        ({"pressure": (0.0,)}, False), ({"pressure": (1999.9,)}, False),
-        ({"pressure": (2000.0,)}, True),
-        ({"pressure": (-0.1,)}, True),
-        ({"temperature": (-149.9,)}, False), ({"temperature": (99.9,)}, False),
-        ({"temperature": (-150.0,)}, True),
-        ({"temperature": (100.0,)}, True),
+        ({"pressure": (0.0,)}, False), ({"pressure": (-0.1,)}, True),
+        ({"pressure": (814.0,)}, False), ({"pressure": (813.0,)}, True),
+        ({"pressure": (1064.0,)}, False), ({"pressure": (1065.0,)}, True),
+        ({"pressure": (28.9,)}, True), ({"pressure": (733.0,)}, True),
+        ({"pressure": (97.7,)}, True),
+        ({"temperature": (-100.0,)}, False), ({"temperature": (-101.0,)}, True),
+        ({"temperature": (60.0,)}, False), ({"temperature": (283.0,)}, True),
     ],
 )  # fmt: skip
 def test_options_of_the_air(given: dict[str, Any], is_wrong: bool) -> None:
+    """Limits of the pressure by hand: 850 mbar exp(-300 / 6800) and 1100 mbar exp(-300 / 9100)."""
     there = {"place": (47.0, 16.0, 300.0)}
     with refused(click.UsageError):
         sky_request(SKY | given)

@@ -7,7 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.approved.texts import assert_approved, refused
+from tests.kit.command import ROOT, vopd
 from tests.kit.flight_project import TOML, read_text, write_project
+from vopd.attitude.history import HistoryOptions
+from vopd.attitude.sigmas import Sigmas
 from vopd.export import parse_epoch
 from vopd.findings import VopdError
 from vopd.flight.coordinates import doubt_of_heights
@@ -17,6 +20,7 @@ from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.read import read_flight
+from vopd.flight.result import solve_flight
 
 OPENCV = (
     '{"image_width": 1920, "image_height": 1080, "camera_matrix": [[1500, 0, 960], '
@@ -101,6 +105,48 @@ def test_heights_beside_a_grid_in_feet() -> None:
     assert_approved(doubt_of_heights("landmarks", "GeoJSON", "EPSG:2229"))
     for said, crs in (("CSV", "EPSG:2229"), ("GeoJSON", "EPSG:32633"), ("GeoJSON", None)):
         assert doubt_of_heights("track", said, crs) == []
+
+
+# Options
+
+NOT_OF_ONE_FRAME = [
+    "--max-rate",
+    "3",
+    "--time-sigma",
+    "1",
+    "--velocity-sigma",
+    "2",
+    "--wind-sigma",
+    "2",
+]
+OPTIONS = HistoryOptions(Sigmas(time_s=1.0, velocity=2.0, wind=2.0), max_rate_deg_s=3.0)
+STANDING = (
+    TOML[TOML.index("[track]") :],
+    '[position]\nlat_deg = 47.6\nlon_deg = 16.4\nh_m = 540\nheight = "ellipsoid"\nsigma_m = 1\n',
+)
+
+
+def test_options_without_an_effect(tmp_path: Path) -> None:
+    summits = solve_flight(ROOT / "examples" / "summits" / "flight.toml")
+    assert_approved([str(one) for one in summits.unused_options(OPTIONS)])
+    standing = solve_flight(flight(tmp_path, STANDING))
+    assert_approved([one.message for one in standing.unused_options(OPTIONS)])
+
+
+def test_options_that_have_one_or_are_not_given(tmp_path: Path) -> None:
+    assert not solve_flight(flight(tmp_path)).unused_options(OPTIONS)
+    summits = solve_flight(ROOT / "examples" / "summits" / "flight.toml")
+    assert not summits.unused_options(HistoryOptions(Sigmas(landmark=1.0)))
+
+
+@pytest.mark.parametrize("command", ["attitude -o a.csv", "attitude --format text", "batch -d out"])
+def test_commands_say_it(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    summits = ROOT / "examples" / "summits" / "flight.toml"
+    name, *rest = command.split()
+    done = vopd(name, summits, *rest, *NOT_OF_ONE_FRAME)
+    said = done.stderr if name == "attitude" else Path("out/summary.jsonl").read_text()
+    assert ("sigma: is not used" if name == "attitude" else '"warnings": 4') in said
 
 
 # Columns

@@ -138,6 +138,7 @@ def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
             one.listing = b"".join(of_jobs if one.error else [*of_jobs, end_of_case()])
         one.histories = list(islice(histories, len(one.jobs)))
         if one.flight is not None:
+            one.findings.extend(one.flight.unused_options(settings.history))
             one.histories.append(one.flight.history_parts(settings.history).whole)
         for h in one.histories:
             summary = summary_of([h])

@@ -27,6 +27,39 @@ from vopd.stellar.files.read import StarFile
 
 # Date, place and air
 
+COLDEST_C, HOTTEST_C = -100.0, 60.0  # of air; beyond it are degrees F or K
+LOWEST_MBAR, HIGHEST_MBAR = 850.0, 1100.0  # at the level of the sea
+THIN_M, DENSE_M = 6800.0, 9100.0  # in so many metres air falls to 1/e, thin and near the ground
+UNITS_MBAR = {"inHg": 33.8639, "mmHg": 1.33322, "kPa": 10.0, "psi": 68.9476, "atm": 1013.25}
+
+
+def _refuse_other_air(pressure_mbar: float, temperature_c: float, height_m: float) -> None:
+    """Refuse a pressure that no air has at this height, and a temperature that none has.
+
+    Raises:
+        VopdError: with the unit that the pressure may be in
+    """
+    if not COLDEST_C <= temperature_c <= HOTTEST_C:
+        raise VopdError(
+            f"temperature: {temperature_c:g} is not that of air in degrees Celsius, "
+            f"{COLDEST_C:g} to {HOTTEST_C:g}"
+        )
+    low = LOWEST_MBAR * float(np.exp(-height_m / THIN_M))
+    high = HIGHEST_MBAR * float(np.exp(-height_m / DENSE_M))
+    if pressure_mbar == 0.0 or low <= pressure_mbar <= high:
+        return
+    units = (
+        f"{pressure_mbar:g} {unit} are {pressure_mbar * one:.0f} mbar; "
+        for unit, one in UNITS_MBAR.items()
+        if low <= pressure_mbar * one <= high
+    )
+    raise VopdError(
+        f"pressure: {pressure_mbar:g} mbar is not that of air at {height_m:g} m, {low:.3g} to "
+        f"{high:.4g}: "
+        f"{next(units, '')}give that at the place, in mbar (hPa) and not reduced to the level of "
+        "the sea, or 0 for no refraction"
+    )
+
 
 @dataclass(frozen=True, eq=False)
 class SkyRequest:
@@ -45,6 +78,10 @@ class SkyRequest:
     # rotation from camera axes (x right, y down, z forward) to body axes (forward, right, down),
     # (3, 3); None: no vehicle
     mount: Floats | None = None
+
+    def __post_init__(self) -> None:
+        height_m = 0.0 if self.place is None else self.place[2]
+        _refuse_other_air(self.pressure_mbar or 0.0, self.temperature_c, height_m)
 
 
 # The Hipparcos catalogue
@@ -206,7 +243,7 @@ def apparent_places(
     local = north_east_up[[1, 0, 2]]
     pressure = sky.pressure_mbar
     if pressure is None:
-        pressure = 1010.0 * float(np.exp(-max(sky.place[2], 0.0) / 9.1e3))
+        pressure = 1010.0 * float(np.exp(-max(sky.place[2], 0.0) / DENSE_M))
     seen, altitude_deg = refracted(directions, local, pressure, sky.temperature_c)
     return seen, altitude_deg, SkyFrame(of_date, local, pressure)
 

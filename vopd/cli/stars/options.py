@@ -404,19 +404,18 @@ def sky_request(given: dict[str, Any]) -> SkyRequest:
         if given[name] is not None and given[needed] is None:
             raise click.UsageError(f"--{name} needs --{needed}.")
     pressure, temperature = given["pressure"], given["temperature"]
-    if pressure and not 0.0 <= pressure[0] < 2000.0:
-        raise click.UsageError("--pressure is 0 to 2000 mbar.")
-    if temperature and not -150.0 < temperature[0] < 100.0:
-        raise click.UsageError("--temperature is -150 to 100 degrees C.")
-    return SkyRequest(
-        utc=given["date"],
-        place=given["place"],
-        pressure_mbar=pressure[0] if pressure else None,
-        temperature_c=temperature[0] if temperature else 10.0,
-        ephemeris=given["ephemeris"],
-        catalogue=given["catalogue"],
-        mount=given["mount"],
-    )
+    try:
+        return SkyRequest(
+            utc=given["date"],
+            place=given["place"],
+            pressure_mbar=pressure[0] if pressure else None,
+            temperature_c=temperature[0] if temperature else 10.0,
+            ephemeris=given["ephemeris"],
+            catalogue=given["catalogue"],
+            mount=given["mount"],
+        )
+    except VopdError as error:
+        raise click.UsageError(f"--{error}.") from error
 
 
 def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
