@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
 from matplotlib.text import Annotation
 from PIL import Image
 
@@ -21,8 +22,10 @@ from tests.approved.texts import assert_approved
 from tests.kit import wgs84_film
 from tests.kit.command import ROOT, vopd
 from tests.kit.figures import labelled, points
+from tests.kit.flight_project import TOML, write_project
 from tests.kit.histories import histories, with_estimate
 from tests.kit.joint_flights import LensTruth, drone, flight_of
+from tests.kit.video import number_of, write_video
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History
 from vopd.attitude.history import history as from_estimate
@@ -31,6 +34,7 @@ from vopd.figures import draw, patches
 from vopd.figures.map import LOOKS_UP, MISSES, STEPS
 from vopd.figures.style import doubts_text, place_names
 from vopd.film import film_estimate
+from vopd.findings import VopdError
 from vopd.flight.equations import Priors
 from vopd.flight.result import solve_flight, solve_flight_read
 from vopd.geometry.earth import earth_centred_m, geodetic
@@ -82,8 +86,25 @@ def test_picks_stand_in_the_photograph_s_own_pixels() -> None:
     residual = hill().estimate.residual_xy[0]  # x to the left, y up
     computed = np.array(points(lines["picked"]), float) + residual
     assert_close("flight pixel", np.array(points(lines["computed"]), float), computed)
+    (arrows,) = (one for one in axis.collections if isinstance(one, Quiver) and len(one.U) > 1)
+    assert_close("flight pixel", np.column_stack([arrows.X, arrows.Y]), computed)
+    assert_close("flight pixel", np.column_stack([arrows.U, arrows.V]), -residual)
     assert {text.get_text() for text in axis.texts} >= {*picks, "000° N"}
     assert "times as long" in said and "no photograph" not in said
+
+
+def test_photographs_of_a_video_are_read_once_each(tmp_path: Path) -> None:
+    """In one pass; of frames that it does not have, behind them, the error of each."""
+    write_video(tmp_path / "flight.mp4", range(0, 500, 100))
+    named = TOML.replace("[picks]\n", '[picks]\nvideo = "flight.mp4"\n')
+    estimate = solve_flight(write_project(tmp_path, named)).history().estimate
+    scene = estimate.scene() if estimate.scene else None
+    assert scene is not None and scene.photographs is not None
+    found = list(scene.photographs([(one, "") for one in (2, 0, 9, 1)]))
+    assert [place for place, _ in found] == [1, 3, 0, 2]
+    shown = [number_of(picture) for _, picture in found[:3]]
+    assert_close("frame by its grey level", shown, [0.0, 1.0, 2.0])
+    assert isinstance(found[3][1], VopdError)
 
 
 @pytest.mark.usefixtures("not_laid_out")

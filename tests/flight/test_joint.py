@@ -23,7 +23,7 @@ from vopd.arrays import Bools
 from vopd.estimate import COMMON_PART
 from vopd.findings import VopdError
 from vopd.flight.equations import Priors
-from vopd.flight.flight import Flight, TrackFixes
+from vopd.flight.flight import Flight, FlightOptions, TrackFixes
 from vopd.flight.joint import (
     JointSolution,
     covariance,
@@ -31,6 +31,7 @@ from vopd.flight.joint import (
     propagated,
     solve_jointly,
 )
+from vopd.flight.misfit import log_likelihood, size_spoken_for
 from vopd.flight.sizes import (
     explained,
     residual_freedom,
@@ -143,6 +144,66 @@ def test_the_size_of_all_residuals_is_the_joint_cost_over_its_freedom() -> None:
     assert_close("degrees of freedom", size**2 * freedom, solution.normal.cost)
     assert_close("degrees of freedom", chance, chi2.sf(solution.normal.cost, freedom))
     assert size_of_residuals(solution, np.zeros(dense.frames, bool)) == (1.0, 1.0)
+
+
+def test_what_stated_errors_explain_is_taken_from_the_cost() -> None:
+    """Of those that are not solved for: as a step to the least cost would take, by Newton."""
+    rng, loss = np.random.default_rng(7), "huber"
+    flight, priors, _ = random_problem(rng, 2, loss, False)
+    flight.picks.pixel[:3] += [8.0, -6.0]  # of which a robust loss believes less
+    stated = {"k2": 0.05, "p2": 2e-3, "centre_v": 4.0}
+    flight = replace(flight, options=FlightOptions(loss, parameter_sigma=stated))
+    solution = solve_jointly(flight, priors)
+    dense = Dense(solution)
+    change = solution.stated[1].reshape(-1, len(stated))
+    weighted = dense.weight[:, None] * change
+    followed = dense.rows.T @ weighted
+    left = change.T @ weighted - followed.T @ dense.inverse @ followed
+    gradient = weighted.T @ dense.residual
+    explained_by = gradient @ np.linalg.solve(np.eye(len(stated)) + left, gradient)
+    size, _ = size_of_residuals(solution, np.ones(dense.frames, bool))
+    freedom = len(dense.residual) - 3 * dense.frames
+    assert explained_by > 1.0
+    assert_close("joint cost", size**2 * freedom, solution.normal.cost - explained_by)
+
+
+@pytest.mark.parametrize("width", [0, 1, 2, 3])
+def test_the_likelihood_is_that_of_the_marginal_covariance(width: int) -> None:
+    """Twice the restricted one, of readings in pixels; what all errors add, and no turn fits."""
+    rng = np.random.default_rng(width)
+    flight, priors, _ = random_problem(rng, width, "least-squares", False)
+    sigma_px = rng.uniform(0.5, 2.0, len(flight.picks.frame))
+    picks = replace(flight.picks, sigma_px=sigma_px)
+    solution = solve_jointly(replace(flight, picks=picks), priors)
+    dense = Dense(solution)
+    turns, errors = np.split(dense.rows, [3 * dense.frames], axis=1)
+    marginal = np.eye(len(errors)) + errors / dense.prior[3 * dense.frames :] @ errors.T
+    fitted = turns.T @ np.linalg.solve(marginal, turns)
+    logs = np.linalg.slogdet(marginal)[1] + np.linalg.slogdet(fitted)[1]
+    logs += 2.0 * np.log(np.repeat(sigma_px, 2)).sum()
+    found = log_likelihood(solution)
+    assert_close("joint cost", found, -(solution.normal.cost + logs))
+
+
+@pytest.mark.parametrize("component", ["reading", "position", "landmark"])
+def test_the_size_that_is_spoken_for_is_the_likeliest(component: str) -> None:
+    """Of errors drawn three times as large as stated; with others it is less likely."""
+    rng = np.random.default_rng(5)
+    fixes = TrackFixes(np.arange(12), np.ones((12, 1)), np.full((12, 3), 1.0))
+    drawn = Priors(fixes, np.full((8, 3), 0.5), {"east": 1.0, "north": 1.0, "up": 1.0})
+    flight = flight_of(rng, drone(rng, 12, 8), 1.0, drawn)
+    stated, sigma_px = drawn.scaled(component, 1 / 3), 1 / 3 if component == "reading" else 1.0
+
+    def of(factor: float) -> JointSolution:
+        one_px = sigma_px * (factor if component == "reading" else 1.0)
+        own = replace(flight, picks=flight.picks.with_sigma(one_px))
+        return solve_jointly(own, stated.scaled(component, factor))
+
+    first = of(1.0)
+    found, gain = size_spoken_for(first, component)
+    there, *beside = (log_likelihood(of(found * by)) for by in (1.0, 0.9, 1.1))
+    assert there > max(beside) and 2.0 < found < 4.5
+    assert_close("joint cost", gain, there - log_likelihood(first))
 
 
 # The minimum, against a dense solution with a geometry of its own
