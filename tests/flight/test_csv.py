@@ -302,6 +302,18 @@ def test_names_of_grid_coordinates_with_units(tmp_path: Path) -> None:
     assert_approved(told_of(tmp_path, "landmarks", "Point,E (ft),N (m),h\na,2,3,4\n"))
 
 
+@pytest.mark.parametrize("heights", ["alt,alt_msl", "gps_alt,baro_alt", "height (m),h"])
+def test_two_heights_of_two_names_are_asked_for(heights: str, tmp_path: Path) -> None:
+    """Of a usual name and one with its level the first was taken."""
+    assert_approved(told_of(tmp_path, "landmarks", f"name,lat,lon,{heights}\na,2,3,4,5\n"))
+
+
+def test_an_elevation_in_degrees_is_no_height(tmp_path: Path) -> None:
+    text = "name,lat,lon,{}elevation_deg\na,2,3,{}5\n"
+    assert read(tmp_path, "landmarks", text.format("alt,", "4,")).coordinate[0, 2] == 4.0
+    assert_approved(told_of(tmp_path, "landmarks", text.format("", "")))
+
+
 def test_two_heights_of_two_levels_are_asked_for(tmp_path: Path) -> None:
     header = "name,lat,lon,altitude_above_takeoff(feet),altitude_above_seaLevel(feet)"
     assert_approved(told_of(tmp_path, "landmarks", f"{header}\na,2,3,4,5\n"))

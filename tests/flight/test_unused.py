@@ -159,7 +159,7 @@ TRACK = "t_s,lat_deg,lon_deg,h_m"
     [
         (TRACK_FORMATS, f"{TRACK},speed,heading\n1,2,3,4,5,6\n"),
         (TRACK_FORMATS, "date,time_utc,lat,lon,h,t_s\n2026-05-01,1:2:3,2,3,4,5\n"),
-        (LANDMARK_FORMATS, "name,lat,lon,alt,alt_msl\na,2,3,4,5\n"),
+        (LANDMARK_FORMATS, "name,lat,lon,alt,alt_sigma\na,2,3,4,5\n"),
         (PICK_FORMATS, "frame,image,landmark,u,v,x,y\n1,a.png,b,3,4,5,6\n"),
         (PICK_FORMATS, "frame,landmark,u,v," + ",".join("abcdefghijklmno") + "\n1,a,3,4"
          + ",5" * 15),

@@ -372,6 +372,7 @@ OTHER_SPEED = re.compile(r"(?:km_?h|kmph|kph|mph)$")
 IN_METRES = re.compile(r"(^|_)(m|meters?|metres?)(?=_|$)")
 BESIDE = re.compile(r"(^|_)(gps|gnss|utm|wgs84|deg|degrees?|dd|decimal)(?=_|$)")
 """Words of the name of a coordinate that leave it the same: its receiver, system or unit."""
+OF_ANGLE = re.compile(r"(^|_)(deg|degrees?)(_|$)")
 LEVEL = re.compile(
     r"(^|_)(baro|rel|relative|agl|asl|a?msl|above(_[a-z]+)*?(?=_(m|ft|feet)$|$))(?=_|$)"
 )
@@ -414,6 +415,8 @@ def _bare_name(name: str, plain: str, feet: bool = False) -> str:
         feet: whether x and y may be in feet
     """
     others = (IN_FEET, LEVEL) if name in HEIGHTS else (IN_FEET,) * (feet and name in PLANE)
+    if name in HEIGHTS and OF_ANGLE.search(plain):
+        return plain
     for words in (BESIDE, IN_METRES, *others):
         plain = words.sub("", plain).strip("_") or plain
     return plain
@@ -458,7 +461,7 @@ def own_names(
             continue
         others = TIMES if name == TIME[0] else SYNONYMS.get(name, (name,))
         there = [plain.index(one) for one in others if one in plain]
-        if name in COORDINATES and not there:
+        if name in HEIGHTS or (name in COORDINATES and not there):
             there = [k for k, one in enumerate(plain) if _bare_name(name, one, feet) in others]
         there = [k for k in there if found[k] not in known]
         if len(there) > 1 and name in HEIGHTS:
