@@ -499,6 +499,18 @@ def test_the_first_frame_is_at_the_epoch_if_nothing_else_is_said(
     assert values["picks"]["first_frame_t_s"] == expected
 
 
+def test_the_epoch_of_a_track_in_seconds_is_its_own(tmp_path: Path) -> None:
+    """It was not used; frame 0 need not be at second 0 of the track."""
+    write_project(tmp_path)
+    files = ["--picks", tmp_path / "picks.csv", "--track", tmp_path / "track.csv"]
+    clock = ["--fps", "10", "--epoch", "2026-05-01T11:58:42Z"]
+    said = run("new", tmp_path / "new", *files, *clock).stdout
+    assert_approved([line for line in said.splitlines() if line.startswith("--epoch")])
+    values = tomllib.loads((tmp_path / "new" / "flight.toml").read_text(encoding="utf-8"))
+    assert values["flight"]["epoch"].isoformat() == "2026-05-01T11:58:42+00:00"
+    assert "first_frame_t_s" not in values["picks"]
+
+
 def test_a_value_of_set_may_have_an_equals_sign(tmp_path: Path) -> None:
     write_project(tmp_path)
     crs, track = "+proj=utm +zone=33 +ellps=WGS84", tmp_path / "track.csv"

@@ -577,6 +577,9 @@ def look_at_times(
         )
 
 
+EPOCH = "flight", "epoch"
+
+
 def _begin(new: NewProject, rows: TrackRows) -> None:
     """Ask when frame 0 is, by the clock of a track."""
     if rows.clock == "seconds":
@@ -587,7 +590,7 @@ def _begin(new: NewProject, rows: TrackRows) -> None:
     new.needed["picks", "first_frame_t_s"] = (
         "seconds of frame 0 after the epoch: 0 where that is its own time"
     )
-    new.needed["flight", "epoch"] = "UTC of frame 0, as the track is in UTC"
+    new.needed[EPOCH] = "UTC of frame 0, as the track is in UTC"
 
 
 def look_at_wind(new: NewProject, values: KeyValues, folder: Path, name: str) -> None:
@@ -611,7 +614,7 @@ EXAMPLE = (
 """The files of the example; tools/example_flight.py makes them."""
 EXAMPLE_VALUES: KeyValues = {
     ("flight", "name"): '"drone over fields"',
-    ("flight", "epoch"): "2026-05-01T09:30:00.240Z",
+    EPOCH: "2026-05-01T09:30:00.240Z",
     ("camera", "lens"): '"lens.json"',
     ("camera", "image_size_px"): "[640, 360]",
     ("picks", "file"): toml_text(CLICKS),
@@ -720,16 +723,19 @@ def project_of_files(
     said = sure_keys(answers)
     for one in [one for one in answers if not one.at_once]:
         others = {key for key, option in new.options.items() if option != one.option}
-        keys = [key for key in one.keys if key in new.needed or key in values]
+        keys = [key for key in one.keys if key in new.needed or key in values or key == EPOCH]
         keys = [key for key in keys if key not in said | others]
         # it gives what is open; what was given before stays, unless nothing is open
         keys = [key for key in keys if key not in (before or {})] or keys
         values |= dict.fromkeys(keys, one.value)
         if not keys:
             new.said.append(f"{one.option}: not used: nothing here needs it")
+        elif EPOCH in keys and EPOCH not in new.needed:
+            new.said.append(f"{one.option}: dates t = 0, and moves no frame along the track")
     first = "picks", "first_frame_t_s"
     timed = bool({("picks", "frame_rate_hz"), ("picks", "times")} & {*values})
-    if first in new.needed and first not in values and timed and ("flight", "epoch") in values:
+    of_frame_0 = EPOCH in new.needed and EPOCH in values
+    if first in new.needed and first not in values and timed and of_frame_0:
         values[first] = "0.0"
         new.said.append("frame 0 is at the epoch: first_frame_t_s = 0.0")
     new.needed = {key: why for key, why in new.needed.items() if key not in values}
