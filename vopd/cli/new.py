@@ -396,8 +396,11 @@ def refuse_existing(folder: Path, names: list[str]) -> None:
     """Refuse to overwrite files.
 
     Raises:
-        OutputError: where one is there already, or the folder is a file
+        OutputError: where one is there already, or the folder is a file or named as one
     """
+    if folder.suffix.lower() == ".toml" and not folder.exists():
+        inside = folder.parent if folder.name == "flight.toml" else folder.with_suffix("")
+        raise OutputError(f"{folder}: name the folder that flight.toml is written into: {inside}")
     if not folder.is_dir() and (folder.exists() or folder.is_symlink()):
         kind = "a file" if folder.is_file() else "no folder"
         raise OutputError(f"{folder}: is {kind}; name a folder, which is made")
