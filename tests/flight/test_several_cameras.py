@@ -158,6 +158,14 @@ def test_the_cards_have_one_lens(tmp_path: Path) -> None:
         flight_job(solve_flight(str(two_cameras(tmp_path))))
 
 
+def test_a_table_of_one_lens_is_that_lens(tmp_path: Path) -> None:
+    path = two_cameras(tmp_path)
+    (tmp_path / "cameras" / "lenses.csv").write_text(
+        "frame,lens\n" + "".join(f"{frame},a.json\n" for frame in range(FRAMES))
+    )
+    assert not isinstance(read_flight(str(path)).lens, Lenses)
+
+
 def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:
     path = two_cameras(tmp_path)
     toml, table = path.read_text(), tmp_path / "cameras" / "lenses.csv"
@@ -167,6 +175,7 @@ def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:
         (rows + "3,a.json\n", ""),
         ("frame,lens\n", ""),
         (rows.replace("3,b.json", "3,"), ""),
+        ("frame,lens\n" + "".join(f"{k},a.json\n" for k in (0, 1, 2, 4)), ""),
         (rows, '[solve]\nfree = ["focal"]\n'),
         (rows, '[solve]\nframes = "one"\n'),
     ):

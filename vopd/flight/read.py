@@ -249,9 +249,14 @@ class CameraLens(NamedTuple):
     """The lens of a flight, or those of its images."""
 
     read: LensRead  # of all images, or the first of several
-    table: InputFile | None = None  # which lens each image has; None: all have one
-    lenses: tuple[Lens, ...] = ()
+    table: InputFile | None = None  # which lens each image has; None: no table says it
+    lenses: tuple[Lens, ...] = ()  # of the table
     of_image: Mapping[str, int] = {}  # which of them
+
+    @property
+    def several(self) -> bool:
+        """Whether not all images have the same lens."""
+        return len(self.lenses) > 1
 
     def of_names(self, names: Sequence[str]) -> Lens:
         """Look up the lenses of images.
@@ -268,7 +273,10 @@ class CameraLens(NamedTuple):
         if missing:
             more = f" and {len(missing) - 1} more of the picks' images" if missing[1:] else ""
             first = f"frame {missing[0]}" if missing[0].isdigit() else missing[0]
-            raise self.table.error(f"no row for {first}{more}: add its name and its lens")
+            of_all = "" if self.several else ", or give [camera] lens, which is of all images"
+            raise self.table.error(f"no row for {first}{more}: add its name and its lens{of_all}")
+        if not self.several:
+            return self.read.lens
         return Lenses.join(self.lenses, np.array([self.of_image[name] for name in names], np.int64))
 
 
@@ -303,7 +311,7 @@ def read_camera(project: Project) -> CameraLens:
             raise table.error(f"{shown(image)} has two lenses")
     if not found:
         raise table.error("no image is in the file")
-    first, *others = found.values()
+    first = next(iter(found.values()))
     said = f"{table.name}: {rows.said}, {count_text(len(of_image), 'image')}, " + (
         f"{count_text(len(found), 'lens', 'lenses')}; the first: {first.said}"
     )
@@ -312,8 +320,6 @@ def read_camera(project: Project) -> CameraLens:
         for name in dict.fromkeys(name for one in found.values() for name in one.sigma)
     }
     read = LensRead(first.lens, said, sigma)
-    if not others:
-        return CameraLens(read)
     return CameraLens(read, table, tuple(one.lens for one in found.values()), of_image)
 
 
@@ -348,7 +354,7 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     if tracked and section.text("tracked_from") == "clicks":
         from vopd.flight.tracked_picks import read_tracked_picks  # of few flights
 
-        if camera.table is not None:
+        if camera.several:
             message = "picks tracked from clicks are of one camera's video: give [camera] lens"
             raise project.section("camera").error("of_images", message)
         name = section.text("tracked")
@@ -414,7 +420,7 @@ def _sizes_px(section: Section, file: InputFile, rows: PickRows, camera: CameraL
     Raises:
         VopdError: where an image has another size than its lens
     """
-    if camera.table is None:
+    if not camera.several:
         if isinstance(rows.size_px, dict):
             message = "the images are not all of one size: name the lens of each image in "
             raise file.error(f"{message}[camera] of_images")

@@ -141,7 +141,7 @@ def read_footage(project: Project) -> Footage:
     flight = flight_of(clicked)
     frames = open_frames([str(project.folder / one) for one in section.files("video")])
     camera = read_camera(clicked)
-    if camera.table is not None:
+    if camera.several:
         message = "a video is of one camera: give [camera] lens"
         raise project.section("camera").error("of_images", message)
     rows = read_pick_rows(clicked, camera)
