@@ -102,8 +102,12 @@ class _Step(NamedTuple):
 class _Collected:
     """Tests and their steps as they come, and the variance of the readings, in that stated."""
 
-    def __init__(self, variance: float) -> None:
+    def __init__(
+        self, variance: float, reading: JobReadingSigma | None = None, least_px: float = 0.0
+    ) -> None:
         self.variance = variance
+        self.reading = reading  # None: the variance is stated
+        self.least_px = least_px
         self.tests: list[LeftOut] = []
         self.steps: list[_Step] = []
         self.count = 0
@@ -113,6 +117,18 @@ class _Collected:
         self.tests.append(tests)
         self.count += len(tests.kind)
         return np.arange(self.count - len(tests.kind), self.count)
+
+    def variance_without(self, gain: Floats, freedom: Ints) -> Floats:
+        """Estimate the variance of the readings without what each test leaves out, (T,).
+
+        Args:
+            gain: of the tests, (T,)
+            freedom: likewise
+        """
+        if self.reading is None:
+            return np.full(len(gain), self.variance)
+        part = _part_without(gain / self.variance, freedom, self.reading, self.least_px)
+        return self.variance * part
 
 
 @np.errstate(all="ignore")
@@ -130,7 +146,8 @@ def leave_out(
         The tests; a thing of which nothing else tells has none.
     """
     flight = joint.model.flight
-    to = _Collected((reading.test_sigma / flight.picks.one_sigma_px) ** 2)
+    variance = (reading.test_sigma / flight.picks.one_sigma_px) ** 2
+    to = _Collected(variance, reading, flight.picks.least_sigma_px)
     _add_landmarks(joint, to)
     _add_frames_and_picks(joint, beside, to)
     fix_steps = _add_fixes(joint, to)
@@ -166,19 +183,32 @@ def judge(tests: LeftOut, reading: JobReadingSigma, least_px: float, every: int)
         least_px: reading sigma that is believed
         every: how many tests there are
     """
-    gain, count, freedom = tests.gain, tests.freedom, reading.freedom
-    if np.isinf(freedom):
+    gain, count, left = tests.gain, tests.freedom, reading.freedom - tests.freedom
+    gain /= _part_without(gain, count, reading, least_px)
+    if np.isinf(reading.freedom):
         tests.chance[:] = chdtrc(count, gain)
     else:
-        left = freedom - count
-        least = (least_px / reading.test_sigma) ** 2
-        gain /= np.maximum((freedom - gain) / left, least)
         tests.chance[:] = np.where(left > LEAST_LEFT, fdtrc(count, left, gain / count), 1.0)
     tests.chance_of_all[:] = -np.expm1(every * np.log1p(-tests.chance))
 
 
+def _part_without(gain: Floats, count: Ints, reading: JobReadingSigma, least_px: float) -> Floats:
+    """Calculate which part of the variance is left without what each test leaves out, (T,).
+
+    Args:
+        gain: of the tests, in the variance with all, (T,)
+        count: their degrees of freedom, (T,)
+        reading: the reading sigma in force
+        least_px: reading sigma that is believed
+    """
+    if np.isinf(reading.freedom):
+        return np.ones(len(gain))
+    left, least = reading.freedom - count, (least_px / reading.test_sigma) ** 2
+    return np.maximum((reading.freedom - gain) / left, least)
+
+
 def _freed(
-    square: Floats, right: Floats, power: Floats, variance: float
+    square: Floats, right: Floats, power: Floats, to: _Collected
 ) -> tuple[Floats, Floats, Ints, Bools]:
     """Free errors that k columns make: their values (B, k), gains and degrees of freedom (B,).
 
@@ -186,7 +216,7 @@ def _freed(
         square: X'WX, (B, k, k)
         right: X'Wr, (B, k)
         power: X'X, of which less than `SHOWS` is rounding, (B, k)
-        variance: of the readings
+        to: where all tests are
 
     Returns:
         Besides these marks of the values that are determined, (B,).
@@ -199,8 +229,10 @@ def _freed(
     along = np.where(shown, along / np.where(shown, size, 1.0), 0.0)
     value = np.einsum("bij,bj->bi", axes, along)
     least = np.where(shown.all(axis=1), size[:, 0], 0.0)
+    gain, freedom = (along**2 * size).sum(axis=1), shown.sum(axis=1)
+    variance = to.variance_without(gain, freedom)
     determined = (value**2).sum(axis=1) * least > DETERMINED**2 * variance
-    return value / scale, (along**2 * size).sum(axis=1), shown.sum(axis=1), determined
+    return value / scale, gain, freedom, determined
 
 
 # Landmarks
@@ -220,7 +252,7 @@ def _add_landmarks(joint: JointSolution, to: _Collected) -> None:
         at = np.arange(len(some))
         blocks = square.reshape(len(some), 3, len(some), 3)[at, :, at]
         power = (change**2).sum(axis=(0, 1)).reshape(-1, 3)
-        value, gain, freedom, known = _freed(blocks, right.reshape(-1, 3), power, to.variance)
+        value, gain, freedom, known = _freed(blocks, right.reshape(-1, 3), power, to)
         tested = freedom > 0
         if not tested.any():
             continue
@@ -408,7 +440,7 @@ def _add_freed(
     own = way * root
     square = own.swapaxes(1, 2) @ matrix @ own
     right = (own * root * frame.residual[..., None]).sum(axis=1)
-    value, gain, freedom, known = _freed(square, right, (own**2).sum(axis=1), to.variance)
+    value, gain, freedom, known = _freed(square, right, (own**2).sum(axis=1), to)
     moved = (way @ value[..., None])[..., 0] * frame.weight
     error = np.full((len(value), 3), np.nan)
     error[:, : value.shape[1]] = np.where(known[:, None], value, np.nan)
