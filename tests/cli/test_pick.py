@@ -135,7 +135,7 @@ def test_frames_that_are_picked_are_on_the_page_again(tmp_path: Path) -> None:
     )
     project = write_project(tmp_path, toml)
     head = "frame,landmark,u_px,v_px\n"
-    for picked in ([5, 7, 99], [*range(40)], [1, 2, 3, *range(20, 32)]):
+    for picked in ([0], [0, 39], [5, 7, 99], [*range(40)], [1, 2, 3, *range(20, 32)]):
         rows = "".join(f"{frame},well,1.5,2\n" for frame in picked)
         Path("clicks.csv").write_text(head + rows)
         assert vopd("pick", project, "-o", "p.html").status == 0
@@ -144,7 +144,7 @@ def test_frames_that_are_picked_are_on_the_page_again(tmp_path: Path) -> None:
         assert shown == sorted(shown) and len(shown) == max(12, len(inside))
         assert {*inside} <= {*shown} and len({*shown}) == len(shown)
         others = sorted({*shown} - {*inside})
-        assert not others or (others[0], others[-1]) == (0, 39)
+        assert not others or {0, 39} <= {*shown}
 
 
 def test_where_to_click_next_is_not_known_of_a_flight_without_a_solution(tmp_path: Path) -> None:

@@ -131,8 +131,10 @@ def command(
         picked = sorted({of[one] for one, *_ in opened.clicks if one in of})
         picked = picked[:: -(-len(picked) // MOST_STILLS)] if picked else []
         chosen = sorted({*picked, *(of[one.frame] for one in opened.places if one.frame in of)})
-        if len(chosen) < SPREAD:
-            chosen = sorted({*chosen, *spread(found, SPREAD - len(chosen))})
+        there = {*chosen}
+        for count in range(SPREAD - len(there), SPREAD + 1):  # some are there already
+            if len(chosen) < SPREAD:
+                chosen = sorted(there | {*spread(found, count)})
     if cards is not None and dpi is not None:
         content = _of_film(content, cards, dpi, found, chosen)
     said = ""
