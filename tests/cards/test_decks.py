@@ -533,7 +533,8 @@ def test_a_last_record_that_is_cut_short_is_passed_on_as_it_is() -> None:
     assert len(passed_on) == 9 * 81 + 54
 
 
-def test_a_deck_without_its_sequence_numbers_is_the_deck() -> None:
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_deck_without_its_sequence_numbers_is_the_deck(end: str) -> None:
     """Numbers in columns 73 to 80 of all cards but those of group 7, where the altitude stands."""
     cards = TEXT.splitlines()
     numbered = [
@@ -541,8 +542,8 @@ def test_a_deck_without_its_sequence_numbers_is_the_deck() -> None:
         for k, card in enumerate(cards, 1)
     ]
     assert sum(a != b for a, b in zip(cards, numbered, strict=True)) == 60
-    bare, stripped = strip_sequence("\n".join([*numbered, ""]).encode(), "a")
-    assert bare.decode() == TEXT
+    bare, stripped = strip_sequence(end.join([*numbered, ""]).encode(), "a")
+    assert bare.decode() == TEXT.replace("\n", end)
     assert stripped == set(range(1, 65)) - {34, 35, 36, 37}
 
 

@@ -46,12 +46,13 @@ def strip_sequence(text: bytes, name: str) -> tuple[bytes, set[int]]:
     """Blank the sequence numbers of a deck; other contents of columns 73 to 80 stay.
 
     Returns:
-        The deck without trailing blanks, and the cards that had a number, counted from 1.
+        The deck without trailing blanks, its lines ended as they were, and the cards that had a number, counted from 1.
 
     Raises:
         VopdError: if the cards of group 1 have no sequence numbers.
     """
-    cards = [line.rstrip(b" \r") for line in text.split(b"\n")]
+    lines = text.split(b"\n")
+    cards = [line.rstrip(b" \r") for line in lines]
     sequence = sequence_of(byte_matrix([card[:COLUMNS] for card in cards[:LENS_CARDS]]))
     if sequence is None:
         raise VopdError(f"{name}: group 1 has no sequence numbers in columns 73 to 80")
@@ -64,7 +65,8 @@ def strip_sequence(text: bytes, name: str) -> tuple[bytes, set[int]]:
             last = number
             stripped.add(row + 1)
             cards[row] = card[: FIRST - 1].rstrip()
-    return b"\n".join(cards), stripped
+    ends = (line[-1:] == b"\r" for line in lines)
+    return b"\n".join(one + b"\r" * end for one, end in zip(cards, ends, strict=True)), stripped
 
 
 def _number(card: bytes) -> tuple[bytes, int] | None:
