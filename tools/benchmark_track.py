@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 import vopd
-from vopd.flight.project import Project, read_project
+from vopd.flight.project.keys import Project, read_project
 from vopd.tracking.follow import TrackOptions, follow
 from vopd.video import open_frames
 

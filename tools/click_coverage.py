@@ -17,8 +17,8 @@ from scipy.spatial.transform import Rotation
 from scipy.special import fdtri
 
 from tests.kit.clicked_flights import clicked_flight
-from vopd.flight.joint import covariance_of_sums
 from vopd.flight.result import solve_flight_read
+from vopd.flight.solve.joint import covariance_of_sums
 
 ROWS: dict[str, dict[str, Any]] = {
     "a click of each landmark in every 30th frame": {},

@@ -16,8 +16,8 @@ import argparse
 import numpy as np
 
 from tests.kit.dense_minimum import LOSSES, dense_minimum, drawn_problem, freed_problem
-from vopd.flight.adjust import adjust
-from vopd.flight.joint import solve_jointly
+from vopd.flight.adjust.adjustment import adjust
+from vopd.flight.solve.joint import solve_jointly
 
 
 def main() -> None:

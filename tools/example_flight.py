@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 from vopd.arrays import Floats
 from vopd.flight.flight import Refraction
 from vopd.flight.formats.picks import CLICKS
-from vopd.flight.lines_of_sight import sight_lines
+from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, LensKind, project, ray_of_pixel
 

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Floats
 from vopd.flight.flight import Refraction
-from vopd.flight.lines_of_sight import sight_lines
+from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.earth import earth_centred_m
 from vopd.geometry.lenses import Lens, LensKind, project
 

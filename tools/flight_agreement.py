@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from tests.kit.random_flights import Sightings, lenses, random_frame
-from vopd.flight.solve import solve_rotations
+from vopd.flight.solve.rotations import solve_rotations
 from vopd.geometry.lenses import project
 
 LOOKS = ("", "", "up", "down")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from made_page import between, write_or_check
 
-from vopd.flight.project import KEYS, Key, keys_of
+from vopd.flight.project.keys import KEYS, Key, keys_of
 from vopd.inputs import MOST_NUMBER
 
 PAGE = Path(__file__).parents[1] / "docs" / "flight-project.md"

@@ -19,7 +19,7 @@ BEGIN, END = "<!-- limits of vopd/inputs.py -->\n", "<!-- end of limits -->\n"
 ELSEWHERE = (
     ("cards.deck", "LONGEST_LINE"),
     ("batch.sources", "LONGEST_NAME"),
-    ("flight.image_tags", "MOST_PIXELS"),
+    ("flight.formats.image_tags", "MOST_PIXELS"),
     ("flight.coordinates", "LONGEST_CRS"),
     ("flight.formats.lens", "MOST"),
     ("stellar.sky", "MOST_CATALOGUE"),

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.flight_project import LENS, MARKS, TOML, camera_m, marks_m, write_project
 from vopd.flight.flight import Refraction
-from vopd.flight.lines_of_sight import sight_lines
+from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import project
 

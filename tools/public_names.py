@@ -31,7 +31,7 @@ from vopd.attitude.uncertainty import ANGLES
 from vopd.batch.solve import FAILED, SOLVED, UNCONVERGED
 from vopd.cli import COMMANDS
 from vopd.estimate import FrameStatus
-from vopd.flight.project import KEYS
+from vopd.flight.project.keys import KEYS
 from vopd.job import Camera, Clock, Ignored, Landmarks, Trajectory, Wind
 from vopd.results import Outcome
 

@@ -28,9 +28,9 @@ from scipy.special import fdtri
 
 from vopd.flight.flight import Flight
 from vopd.flight.formats.tracked import CLICKED, TRACKED, TrackedRows, read_tracked
-from vopd.flight.joint import covariance_of_sums
-from vopd.flight.project import Project, read_project
+from vopd.flight.project.keys import Project, read_project
 from vopd.flight.result import FlightResult, solve_flight
+from vopd.flight.solve.joint import covariance_of_sums
 from vopd.tracking.follow import TrackOptions, follow
 
 AGES = (10, 60)  # frames from the click, and a tenth of it more or less

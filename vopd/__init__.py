@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from vopd.attitude.sigmas import Sigmas
     from vopd.cards.write import write_deck
     from vopd.findings import DeckError, Finding, InputError, VopdError
-    from vopd.flight.adjust import Adjustment, adjust
+    from vopd.flight.adjust.adjustment import Adjustment, adjust
     from vopd.flight.result import FlightResult, solve_flight
     from vopd.job import Deck, Job
     from vopd.listing.pages import listing_text
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from vopd.solved import Run
 
 _HOMES = {
-    "Adjustment": "vopd.flight.adjust",
+    "Adjustment": "vopd.flight.adjust.adjustment",
     "DeckError": "vopd.findings",
     "Finding": "vopd.findings",
     "InputError": "vopd.findings",
@@ -51,7 +51,7 @@ _HOMES = {
     "Job": "vopd.job",
     "FlightResult": "vopd.flight.result",
     "Results": "vopd.results",
-    "adjust": "vopd.flight.adjust",
+    "adjust": "vopd.flight.adjust.adjustment",
     "listing_text": "vopd.listing.pages",
     "read_deck": "vopd.pipeline",
     "Run": "vopd.solved",

@@ -198,7 +198,7 @@ def solve_sources(
 
 def check_project(name: str) -> list[Finding]:
     """Find all errors and warnings of a flight project."""
-    from vopd.flight.check_flight import check_flight  # takes scipy
+    from vopd.flight.check import check_flight  # takes scipy
 
     return check_flight(name)
 

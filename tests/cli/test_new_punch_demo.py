@@ -15,9 +15,9 @@ from vopd.cli import demo, new
 from vopd.convert import flight_to_deck
 from vopd.files import OutputError
 from vopd.findings import Finding, VopdError
-from vopd.flight import new as new_project
 from vopd.flight import result as solve_project
-from vopd.flight.new import NewProject
+from vopd.flight.project import new as new_project
+from vopd.flight.project.new import NewProject
 from vopd.job import Deck
 
 

@@ -19,8 +19,8 @@ from tests.kit.flight_project import TOML, camera_m, marks_m, write_project
 from tests.kit.video import write_video
 from tests.tolerances import assert_close
 from vopd.flight.flight import Refraction
-from vopd.flight.lines_of_sight import sight_lines
-from vopd.flight.new import example_project
+from vopd.flight.project.new import example_project
+from vopd.flight.solve.lines_of_sight import sight_lines
 
 MARKS = "landmark,lat_deg,lon_deg,h_m\nmast,47,8,400\n</script>,47.001,8,400\n"
 

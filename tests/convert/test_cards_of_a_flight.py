@@ -33,7 +33,7 @@ from vopd.convert.flight_to_deck import (
 )
 from vopd.findings import VopdError
 from vopd.flight.flight import LandmarkSet
-from vopd.flight.read import read_flight
+from vopd.flight.project.read import read_flight
 from vopd.geometry.lenses import Lens, LensKind
 from vopd.job import Job
 

@@ -41,7 +41,7 @@ from vopd.findings import VopdError
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, FlightOptions, Refraction
 from vopd.flight.result import FlightResult
-from vopd.flight.solve import SolvedFlight, solve
+from vopd.flight.solve.rotations import SolvedFlight, solve
 from vopd.geometry.earth import geodetic
 from vopd.geometry.lenses import Lens, LensKind, project
 from vopd.geometry.rotations import DOWN, mount_by_angles

@@ -16,8 +16,8 @@ from tests.kit.figures import labelled, points
 from tests.tolerances import assert_close
 from vopd.figures.adjust import MOST_ROWS, Change, draw_adjusted
 from vopd.figures.residuals import residual_points
-from vopd.flight.adjust import adjust
-from vopd.flight.adjusted_table import residual_sizes
+from vopd.flight.adjust.adjustment import adjust
+from vopd.flight.adjust.table import residual_sizes
 from vopd.flight.result import solve_flight
 from vopd.report import embedded_figures
 

@@ -35,8 +35,8 @@ from vopd.figures.map import LOOKS_UP, MISSES, STEPS
 from vopd.figures.style import doubts_text, place_names
 from vopd.film import film_estimate
 from vopd.findings import VopdError
-from vopd.flight.equations import Priors
 from vopd.flight.result import solve_flight, solve_flight_read
+from vopd.flight.solve.equations import Priors
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.program.vopd import run as solve
 from vopd.report import embedded_photographs

@@ -24,18 +24,18 @@ from vopd.attitude.mean import mean_attitude
 from vopd.attitude.sigmas import Sigmas
 from vopd.cli.new import write_project
 from vopd.findings import VopdError
-from vopd.flight.adjust import Adjustment, adjust
-from vopd.flight.adjusted import CovarianceFile, digests, held_text
-from vopd.flight.adjusted_project import (
+from vopd.flight.adjust.adjustment import Adjustment, adjust
+from vopd.flight.adjust.project import (
     adjusted_project,
     opencv_text,
     toml_value,
 )
 from vopd.flight.coordinates import STEPS, HeightDatum, coordinates_at, earth_centred_positions
-from vopd.flight.files import InputFile
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.lens import LensQuestion, read_opencv
-from vopd.flight.project import read_project
-from vopd.flight.read import flight_of
+from vopd.flight.project.covariance import CovarianceFile, digests, held_text
+from vopd.flight.project.keys import read_project
+from vopd.flight.project.read import flight_of
 from vopd.flight.result import FlightResult, solve_flight
 from vopd.geometry.lenses import Lens, LensKind
 

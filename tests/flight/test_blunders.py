@@ -15,12 +15,12 @@ from tests.kit.flight_project import EAST_NORTH_UP, FRAMES, MARKS, truth_deg, wr
 from tests.tolerances import assert_close, within
 from vopd.arrays import Bools
 from vopd.attitude.residuals import equations_of
-from vopd.flight.blunders import _together, find_blunders, gross_picks
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
-from vopd.flight.read import read_flight
+from vopd.flight.misfits.blunders import _together, find_blunders, gross_picks
+from vopd.flight.project.read import read_flight
 from vopd.flight.result import FlightResult, settled, solve_flight_read
-from vopd.flight.solve import solve
+from vopd.flight.solve.rotations import solve
 
 COUNT = len(MARKS)  # picks of a frame; pick COUNT * f + n is of frame f and landmark n
 TOWER = MARKS.index("tower")

@@ -18,16 +18,16 @@ from tests.kit.flight_project import TOML, long_track, marks_m, write_project
 from tests.tolerances import assert_close
 from vopd.attitude.findings import HistorySummary
 from vopd.findings import Finding, VopdError
-from vopd.flight import check_flight as check_module
+from vopd.flight import check as check_module
 from vopd.flight import mistakes
-from vopd.flight.blunders import ARE_EXCHANGED
-from vopd.flight.check_flight import check_flight, far_landmarks, messages_of_files
+from vopd.flight.check import check_flight, far_landmarks, messages_of_files
 from vopd.flight.flight import Flight
-from vopd.flight.project import read_project
-from vopd.flight.read import flight_of, read_flight
+from vopd.flight.misfits.blunders import ARE_EXCHANGED
+from vopd.flight.project.keys import read_project
+from vopd.flight.project.read import flight_of, read_flight
 from vopd.flight.result import solve_flight_read
 from vopd.flight.scene import photograph
-from vopd.flight.solve import SolvedFlight
+from vopd.flight.solve.rotations import SolvedFlight
 from vopd.geometry.earth import earth_centred_m, geodetic
 
 

@@ -20,28 +20,28 @@ from vopd.arrays import Floats
 from vopd.attitude.included import left_out_text
 from vopd.cli.new import write_project as write_adjusted
 from vopd.findings import VopdError
-from vopd.flight import joint
-from vopd.flight.adjust import adjust
-from vopd.flight.adjusted_project import adjusted_project
-from vopd.flight.check_flight import check_flight
-from vopd.flight.click_tests import without_wrong_clicks
-from vopd.flight.clicks import AT_ONCE, errors_of_frames
-from vopd.flight.errors import priors_of
+from vopd.flight.adjust.adjustment import adjust
+from vopd.flight.adjust.project import adjusted_project
+from vopd.flight.check import check_flight
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
-from vopd.flight.joint import covariance_of_sums, solve_jointly
-from vopd.flight.next_click import next_click_texts, next_clicks, next_places
-from vopd.flight.project import read_project
-from vopd.flight.read import flight_of, read_flight
-from vopd.flight.result import FlightResult, picks_outside, solve_flight, solve_flight_read
-from vopd.flight.sizes import cost_of_frames
-from vopd.flight.solve import SolvedFlight
-from vopd.flight.tracked_picks import (
+from vopd.flight.misfits.click_tests import without_wrong_clicks
+from vopd.flight.project.keys import read_project
+from vopd.flight.project.read import flight_of, read_flight
+from vopd.flight.project.tracked_picks import (
     correlation_of_neighbours,
     followed_findings,
     hidden_marks,
 )
+from vopd.flight.result import FlightResult, picks_outside, solve_flight, solve_flight_read
+from vopd.flight.solve import joint
+from vopd.flight.solve.clicks import AT_ONCE, errors_of_frames
+from vopd.flight.solve.errors import priors_of
+from vopd.flight.solve.joint import covariance_of_sums, solve_jointly
+from vopd.flight.solve.next_click import next_click_texts, next_clicks, next_places
+from vopd.flight.solve.rotations import SolvedFlight
+from vopd.flight.solve.sizes import cost_of_frames
 
 
 @pytest.mark.parametrize(("seed", "landmark_m"), [(0, 0.0), (1, 0.05)])
@@ -567,7 +567,7 @@ def test_errors_by_clicks_have_their_covariance_in_parts_of_any_size(
     at_once: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Their squares are B B' of all errors of clicks, where those reach two picks of a frame."""
-    monkeypatch.setattr("vopd.flight.clicks.AT_ONCE", at_once)
+    monkeypatch.setattr("vopd.flight.solve.clicks.AT_ONCE", at_once)
     picks = clicked_flight(np.random.default_rng(3), 20, 5, every=20, reach=20).flight.picks
     assert picks.clicks is not None
     slots = FrameSlots.of(picks.frame, 20)
@@ -638,6 +638,6 @@ def test_tracks_of_another_program_are_said_to_share_their_clicks(
     left = left_out_text(history, history.about.words.sigma_keys)
     assert "click ([picks] tracked_from" in left
     assert result.estimates.joint is not None
-    monkeypatch.setattr("vopd.flight.tracked_picks.FEWEST", 20)
+    monkeypatch.setattr("vopd.flight.project.tracked_picks.FEWEST", 20)
     (said,) = followed_findings(result.flight, result.estimates.joint)
     assert "5 frames tell no more than 1, and it is 2.2 times less certain" in said.message

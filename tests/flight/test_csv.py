@@ -16,7 +16,7 @@ from tests.kit.flight_project import read_text
 from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.files import (
+from vopd.flight.formats.files import (
     CsvTable,
     InputFile,
     csv_blocks,
@@ -28,12 +28,12 @@ from vopd.flight.files import (
     read_csv,
     whole_numbers,
 )
+from vopd.flight.formats.image_tags import read_tags
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.wind import WIND_FORMATS
-from vopd.flight.image_tags import read_tags
 
 
 def of(text: str) -> InputFile:

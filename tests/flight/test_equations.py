@@ -15,8 +15,9 @@ from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close
 from vopd import adjust
 from vopd.arrays import Floats
-from vopd.flight import joint, normal
-from vopd.flight.equations import (
+from vopd.flight.flight import Flight, Refraction, TrackFixes
+from vopd.flight.solve import joint, normal
+from vopd.flight.solve.equations import (
     LENS_COEFFICIENTS,
     Model,
     Priors,
@@ -25,10 +26,9 @@ from vopd.flight.equations import (
     by_lens_parameters,
     with_parameters,
 )
-from vopd.flight.flight import Flight, Refraction, TrackFixes
-from vopd.flight.joint import JointSolution, places_by_fixes
-from vopd.flight.lines_of_sight import apparent, sight_lines, vertical_by_position
-from vopd.flight.normal import Factored
+from vopd.flight.solve.joint import JointSolution, places_by_fixes
+from vopd.flight.solve.lines_of_sight import apparent, sight_lines, vertical_by_position
+from vopd.flight.solve.normal import Factored
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, project
 

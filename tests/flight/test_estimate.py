@@ -38,8 +38,8 @@ from vopd.flight.estimate import (
     lean_of_verticals_deg,
 )
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
-from vopd.flight.project import ROWS
-from vopd.flight.solve import SolvedFlight, solve
+from vopd.flight.project.keys import ROWS
+from vopd.flight.solve.rotations import SolvedFlight, solve
 from vopd.geometry.earth import earth_centred_m, local_axes
 from vopd.geometry.lenses import project
 

@@ -14,8 +14,8 @@ from vopd.arrays import Floats
 from vopd.estimate import Estimate
 from vopd.flight.estimate import AttackAngles, angles_of_attack, flight_estimate, gain_of_turns
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
-from vopd.flight.lines_of_sight import sight_lines
-from vopd.flight.solve import SolvedFlight, solve
+from vopd.flight.solve.lines_of_sight import sight_lines
+from vopd.flight.solve.rotations import SolvedFlight, solve
 from vopd.geometry.earth import earth_centred_m, local_axes
 from vopd.geometry.lenses import Lens, project
 from vopd.geometry.rotations import FORWARD, mount_by_angles

@@ -16,10 +16,10 @@ from tests.kit.flight_blunders import BlunderRow
 from tests.kit.flight_project import uneven_flight
 from tests.kit.simulated_flights import write_flight
 from tests.tolerances import assert_close
-from vopd.flight import exchanged
-from vopd.flight.blunders import ARE_EXCHANGED
 from vopd.flight.flight import FlightOptions
-from vopd.flight.read import read_flight
+from vopd.flight.misfits import exchanged
+from vopd.flight.misfits.blunders import ARE_EXCHANGED
+from vopd.flight.project.read import read_flight
 from vopd.flight.result import FlightResult, picks_outside, solve_flight_read
 
 SEED = 12

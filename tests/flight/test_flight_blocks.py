@@ -28,14 +28,14 @@ from vopd.attitude.table import table
 from vopd.export import FORMATS, FileRequest
 from vopd.findings import VopdError
 from vopd.flight import estimate as estimate_module
-from vopd.flight import solve as solve_module
 from vopd.flight.estimate import FlightEstimates, flight_estimate
-from vopd.flight.files import InputFile, read_csv
 from vopd.flight.flight import Flight
+from vopd.flight.formats.files import InputFile, read_csv
 from vopd.flight.formats.picks import read_csv_picks as read_picks
 from vopd.flight.mistakes import some_frames
 from vopd.flight.result import FlightResult
-from vopd.flight.solve import solve
+from vopd.flight.solve import rotations as solve_module
+from vopd.flight.solve.rotations import solve
 
 COUNTS = [4, 3, 5, 2, 1] * 5 + [12] + [6, 4, 0, 3, 5] * 5
 

@@ -25,15 +25,15 @@ from tests.kit.flight_project import (
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import result as result_module
-from vopd.flight.blunders import Blunders
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.misfits.blunders import Blunders
 from vopd.flight.result import (
     freed_beside_blunders,
     require_two_landmarks,
     solve_flight,
     solve_flight_read,
 )
-from vopd.flight.solve import FlightBlocks
+from vopd.flight.solve.rotations import FlightBlocks
 
 
 def test_a_flight_is_solved_by_one_call(tmp_path: Path) -> None:

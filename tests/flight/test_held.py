@@ -12,14 +12,14 @@ from tests.approved.texts import refused
 from tests.kit.joint_flights import LensTruth, axes, drone, flight_of
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
-from vopd.flight import held
-from vopd.flight.equations import Priors
-from vopd.flight.errors import priors_of
 from vopd.flight.flight import Flight, TrackFixes
-from vopd.flight.held import other_solutions_deg, position_ratio
-from vopd.flight.joint import covariance, solve_jointly, widened
 from vopd.flight.result import solve_flight_read
-from vopd.flight.solve import solve
+from vopd.flight.solve import held
+from vopd.flight.solve.equations import Priors
+from vopd.flight.solve.errors import priors_of
+from vopd.flight.solve.held import other_solutions_deg, position_ratio
+from vopd.flight.solve.joint import covariance, solve_jointly, widened
+from vopd.flight.solve.rotations import solve
 
 
 def own_fixes(frames: int, sigma_m: tuple[float, float, float]) -> Priors:

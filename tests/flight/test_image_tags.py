@@ -23,11 +23,9 @@ from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg,
 from tests.kit.tagged_images import Rational, tagged_image
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight import image_tags
-from vopd.flight.files import InputFile, read_by_content
-from vopd.flight.formats.picks import CLICKS
-from vopd.flight.formats.track import TRACK_FORMATS
-from vopd.flight.image_tags import (
+from vopd.flight.formats import image_tags
+from vopd.flight.formats.files import InputFile, read_by_content
+from vopd.flight.formats.image_tags import (
     clock_of_tags,
     exif_position,
     images_in,
@@ -36,9 +34,17 @@ from vopd.flight.image_tags import (
     xmp_text,
     zone_of_tags,
 )
-from vopd.flight.new import NewProject, has_positions, look_at_focal, project_of_files, take_size
-from vopd.flight.project import Section
-from vopd.flight.track import times_of_images
+from vopd.flight.formats.picks import CLICKS
+from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.project.keys import Section
+from vopd.flight.project.new import (
+    NewProject,
+    has_positions,
+    look_at_focal,
+    project_of_files,
+    take_size,
+)
+from vopd.flight.project.track import times_of_images
 from vopd.geometry.earth import geodetic
 
 
@@ -695,7 +701,7 @@ def test_tags_of_more_pixels_than_are_decoded(
     suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of JPEG and TIFF the header alone is read, whatever the size; others are decoded."""
-    monkeypatch.setattr("vopd.flight.image_tags.MOST_PIXELS", 1_000_000)
+    monkeypatch.setattr("vopd.flight.formats.image_tags.MOST_PIXELS", 1_000_000)
     size = 1200, 900
     Image.new("L", size).save(tmp_path / f"a{suffix}")
     assert read_tags(tmp_path / f"a{suffix}").size_px == size

@@ -21,15 +21,21 @@ from vopd.files import (
     reason,
 )
 from vopd.findings import VopdError
-from vopd.flight.files import InputFile, InputFormat, did_you_mean, open_input, read_by_content
+from vopd.flight.formats.files import (
+    InputFile,
+    InputFormat,
+    did_you_mean,
+    open_input,
+    read_by_content,
+)
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 from vopd.flight.formats.wind import WIND_FORMATS
-from vopd.flight.project import Section
-from vopd.flight.solve import first_attitude
-from vopd.flight.track import times_of_csv, track_height
+from vopd.flight.project.keys import Section
+from vopd.flight.project.track import times_of_csv, track_height
+from vopd.flight.solve.rotations import first_attitude
 from vopd.inputs import no_file, parse_json, parse_toml, parse_xml
 
 

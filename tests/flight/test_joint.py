@@ -22,23 +22,23 @@ from tests.tolerances import assert_close, within
 from vopd.arrays import Bools
 from vopd.estimate import COMMON_PART
 from vopd.findings import VopdError
-from vopd.flight.equations import Priors
 from vopd.flight.flight import Flight, FlightOptions, TrackFixes
-from vopd.flight.joint import (
+from vopd.flight.misfits.misfit import log_likelihood, size_spoken_for
+from vopd.flight.solve.equations import Priors
+from vopd.flight.solve.joint import (
     JointSolution,
     covariance,
     covariance_of_sums,
     propagated,
     solve_jointly,
 )
-from vopd.flight.misfit import log_likelihood, size_spoken_for
-from vopd.flight.sizes import (
+from vopd.flight.solve.rotations import LOSSES, solve
+from vopd.flight.solve.sizes import (
     explained,
     residual_freedom,
     sigma_freedom,
     size_of_residuals,
 )
-from vopd.flight.solve import LOSSES, solve
 
 NAMES = ("least-squares", "huber", "cauchy")
 

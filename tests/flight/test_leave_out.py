@@ -13,8 +13,7 @@ from tests.kit.joint_flights import Dense, random_problem
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.attitude.reading_sigma import JobReadingSigma
-from vopd.flight.joint import JointSolution, solve_jointly
-from vopd.flight.leave_out import (
+from vopd.flight.misfits.leave_out import (
     FIX,
     FRAME,
     LANDMARK,
@@ -24,6 +23,7 @@ from vopd.flight.leave_out import (
     LeftOut,
     leave_out,
 )
+from vopd.flight.solve.joint import JointSolution, solve_jointly
 
 KNOWN = JobReadingSigma(1.0, np.inf, "given", np.zeros(1), 1.0)
 

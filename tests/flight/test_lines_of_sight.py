@@ -8,7 +8,7 @@ from scipy.integrate import quad
 
 from tests.tolerances import assert_close, within
 from vopd.flight.flight import Refraction
-from vopd.flight.lines_of_sight import refraction_rad, sight_lines
+from vopd.flight.solve.lines_of_sight import refraction_rad, sight_lines
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 
 PATHS = (  # length, height of camera and landmark, metres

@@ -14,9 +14,9 @@ from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.attitude.history import History
 from vopd.attitude.sigmas import Sigmas
-from vopd.flight.equations import Priors
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.result import solve_flight_read
+from vopd.flight.solve.equations import Priors
 from vopd.geometry.rotations import body_angles_by_turns
 
 MOUNT = Rotation.from_euler("ZYX", [20.0, -70.0, 5.0], degrees=True).as_matrix()

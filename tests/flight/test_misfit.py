@@ -18,11 +18,9 @@ from tests.kit.joint_flights import drone, flight_of
 from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight import misfit
-from vopd.flight.equations import SHIFT, Priors
 from vopd.flight.flight import CameraPath, TrackFixes
-from vopd.flight.joint import JointSolution, weighed
-from vopd.flight.misfit import (
+from vopd.flight.misfits import misfit
+from vopd.flight.misfits.misfit import (
     SPEAK_FOR,
     even_path,
     input_errors,
@@ -31,6 +29,8 @@ from vopd.flight.misfit import (
     sizes_text,
 )
 from vopd.flight.result import solve_flight_read
+from vopd.flight.solve.equations import SHIFT, Priors
+from vopd.flight.solve.joint import JointSolution, weighed
 
 SEED = 5
 

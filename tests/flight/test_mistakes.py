@@ -29,8 +29,8 @@ from vopd.flight.mistakes import (
     typical_px,
     usual_mistakes,
 )
-from vopd.flight.project import Project, read_project
-from vopd.flight.read import flight_of, read_flight
+from vopd.flight.project.keys import Project, read_project
+from vopd.flight.project.read import flight_of, read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.mistakes import Explanation, Mistake

@@ -13,11 +13,11 @@ from tests.kit.simulated_flights import Errors, Plan, body_to_ned, write_flight
 from tests.tolerances import assert_close
 from vopd.cli.new import write_project
 from vopd.findings import VopdError
-from vopd.flight.adjust import Adjustment, adjust
-from vopd.flight.adjusted_project import adjusted_project
-from vopd.flight.check_flight import check_flight
-from vopd.flight.project import read_project
-from vopd.flight.read import read_flight
+from vopd.flight.adjust.adjustment import Adjustment, adjust
+from vopd.flight.adjust.project import adjusted_project
+from vopd.flight.check import check_flight
+from vopd.flight.project.keys import read_project
+from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight
 
 PLAN = Plan(Errors(0.3), frames=20, landmarks=6, sigma_px=True, frame_hz=5.0, jitter_deg=0.0)

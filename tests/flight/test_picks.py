@@ -14,13 +14,13 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import read_text, text_told
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
-from vopd.flight import read as read_module
-from vopd.flight.files import InputFile, open_input, read_by_content
 from vopd.flight.flight import FrameSlots
+from vopd.flight.formats.files import InputFile, open_input, read_by_content
 from vopd.flight.formats.lens import LensRead, make_lens
 from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows, clicks_of
-from vopd.flight.project import Project, Section
-from vopd.flight.read import CameraLens, join_picks, read_pick_rows
+from vopd.flight.project import read as read_module
+from vopd.flight.project.keys import Project, Section
+from vopd.flight.project.read import CameraLens, join_picks, read_pick_rows
 
 MARKS = ("mast", "well", "arch")
 LENS = make_lens("brown", (64, 48), (50.0, 50.0), (31.5, 23.5))

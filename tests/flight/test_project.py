@@ -14,8 +14,8 @@ import pytest
 
 from tests.approved.texts import assert_approved, refused
 from vopd.findings import VopdError
-from vopd.flight.files import InputFile, InputFormat
-from vopd.flight.project import (
+from vopd.flight.formats.files import InputFile, InputFormat
+from vopd.flight.project.keys import (
     KEYS,
     SECTIONS,
     Key,

@@ -17,18 +17,18 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import LENS, MARKS, TOML, marks_m, write_project
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight import read as read_module
-from vopd.flight.blunders import pick_distances_px
-from vopd.flight.check_flight import check_flight, messages_of_files
+from vopd.flight.check import check_flight, messages_of_files
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, frame_label
 from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.formats.lens import LensRead
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.track import TrackRows
-from vopd.flight.new import NewProject, ask_height, look_at_track
-from vopd.flight.project import Project, Section
-from vopd.flight.read import (
+from vopd.flight.misfits.blunders import pick_distances_px
+from vopd.flight.project import read as read_module
+from vopd.flight.project.keys import Project, Section
+from vopd.flight.project.new import NewProject, ask_height, look_at_track
+from vopd.flight.project.read import (
     add_wind,
     frames_uncovered,
     landmark_crs,
@@ -36,20 +36,20 @@ from vopd.flight.read import (
     read_flight,
     refraction_of,
 )
-from vopd.flight.result import (
-    picks_set_aside,
-    require_two_landmarks,
-    solve_flight_read,
-)
-from vopd.flight.solve import SolvedFlight, no_attitudes, solve
-from vopd.flight.stated import Notes, flight_options
-from vopd.flight.track import (
+from vopd.flight.project.stated import Notes, flight_options
+from vopd.flight.project.track import (
     FrameTimes,
     fixed_path,
     lever_arm,
     number_frames,
     path_by_image,
 )
+from vopd.flight.result import (
+    picks_set_aside,
+    require_two_landmarks,
+    solve_flight_read,
+)
+from vopd.flight.solve.rotations import SolvedFlight, no_attitudes, solve
 from vopd.geometry.earth import earth_centred_m
 
 

@@ -16,11 +16,16 @@ from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.flight import readout
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction, Shutter
-from vopd.flight.readout import picks_at_frame_times, readout_findings, row_parts, turning_rates
 from vopd.flight.result import FlightResult, solve_flight
-from vopd.flight.solve import solve
+from vopd.flight.solve import readout
+from vopd.flight.solve.readout import (
+    picks_at_frame_times,
+    readout_findings,
+    row_parts,
+    turning_rates,
+)
+from vopd.flight.solve.rotations import solve
 from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
 from vopd.geometry.lenses import Lens, LensKind
 

@@ -17,13 +17,14 @@ from vopd.attitude.included import included_text, left_out_text
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import Estimate
 from vopd.export.tables import dataframe
-from vopd.flight import estimate, joint
-from vopd.flight.equations import Priors
-from vopd.flight.errors import priors_of, with_sigmas
+from vopd.flight import estimate
 from vopd.flight.estimate import FlightEstimates, flight_estimate
 from vopd.flight.flight import Flight, FlightOptions, TrackFixes
 from vopd.flight.result import FlightResult, solve_flight_read
-from vopd.flight.solve import SolvedFlight, solve
+from vopd.flight.solve import joint
+from vopd.flight.solve.equations import Priors
+from vopd.flight.solve.errors import priors_of, with_sigmas
+from vopd.flight.solve.rotations import SolvedFlight, solve
 
 GPS = (2.0, 2.0, 4.0)
 

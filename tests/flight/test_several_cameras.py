@@ -14,8 +14,8 @@ from vopd.arrays import Floats
 from vopd.convert.flight_to_deck import flight_job
 from vopd.findings import VopdError
 from vopd.flight.formats.lens import make_lens
-from vopd.flight.project import read_project
-from vopd.flight.read import read_camera, read_flight
+from vopd.flight.project.keys import read_project
+from vopd.flight.project.read import read_camera, read_flight
 from vopd.flight.result import solve_flight
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from tests.kit.random_flights import Sightings, lenses, random_frame
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
-from vopd.flight import solve as solve_module
-from vopd.flight.solve import (
+from vopd.flight.solve import rotations as solve_module
+from vopd.flight.solve.rotations import (
     CAUCHY,
     HUBER,
     LOSSES,

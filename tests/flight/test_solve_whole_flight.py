@@ -21,11 +21,11 @@ from tests.kit.flight_project import (
 )
 from tests.tolerances import assert_close
 from vopd.findings import Finding
-from vopd.flight import solve as solve_module
 from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import frame_label
 from vopd.flight.result import frames_unsolved
-from vopd.flight.solve import FlightBlocks, no_attitudes, solve, solve_rotations
+from vopd.flight.solve import rotations as solve_module
+from vopd.flight.solve.rotations import FlightBlocks, no_attitudes, solve, solve_rotations
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 
 CHECK = np.arange(3 * MARK) % MARK == 3
@@ -62,7 +62,7 @@ def test_what_the_rotations_are_solved_from(monkeypatch: pytest.MonkeyPatch) -> 
 def test_picks_that_are_left_out_and_all_picks_of_a_flight_in_blocks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("vopd.flight.solve.AT_ONCE", 4)
+    monkeypatch.setattr("vopd.flight.solve.rotations.AT_ONCE", 4)
     monkeypatch.setattr("vopd.landmark_layout.FEW", 1)
     given = recorded(monkeypatch)
     left_out = np.zeros(12, bool)
@@ -97,7 +97,7 @@ def test_frames_with_other_picks_are_solved_anew_and_the_record_before_stays(
 def test_the_most_that_any_line_is_raised_is_that_of_all_blocks(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("vopd.flight.solve.AT_ONCE", 5)
+    monkeypatch.setattr("vopd.flight.solve.rotations.AT_ONCE", 5)
     monkeypatch.setattr("vopd.landmark_layout.FEW", 1)
     found = solve(uneven_flight([3, 6, 2, 5]))
     assert found.raised_most_rad == np.nanmax(found.lines.raised_rad) > 0.0

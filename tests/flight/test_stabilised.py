@@ -15,9 +15,9 @@ from tests.kit.command import vopd
 from tests.kit.joint_flights import at_frames, axes, turned_out
 from tests.tolerances import assert_close
 from tools.render_video import Settings, make
-from vopd.flight import stabilised
 from vopd.flight.flight import Flight, TrackFixes
-from vopd.flight.misfit import SHIFTED
+from vopd.flight.misfits import stabilised
+from vopd.flight.misfits.misfit import SHIFTED
 from vopd.flight.result import solve_flight_read
 
 FRAMES = 40

@@ -14,12 +14,12 @@ from tests.tolerances import assert_close
 from vopd import solve_flight
 from vopd.findings import VopdError
 from vopd.flight.flight import Flight
+from vopd.flight.formats.image_tags import sigma_of_tags
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
-from vopd.flight.image_tags import sigma_of_tags
-from vopd.flight.project import Section
-from vopd.flight.read import read_flight
-from vopd.flight.stated import Notes, RowSigmas, row_sigmas
+from vopd.flight.project.keys import Section
+from vopd.flight.project.read import read_flight
+from vopd.flight.project.stated import Notes, RowSigmas, row_sigmas
 
 NAN = float("nan")
 OWN = np.array([[0.1, 0.2, 0.3], [NAN, NAN, NAN], [0.0, 0.0, 0.0]])

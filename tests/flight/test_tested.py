@@ -14,12 +14,12 @@ from tests.kit.flight_blunders import BLUNDER_ROWS, BlunderRow, blunders_named
 from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight import tested
-from vopd.flight.joint import solve_jointly
-from vopd.flight.leave_out import PICK, leave_out
-from vopd.flight.read import read_flight
+from vopd.flight.adjust import tested
+from vopd.flight.adjust.tested import Prediction, predicted
+from vopd.flight.misfits.leave_out import PICK, leave_out
+from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight_read
-from vopd.flight.tested import Prediction, predicted
+from vopd.flight.solve.joint import solve_jointly
 
 SEED = 11
 

@@ -15,12 +15,12 @@ from tests.kit.flight_blunders import BlunderRow
 from tests.kit.simulated_flights import write_flight
 from tests.tolerances import assert_close
 from vopd.attitude.sigmas import Sigmas
-from vopd.flight import tested as module
-from vopd.flight.errors import with_sigmas
-from vopd.flight.leave_out import FIX
-from vopd.flight.read import read_flight
-from vopd.flight.tested import Prediction
-from vopd.flight.tested_table import as_text, label, prediction_lines, rows
+from vopd.flight.adjust import tested as module
+from vopd.flight.adjust.tested import Prediction
+from vopd.flight.adjust.tested_table import as_text, label, prediction_lines, rows
+from vopd.flight.misfits.leave_out import FIX
+from vopd.flight.project.read import read_flight
+from vopd.flight.solve.errors import with_sigmas
 
 SEED = 11
 M_A_DEGREE = 111_200.0  # of latitude

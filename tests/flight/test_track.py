@@ -16,14 +16,14 @@ from tests.kit.flight_project import keys, track
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.flight import track as track_module
 from vopd.flight.coordinates import HeightDatum
 from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.track import TrackRows, photo_number
-from vopd.flight.project import Project, Section
-from vopd.flight.stated import Notes
-from vopd.flight.track import (
+from vopd.flight.project import track as track_module
+from vopd.flight.project.keys import Project, Section
+from vopd.flight.project.stated import Notes
+from vopd.flight.project.track import (
     BRING_TIMES,
     FrameTimes,
     PathRead,

@@ -17,7 +17,7 @@ from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, read_text, text_told, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight.files import open_input
+from vopd.flight.formats.files import open_input
 from vopd.flight.formats.track import TRACK_FORMATS, photo_number, read_mrk
 from vopd.geometry.earth import geodetic
 

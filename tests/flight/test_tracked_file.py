@@ -9,7 +9,7 @@ import pytest
 
 from tests.approved.texts import assert_approved, refused
 from vopd.findings import VopdError
-from vopd.flight.files import open_input
+from vopd.flight.formats.files import open_input
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import (
     COLUMNS,

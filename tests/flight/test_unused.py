@@ -19,7 +19,7 @@ from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.wind import WIND_FORMATS
-from vopd.flight.read import read_flight
+from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight
 
 OPENCV = (

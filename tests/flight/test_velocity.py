@@ -12,10 +12,10 @@ from scipy.stats import multivariate_normal
 
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
-from vopd.flight import velocity
 from vopd.flight.estimate import angles_of_attack
 from vopd.flight.flight import TrackFixes
-from vopd.flight.velocity import (
+from vopd.flight.project import velocity
+from vopd.flight.project.velocity import (
     Roughness,
     gap_curvature,
     gap_twist,

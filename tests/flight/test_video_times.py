@@ -14,9 +14,9 @@ from tests.kit.flight_project import TOML, truth_deg, write_project
 from tests.kit.video import write_video
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.files import InputFile
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.picks import CLICKS, read_clicks
-from vopd.flight.new import example_project
+from vopd.flight.project.new import example_project
 
 RATE = "frame_rate_hz = 10.0\n"
 EVEN_MS = [100 * k for k in range(5)]

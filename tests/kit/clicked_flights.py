@@ -16,11 +16,11 @@ from scipy.spatial.transform import Rotation
 
 from tests.kit.joint_flights import LensTruth, Scene, axes, drone, flight_of, turned_out
 from vopd.arrays import Floats, Ints
-from vopd.flight.equations import Priors
 from vopd.flight.flight import Flight
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.tracked import CLICKED, TRACKED, TrackedRows
-from vopd.flight.tracked_picks import join_tracks
+from vopd.flight.project.tracked_picks import join_tracks
+from vopd.flight.solve.equations import Priors
 
 
 class ClickedFlight(NamedTuple):

@@ -21,10 +21,10 @@ from tests.kit.joint_flights import (
     turned_out,
 )
 from vopd.arrays import Floats
-from vopd.flight.equations import Priors
 from vopd.flight.flight import Flight, FlightOptions, TrackFixes
-from vopd.flight.joint import JointSolution
-from vopd.flight.solve import CAUCHY, HUBER
+from vopd.flight.solve.equations import Priors
+from vopd.flight.solve.joint import JointSolution
+from vopd.flight.solve.rotations import CAUCHY, HUBER
 
 LOSSES = ("least-squares", "huber", "cauchy")
 

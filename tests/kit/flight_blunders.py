@@ -11,8 +11,8 @@ import numpy as np
 import vopd
 from tests.kit.flight_mistakes import MistakeRow
 from tests.kit.simulated_flights import BLUNDERS, Plan, Truth, write_flight
-from vopd.flight.leave_out import KINDS
-from vopd.flight.tested import Named, TestedFlight, tested_flight
+from vopd.flight.adjust.tested import Named, TestedFlight, tested_flight
+from vopd.flight.misfits.leave_out import KINDS
 
 SIZE = 5.0  # of noticeable ones
 KIND = {"landmark": "landmark", "pick": "pick", "time of a frame": "time"}

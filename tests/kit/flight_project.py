@@ -14,7 +14,6 @@ from scipy.spatial.transform import Rotation
 from vopd.arrays import Floats
 from vopd.estimate import MapGrid
 from vopd.findings import VopdError
-from vopd.flight.files import InputFile, InputFormat, read_by_content
 from vopd.flight.flight import (
     CameraPath,
     Flight,
@@ -24,10 +23,11 @@ from vopd.flight.flight import (
     Refraction,
     TrackFixes,
 )
+from vopd.flight.formats.files import InputFile, InputFormat, read_by_content
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
 from vopd.flight.formats.track import TrackRows
-from vopd.flight.lines_of_sight import sight_lines
-from vopd.flight.project import Section
+from vopd.flight.project.keys import Section
+from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, LensKind, project
 from vopd.geometry.rotations import FORWARD

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from tests.tolerances import assert_close
 from vopd.arrays import Floats, Ints
 from vopd.estimate import COMMON_PART
-from vopd.flight.equations import Priors, Readout
 from vopd.flight.flight import (
     CameraPath,
     Flight,
@@ -21,7 +20,8 @@ from vopd.flight.flight import (
     Refraction,
     TrackFixes,
 )
-from vopd.flight.joint import JointSolution
+from vopd.flight.solve.equations import Priors, Readout
+from vopd.flight.solve.joint import JointSolution
 from vopd.geometry.lenses import Lens, LensKind
 
 RADIUS, E2 = 6378137.0, (2.0 - 1.0 / 298.257223563) / 298.257223563

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from vopd.arrays import Floats, Ints
 from vopd.flight.flight import Refraction
-from vopd.flight.lines_of_sight import sight_lines
+from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.earth import earth_centred_m, local_axes
 from vopd.geometry.lenses import Lens, LensKind, project, ray_of_pixel
 

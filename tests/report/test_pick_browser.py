@@ -25,8 +25,8 @@ from tests.tolerances import assert_close
 from vopd.cards.head import read_head
 from vopd.cards.read import read_jobs
 from vopd.findings import VopdError
-from vopd.flight.directions import FrameDirections
-from vopd.flight.solve import solve_rotations
+from vopd.flight.project.directions import FrameDirections
+from vopd.flight.solve.rotations import solve_rotations
 from vopd.geometry.lenses import Lenses, project
 from vopd.report import pick
 from vopd.report.pick import PageContent, Predicted, pick_page

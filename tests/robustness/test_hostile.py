@@ -26,7 +26,7 @@ LOADED = (
     "yaml", "gpxpy", "jinja2", "pyproj", "PIL.JpegImagePlugin", "PIL.TiffImagePlugin",
     *(f"vopd.cli.{one}" for one in ("attitude", "batch", "cards", "check", "new", "pick", "punch")),
     "vopd.batch.workers", "vopd.check", "vopd.cli.run", "vopd.cli.stars.solve",
-    "vopd.convert.flight_to_deck", "vopd.flight.check_flight", "vopd.flight.new",
+    "vopd.convert.flight_to_deck", "vopd.flight.check", "vopd.flight.project.new",
     "vopd.flight.result", "vopd.stellar.radec",
 )  # fmt: skip
 UNSEEN = "\u200b\u2028\u2029\u2060\ufeff"

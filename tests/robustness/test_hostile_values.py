@@ -17,11 +17,11 @@ from tests.approved.texts import refused
 from tests.kit.command import CASE_4, DECKS, ROOT
 from tests.kit.flight_project import write_project
 from tests.kit.tagged_images import tagged_image
-from vopd.flight import read as reader
-from vopd.flight.files import InputFile, InputFormat
 from vopd.flight.formats import landmarks as csv_landmarks
+from vopd.flight.formats.files import InputFile, InputFormat
+from vopd.flight.formats.image_tags import read_tags
 from vopd.flight.formats.landmarks import LandmarkRows
-from vopd.flight.image_tags import read_tags
+from vopd.flight.project import read as reader
 
 
 class CountedName(str):

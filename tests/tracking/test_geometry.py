@@ -14,8 +14,8 @@ from tests.approved.texts import assert_approved
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
-from vopd.flight.project import Section
-from vopd.flight.terrain import Terrain, relief_text
+from vopd.flight.project.keys import Section
+from vopd.flight.project.terrain import Terrain, relief_text
 from vopd.geometry.earth import earth_centred_m
 from vopd.geometry.lenses import Lens, LensKind
 from vopd.tracking.alignment import Alignment, reduced

@@ -26,7 +26,7 @@ from tools.render_video import Settings, make
 from tools.track_coverage import count
 from vopd import solve_flight
 from vopd.figures import draw as draw_figure
-from vopd.flight.project import read_project
+from vopd.flight.project.keys import read_project
 from vopd.tracking import follow as rooms
 from vopd.tracking.follow import TrackOptions, follow
 from vopd.video import grey_frames, open_frames

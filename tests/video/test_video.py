@@ -21,8 +21,8 @@ from tests.kit.video import SIZE, number_of, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.flight.new import example_project
-from vopd.flight.read import read_flight
+from vopd.flight.project.new import example_project
+from vopd.flight.project.read import read_flight
 from vopd.video import Chapter, VideoFrames, eight_bits, grey_frames, open_frames, spread
 
 EVEN_MS = [40 * k for k in range(40)]

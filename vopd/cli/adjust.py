@@ -30,8 +30,8 @@ from vopd.findings import count_text
 from vopd.pipeline import is_flight
 
 if TYPE_CHECKING:
-    from vopd.flight.adjust import Adjustment
-    from vopd.flight.project import Project
+    from vopd.flight.adjust.adjustment import Adjustment
+    from vopd.flight.project.keys import Project
 
 
 @click.command("adjust")
@@ -151,8 +151,8 @@ def command(
     the table is printed, but some frame did not converge, the flight misfits, or
     trials do not stand.
     """
-    from vopd.flight.adjusted_table import as_csv, as_json, as_text
-    from vopd.flight.free import names_of
+    from vopd.flight.adjust.table import as_csv, as_json, as_text
+    from vopd.flight.solve.free import names_of
 
     suffix = "" if figure is None else figure_suffix(figure, source)
     names = names_of(",".join(free))
@@ -173,8 +173,8 @@ def command(
         made = adjusted_deck(source, job, names, fixes, landmark_sigma, output, quiet)
     else:
         if output is not None:
-            from vopd.flight.adjusted_project import COVARIANCE
-            from vopd.flight.new import NAME
+            from vopd.flight.adjust.project import COVARIANCE
+            from vopd.flight.project.new import NAME
 
             refuse_existing(Path(output), [NAME, COVARIANCE])
         made, project = _adjusted(source, names, test)
@@ -218,7 +218,7 @@ def _check_options(
 
 def _adjusted(source: str, names: Sequence[str], test: bool) -> tuple[Adjustment, Project]:
     """Read and solve a flight, with a line of progress on a terminal."""
-    from vopd.flight.adjust import adjust, flight_to_adjust
+    from vopd.flight.adjust.adjustment import adjust, flight_to_adjust
 
     flight, project = flight_to_adjust(source)
     names = names or flight.options.free
@@ -235,7 +235,7 @@ def _adjusted(source: str, names: Sequence[str], test: bool) -> tuple[Adjustment
 
 def _write_project(project: Project, made: Adjustment, folder: Path, quiet: bool) -> None:
     """Write the adjusted project, and say so beside the table."""
-    from vopd.flight.adjusted_project import adjusted_project
+    from vopd.flight.adjust.project import adjusted_project
 
     write_project(folder, adjusted_project(project, made, folder), to_errors=True, quiet=quiet)
 
@@ -261,7 +261,7 @@ def _draw(made: Adjustment, figure: str, suffix: str, quiet: bool) -> None:
     """Draw parameters and residuals before and after."""
     from vopd.figures.adjust import draw_adjusted
     from vopd.figures.style import save
-    from vopd.flight.adjusted_table import changes, residual_sizes
+    from vopd.flight.adjust.table import changes, residual_sizes
 
     drawn = draw_adjusted(made.result.flight.source, changes(made), *residual_sizes(made))
     content = save(drawn, suffix, note=notes(quiet))
@@ -273,10 +273,10 @@ def _tests_of(made: Adjustment, form: str) -> Any:
     """Test a flight by leaving out, and the same with nothing free."""
     from dataclasses import replace
 
-    from vopd.flight import tested_table
-    from vopd.flight.free import FREE
+    from vopd.flight.adjust import tested_table
+    from vopd.flight.adjust.tested import predicted, tested_flight
     from vopd.flight.result import solve_flight_read
-    from vopd.flight.tested import predicted, tested_flight
+    from vopd.flight.solve.free import FREE
 
     result = made.result
     flight, prediction = result.read, None

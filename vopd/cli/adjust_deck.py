@@ -21,7 +21,7 @@ from vopd.screen import aligned
 
 if TYPE_CHECKING:
     from vopd.convert.feature_trials import FeatureTrials
-    from vopd.flight.adjust import Adjustment
+    from vopd.flight.adjust.adjustment import Adjustment
 
 PREFIX = "landmark:"
 COLUMNS = (
@@ -85,7 +85,7 @@ def adjusted_deck(
     from vopd.convert.deck_to_flight import deck_flight
     from vopd.convert.feature import deck_with_landmark, locate_feature
     from vopd.convert.feature_trials import END
-    from vopd.flight.adjust import adjust
+    from vopd.flight.adjust.adjustment import adjust
     from vopd.pipeline import read_deck
 
     number = landmark_number(names) if names else 0

@@ -128,7 +128,7 @@ def _misfits(source: str, found: list[Finding]) -> bool:
     """Tell whether a flight has residuals that nothing stated explains."""
     if not is_flight(source):
         return False
-    from vopd.flight.misfit import MISFITS  # takes scipy
+    from vopd.flight.misfits.misfit import MISFITS  # takes scipy
 
     return any(one.message.startswith(MISFITS) for one in found)
 

@@ -17,8 +17,8 @@ from vopd.findings import VopdError, count_text
 from vopd.inputs import is_number
 
 if TYPE_CHECKING:
-    from vopd.flight.new import Answer, NewProject
-    from vopd.flight.project import KeyValues
+    from vopd.flight.project.keys import KeyValues
+    from vopd.flight.project.new import Answer, NewProject
 
 _FILES = (
     ("--gcp", "gcp", "gcp_list.txt of OpenDroneMap: picks and landmarks in one."),
@@ -136,8 +136,8 @@ def command(
     Exit status: 0 the project is written; 1 a file could not be read, or one that
     would be written is there already; 2 wrong usage.
     """
-    from vopd.flight.earlier import earlier_project
-    from vopd.flight.new import (
+    from vopd.flight.project.earlier import earlier_project
+    from vopd.flight.project.new import (
         NAME,
         Answer,
         example_project,
@@ -190,9 +190,9 @@ def _answers(
     Raises:
         click.UsageError: where one is not a value of its key
     """
-    from vopd.flight.files import did_you_mean
-    from vopd.flight.new import GROUND, Answer, answer_value
-    from vopd.flight.project import KEYS, ROWS
+    from vopd.flight.formats.files import did_you_mean
+    from vopd.flight.project.keys import KEYS, ROWS
+    from vopd.flight.project.new import GROUND, Answer, answer_value
 
     found = []
     try:
@@ -229,7 +229,7 @@ def _position(text: str, crs: str | None) -> list[Answer]:
     Numbers that only fit the other kind are taken for it: degrees beside a `--crs` of the
     landmarks, or metres without one, whose grid is asked for.
     """
-    from vopd.flight.new import Answer, answer_value
+    from vopd.flight.project.new import Answer, answer_value
 
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != 3 or not all(map(is_number, parts)):
@@ -251,8 +251,8 @@ def _position(text: str, crs: str | None) -> list[Answer]:
 
 def _columns(text: str) -> Answer:
     """Read what --columns says of a CSV: the names of some of its columns, or of all."""
-    from vopd.flight.new import Answer
-    from vopd.flight.project import ROWS, toml_text
+    from vopd.flight.project.keys import ROWS, toml_text
+    from vopd.flight.project.new import Answer
 
     section, _, names = text.partition(":")
     if (section, "columns") not in ROWS or not names:
@@ -274,8 +274,8 @@ def _columns(text: str) -> Answer:
 
 def _ask(new: NewProject, values: KeyValues) -> None:
     """Ask on a terminal for what no file says; Enter alone leaves a key open, Ctrl-D all others."""
-    from vopd.flight.new import answer_value
-    from vopd.flight.project import ROWS
+    from vopd.flight.project.keys import ROWS
+    from vopd.flight.project.new import answer_value
 
     asked = [one for one in new.needed if ROWS[one].kind != "file"]
     if not asked or not (sys.stdin.isatty() and sys.stdout.isatty()):
@@ -375,7 +375,7 @@ def write_project(
             with suppress(OSError):  # not made, or something else is in it
                 for one in folders:
                     one.rmdir()
-    from vopd.flight.project import ROWS
+    from vopd.flight.project.keys import ROWS
 
     project = (folder / "flight.toml").as_posix()
     said = [*new.said, f"{project}: written{' again; its other values are kept' * again}"]

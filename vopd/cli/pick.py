@@ -17,8 +17,8 @@ from vopd.findings import Finding, VopdError, count_text
 
 if TYPE_CHECKING:
     from vopd.flight.formats.picks import Click
-    from vopd.flight.next_click import NextPlace
-    from vopd.flight.project import Project
+    from vopd.flight.project.keys import Project
+    from vopd.flight.solve.next_click import NextPlace
     from vopd.report.pick import PageContent
     from vopd.video import VideoFrames
 
@@ -82,10 +82,10 @@ def command(
 
     Exit status: 0 the page is written; 1 a file could not be read; 2 wrong usage.
     """
-    from vopd.flight.directions import directions_of
-    from vopd.flight.files import open_input, read_by_content
+    from vopd.flight.formats.files import open_input, read_by_content
     from vopd.flight.formats.landmarks import LANDMARK_FORMATS
     from vopd.flight.formats.picks import CLICKS, HIDDEN, read_clicks, read_hidden
+    from vopd.flight.project.directions import directions_of
     from vopd.pipeline import is_flight
     from vopd.report.pick import PageContent, Predicted, pick_page
     from vopd.video import open_frames, spread, stills_in
@@ -169,7 +169,7 @@ def command(
 
 def _of_project(sources: tuple[str, ...]) -> tuple[Project, tuple[str, ...]]:
     """Find a project and its video."""
-    from vopd.flight.project import read_project
+    from vopd.flight.project.keys import read_project
 
     if len(sources) > 1:
         raise click.UsageError(f"{sources[0]}: a project is given alone.")
@@ -192,9 +192,9 @@ class ProjectPicks(NamedTuple):
 def _picks_of(project: Project) -> ProjectPicks:
     """Read the picks that a project has already."""
     from vopd.flight.formats.picks import CLICKS, clicks_of, read_hidden
-    from vopd.flight.next_click import next_places
-    from vopd.flight.read import read_camera, read_pick_rows
+    from vopd.flight.project.read import read_camera, read_pick_rows
     from vopd.flight.result import solve_flight
+    from vopd.flight.solve.next_click import next_places
 
     section = project.section("picks")
     if not section.has("file") or not (project.folder / section.text("file")).exists():

@@ -94,7 +94,7 @@ def command(
 
     Exit status: 0 written; 1 failed; 2 wrong usage; 3 written, and doubtful.
     """
-    from vopd.flight.project import read_project
+    from vopd.flight.project.keys import read_project
     from vopd.tracking.follow import TrackOptions, follow
 
     read = read_project(project)

@@ -12,7 +12,7 @@ from vopd.estimate import Estimate
 from vopd.findings import VopdError, count_text
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.result import FlightResult
-from vopd.flight.solve import SolvedFlight, solve
+from vopd.flight.solve.rotations import SolvedFlight, solve
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, Lenses, distort_radial_table, project, ray_of_pixel
 from vopd.geometry.rotations import FORWARD, partials_by_turns

@@ -27,7 +27,8 @@ from vopd.estimate import (
 )
 from vopd.findings import count_text
 from vopd.flight.coordinates import map_grid
-from vopd.flight.errors import (
+from vopd.flight.flight import Flight, FrameSlots, Refraction
+from vopd.flight.solve.errors import (
     ADJUSTED,
     HeldEffects,
     covariance_of_common,
@@ -37,12 +38,11 @@ from vopd.flight.errors import (
     stated_components,
     turns_by_errors,
 )
-from vopd.flight.flight import Flight, FrameSlots, Refraction
-from vopd.flight.free import free_text
-from vopd.flight.held import other_solutions_deg, position_ratio
-from vopd.flight.joint import JointSolution
-from vopd.flight.lines_of_sight import EARTH_RADIUS_M, sight_lines
-from vopd.flight.solve import (
+from vopd.flight.solve.free import free_text
+from vopd.flight.solve.held import other_solutions_deg, position_ratio
+from vopd.flight.solve.joint import JointSolution
+from vopd.flight.solve.lines_of_sight import EARTH_RADIUS_M, sight_lines
+from vopd.flight.solve.rotations import (
     IMAGE_FROM_CAMERA,
     FlightBlocks,
     FlightPart,
@@ -259,7 +259,7 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
     if flight.path.gimbal_deg is not None:
         conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
     if joint is not None and joint.model.clicks is not None:
-        from vopd.flight.click_tests import clicks_text  # of few flights
+        from vopd.flight.misfits.click_tests import clicks_text  # of few flights
 
         conventions["clicks"] = clicks_text(joint)
     if joint is not None and joint.model.flight.options.free:
@@ -447,8 +447,8 @@ class FlightEstimates:
 
     def _adjusted(self) -> tuple[Sequence[Change], Sequence[str], Floats]:
         """Describe freed parameters and residuals before and after; it solves as stated, too."""
-        from vopd.flight.adjust import adjustment_of
-        from vopd.flight.adjusted_table import changes, residual_sizes
+        from vopd.flight.adjust.adjustment import adjustment_of
+        from vopd.flight.adjust.table import changes, residual_sizes
         from vopd.flight.result import FlightResult
 
         made = adjustment_of(FlightResult(self, ()))
@@ -744,7 +744,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     responses = pick_responses(solved, slots, used, seen, attack, body_turns)
     fixes, fix_sigma, further = flight.path.fixes, None, {}
     if picks.clicks is not None:
-        from vopd.flight.clicks import errors_of_frames  # of few flights
+        from vopd.flight.solve.clicks import errors_of_frames  # of few flights
 
         further["click"] = errors_of_frames(picks.clicks, slots, used)
     if fixes is not None and fixes.exact:

@@ -398,7 +398,7 @@ class VehicleAttitudes(NamedTuple):
 class NotHeld(NamedTuple):
     """A parameter that was to be solved for, and that the picks do not hold: it is kept."""
 
-    name: str  # of `vopd.flight.equations`
+    name: str  # of `vopd.flight.solve.equations`
     sigma: float  # standard deviation that it would have after the solve
     trades_with: tuple[str, ...]  # what would make the same images
     spoiled_by: str = ""  # what is stated and not solved for, if it were held without its error
@@ -409,7 +409,7 @@ class HeldParameters:
     """What `vopd adjust` solved for before: it is held, and its errors have one covariance."""
 
     file: str  # the covariance file, as the project names it
-    parameter: tuple[str, ...]  # names of `vopd.flight.equations.COMPONENT`
+    parameter: tuple[str, ...]  # names of `vopd.flight.solve.equations.COMPONENT`
     landmark: Ints  # indices of landmarks, (N,)
     # times its transpose it is the covariance of the parameters, then of east, north, up of each of
     # those landmarks, in their units, m and s, (K, C)
@@ -442,7 +442,7 @@ class FlightOptions:
     # standard deviations that the user gives in the place of stated ones; of those in `SOLVED_WITH`
     # and of the readings, of which 0 leaves them out and None gives none
     given: Sigmas = field(default_factory=Sigmas)
-    # parameters that are solved for, by the names of `vopd.flight.free.FREE`
+    # parameters that are solved for, by the names of `vopd.flight.solve.free.FREE`
     free: tuple[str, ...] = ()
     kept: tuple[NotHeld, ...] = ()  # those of them that the picks do not hold
     # what was solved for by `vopd adjust` before; None: nothing was

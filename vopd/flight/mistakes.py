@@ -12,9 +12,9 @@ from vopd.arrays import Floats, Ints
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
 from vopd.flight.estimate import flight_estimate
-from vopd.flight.files import M_PER_FT
 from vopd.flight.flight import Flight
-from vopd.flight.misfit import (
+from vopd.flight.formats.files import M_PER_FT
+from vopd.flight.misfits.misfit import (
     BEYOND,
     OF_LANDMARK,
     TYPICAL,
@@ -22,11 +22,11 @@ from vopd.flight.misfit import (
     moved_places_m,
     within_stated_text,
 )
-from vopd.flight.project import Project
-from vopd.flight.read import flight_of
+from vopd.flight.project.keys import Project
+from vopd.flight.project.read import flight_of
+from vopd.flight.project.track import height_datum
 from vopd.flight.result import FlightResult
-from vopd.flight.solve import FlightBlocks, solve
-from vopd.flight.track import height_datum
+from vopd.flight.solve.rotations import FlightBlocks, solve
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 

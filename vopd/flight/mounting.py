@@ -13,9 +13,9 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.files import frames_of_column, read_csv
 from vopd.flight.flight import Flight, VehicleAttitudes
-from vopd.flight.project import Project
+from vopd.flight.formats.files import frames_of_column, read_csv
+from vopd.flight.project.keys import Project
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.rotations import FORWARD, mount_by_angles, rotation_matrices
 

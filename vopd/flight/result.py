@@ -19,7 +19,14 @@ from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import AS_SIGMAS, Sigmas
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError, count_text, first_of, refuse_other_kind
-from vopd.flight.blunders import (
+from vopd.flight.estimate import (
+    FlightEstimates,
+    attack_angles,
+    camera_angles,
+    vehicle_angles,
+)
+from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
+from vopd.flight.misfits.blunders import (
     NO_EXCHANGE,
     Blunders,
     Exchanges,
@@ -29,37 +36,30 @@ from vopd.flight.blunders import (
     gross_picks,
     suspected_frames,
 )
-from vopd.flight.errors import SOLVED_WITH, priors_of, with_sigmas
-from vopd.flight.estimate import (
-    FlightEstimates,
-    attack_angles,
-    camera_angles,
-    vehicle_angles,
-)
-from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
-from vopd.flight.free import (
+from vopd.flight.misfits.misfit import OF_LANDMARK, SPEAK_FOR, flight_findings
+from vopd.flight.project.keys import Project, read_project
+from vopd.flight.project.read import NO_LANDMARK, flight_of, read_flight
+from vopd.flight.project.track import LEAPS
+from vopd.flight.solve.errors import SOLVED_WITH, priors_of, with_sigmas
+from vopd.flight.solve.free import (
     MOUNT,
     as_solved,
     free_parameters,
     not_held_findings,
     without_parameter,
 )
-from vopd.flight.held import least_held, solved_findings, undetermined
-from vopd.flight.joint import JointSolution, ranges_m, solve_jointly, widened
-from vopd.flight.misfit import OF_LANDMARK, SPEAK_FOR, flight_findings
-from vopd.flight.project import Project, read_project
-from vopd.flight.read import NO_LANDMARK, flight_of, read_flight
-from vopd.flight.readout import ROUNDS as ROUNDS_OF_ROWS
-from vopd.flight.readout import SETTLED as ROWS_SETTLED
-from vopd.flight.readout import picks_at_frame_times, readout_findings
-from vopd.flight.sizes import (
+from vopd.flight.solve.held import least_held, solved_findings, undetermined
+from vopd.flight.solve.joint import JointSolution, ranges_m, solve_jointly, widened
+from vopd.flight.solve.readout import ROUNDS as ROUNDS_OF_ROWS
+from vopd.flight.solve.readout import SETTLED as ROWS_SETTLED
+from vopd.flight.solve.readout import picks_at_frame_times, readout_findings
+from vopd.flight.solve.rotations import SolvedFlight, solve
+from vopd.flight.solve.sizes import (
     lasting,
     residual_freedom,
     sigma_freedom,
     size_of_residuals,
 )
-from vopd.flight.solve import SolvedFlight, solve
-from vopd.flight.track import LEAPS
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
 from vopd.shown import Shown
 
@@ -255,7 +255,7 @@ class FlightResult(Shown):
         joint = self.estimates.joint
         if joint is None or joint.model.clicks is None or self.flight.options.held is not None:
             return []
-        from vopd.flight.next_click import next_click_texts  # of few flights
+        from vopd.flight.solve.next_click import next_click_texts  # of few flights
 
         return [f"{self.flight.source}: {text}" for text in next_click_texts(joint)]
 
@@ -336,7 +336,7 @@ def solve_flight_read(
     require_two_landmarks(flight)
     stated, outside, of_clicks = flight, picks_outside(flight), list[Finding]()
     if flight.picks.clicks is not None:
-        from vopd.flight.click_tests import without_wrong_clicks  # of few flights
+        from vopd.flight.misfits.click_tests import without_wrong_clicks  # of few flights
 
         flight, of_clicks = without_wrong_clicks(flight)
     by_themselves = replace(flight, picks=flight.picks.with_clicks_as_own)
@@ -415,7 +415,7 @@ def solve_flight_read(
     estimates.contradict(doubts.sentence)
     if doubts.misfits:  # of a flight as a whole it is not said which frames are not searched
         swaps = swaps._replace(not_searched=0)
-        from vopd.flight.check_flight import far_landmarks  # which takes results
+        from vopd.flight.check import far_landmarks  # which takes results
 
         far = [Finding(one, flight.source, severity="warning") for one in far_landmarks(flight)]
         doubts = doubts._replace(findings=[*far, *doubts.findings])
@@ -427,7 +427,7 @@ def solve_flight_read(
     findings += exchange_findings(swaps, flight, apart)
     findings += blunder_findings(found, flight, doubts.misfits, doubts.explained)
     if flight.picks.followed is not None and without.joint is not None:
-        from vopd.flight.tracked_picks import followed_findings  # of few flights
+        from vopd.flight.project.tracked_picks import followed_findings  # of few flights
 
         findings += followed_findings(flight, without.joint)
     every = found._replace(pick=found.pick | swapped)
@@ -462,7 +462,7 @@ def _gross_exchanges(first: SolvedFlight, suspected: Bools, gross: Bools) -> Exc
     """Find exchanged labels in frames with residuals far larger than most have."""
     if not suspected.any():
         return NO_EXCHANGE
-    from vopd.flight.exchanged import gross_exchanges
+    from vopd.flight.misfits.exchanged import gross_exchanges
 
     return gross_exchanges(first, suspected, gross)
 
@@ -476,7 +476,7 @@ def _exchanges(estimates: FlightEstimates, found: Blunders, swapped: Bools) -> E
     frames[solved.flight.picks.frame[odd]] = True
     if not frames.any():
         return NO_EXCHANGE
-    from vopd.flight.exchanged import exchanges
+    from vopd.flight.misfits.exchanged import exchanges
 
     return exchanges(estimates, frames, found.pick)
 

@@ -14,9 +14,9 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.files import optional_package
 from vopd.findings import VopdError, first_of
 from vopd.flight.flight import Flight
-from vopd.flight.lines_of_sight import sight_lines
-from vopd.flight.readout import row_shifts_px
-from vopd.flight.solve import SolvedFlight
+from vopd.flight.solve.lines_of_sight import sight_lines
+from vopd.flight.solve.readout import row_shifts_px
+from vopd.flight.solve.rotations import SolvedFlight
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
 from vopd.scene import ImageScene, JobScene, Views
 

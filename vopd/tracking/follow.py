@@ -15,8 +15,6 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.files import whole_file
 from vopd.findings import Finding, VopdError, count_text, first_of
-from vopd.flight.adjusted import with_stated_offset
-from vopd.flight.exchanged import exchanged_places
 from vopd.flight.flight import CameraPath, Flight
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import (
@@ -25,10 +23,12 @@ from vopd.flight.formats.tracked import (
     track_digests,
     tracked_lines,
 )
-from vopd.flight.misfit import MISFITS, SPEAK_FOR, TYPICAL
+from vopd.flight.misfits.exchanged import exchanged_places
+from vopd.flight.misfits.misfit import MISFITS, SPEAK_FOR, TYPICAL
 from vopd.flight.mistakes import usual_mistakes
-from vopd.flight.project import Project
-from vopd.flight.read import (
+from vopd.flight.project.covariance import with_stated_offset
+from vopd.flight.project.keys import Project
+from vopd.flight.project.read import (
     NO_LANDMARK,
     NONE_USED,
     flight_of,
@@ -36,9 +36,9 @@ from vopd.flight.read import (
     read_pick_rows,
     require_clicks,
 )
+from vopd.flight.project.terrain import read_terrain, relief_text
+from vopd.flight.project.track import frames_of, read_path
 from vopd.flight.result import require_two_landmarks, solve_flight_read
-from vopd.flight.terrain import read_terrain, relief_text
-from vopd.flight.track import frames_of, read_path
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
 from vopd.tracking.patches import LEAST_CORRELATION, PATCH_PX

@@ -13,8 +13,8 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
-from vopd.flight.lines_of_sight import sight_lines
-from vopd.flight.terrain import Terrain
+from vopd.flight.project.terrain import Terrain
+from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 from vopd.geometry.lenses import Lens, project, ray_of_pixel
 from vopd.geometry.rotations import rotation_matrices

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.flight.formats.tracked import STATUSES
-from vopd.flight.solve import solve_rotations
+from vopd.flight.solve.rotations import solve_rotations
 from vopd.tracking.alignment import Alignment, Level, reduced
 from vopd.tracking.journal import ATTITUDE, ROW
 from vopd.tracking.patches import (

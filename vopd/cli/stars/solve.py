@@ -190,7 +190,7 @@ def _take_from_tags(given: dict[str, Any], ctx: click.Context) -> str:
     """
     from math import isfinite
 
-    from vopd.flight.image_tags import images_in, tags_of
+    from vopd.flight.formats.image_tags import images_in, tags_of
 
     images = given["images"]
     tags = tags_of(images_in(Path(images)))[0].values()

@@ -16,7 +16,7 @@ from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import count_text
 from vopd.flight.coordinates import crs_is_geographic, crs_name, units_of_grid
-from vopd.flight.files import (
+from vopd.flight.formats.files import (
     GEODETIC,
     HEIGHTS,
     M_PER_FT,

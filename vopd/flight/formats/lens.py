@@ -12,7 +12,7 @@ import numpy as np
 
 from vopd.files import optional_package, reason
 from vopd.findings import count_text, first_of
-from vopd.flight.files import (
+from vopd.flight.formats.files import (
     UNEXPECTED,
     InputFile,
     InputFormat,

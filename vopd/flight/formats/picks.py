@@ -16,7 +16,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.files import reason
 from vopd.findings import VopdError, count_text
-from vopd.flight.files import (
+from vopd.flight.formats.files import (
     UNEXPECTED,
     CsvTable,
     InputFile,

@@ -14,7 +14,7 @@ from vopd.arrays import Floats
 from vopd.files import reason
 from vopd.findings import count_text
 from vopd.flight.coordinates import crs_is_geographic
-from vopd.flight.files import (
+from vopd.flight.formats.files import (
     GEODETIC,
     PLANE,
     TIME,
@@ -24,6 +24,13 @@ from vopd.flight.files import (
     has_columns,
     read_csv,
     shown,
+)
+from vopd.flight.formats.image_tags import (
+    DILUTION_SAID,
+    USUAL_SIGMA_M,
+    ImageTags,
+    images_in,
+    tags_of,
 )
 from vopd.flight.formats.landmarks import (
     CRS,
@@ -40,13 +47,6 @@ from vopd.flight.formats.landmarks import (
     sigma_columns,
 )
 from vopd.flight.formats.lens import read_shots, recognises_reconstruction
-from vopd.flight.image_tags import (
-    DILUTION_SAID,
-    USUAL_SIGMA_M,
-    ImageTags,
-    images_in,
-    tags_of,
-)
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices
 from vopd.inputs import LEAP_SECOND, leap_second, parse_json, plain_number, whole_number

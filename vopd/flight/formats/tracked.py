@@ -19,7 +19,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.files import size_and_ends
-from vopd.flight.files import (
+from vopd.flight.formats.files import (
     UNKNOWN,
     CsvTable,
     InputFile,
@@ -32,7 +32,7 @@ from vopd.flight.files import (
     whole_numbers,
 )
 from vopd.flight.formats.picks import Names, doubt_of_small_sigma
-from vopd.flight.project import ROWS, Project
+from vopd.flight.project.keys import ROWS, Project
 
 COLUMNS = (
     "frame", "landmark", "u_px", "v_px", "sigma_px", "from_frame", "duu", "duv", "dvu", "dvv",

@@ -16,9 +16,9 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import reason
 from vopd.findings import count_text
-from vopd.flight.files import InputFile
+from vopd.flight.formats.files import InputFile
+from vopd.flight.formats.image_tags import DILUTION_SAID
 from vopd.flight.formats.track import TrackRows, sigma_of_dilution_m
-from vopd.flight.image_tags import DILUTION_SAID
 from vopd.inputs import LAST_S, plain_number, whole_number
 from vopd.video import payloads
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.files import (
+from vopd.flight.formats.files import (
     UNKNOWN,
     InputFile,
     InputFormat,

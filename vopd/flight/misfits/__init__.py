@@ -1,0 +1,1 @@
+"""What does not fit in a flight: picks, labels, clicks, landmarks, and errors of its inputs."""

@@ -1,0 +1,1 @@
+"""A flight project: its keys, the files that it names, and new projects."""

@@ -1,0 +1,84 @@
+"""The directions of a project's landmarks in frames of its video, by which a page predicts them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.flight.formats.picks import Names, PickRows
+from vopd.flight.project.keys import Project
+from vopd.flight.project.read import flight_of
+from vopd.flight.solve.lines_of_sight import sight_lines
+from vopd.geometry.lenses import Lens, Lenses
+from vopd.video import VideoFrames
+
+
+class FrameDirections(NamedTuple):
+    """The directions of N landmarks in the F frames of a page, from the camera's stated places."""
+
+    landmark: tuple[str, ...]  # names, (N,)
+    direction: Floats  # (F, N, 3) unit vectors east, north, up, raised by refraction
+    lens: Lens | Lenses  # of all frames, or of each
+    sigma_px: float  # of one pick
+    left_out: str  # what a solve has besides, for a sentence; empty for nothing
+
+    def lenses(self) -> tuple[list[dict[str, Any]], list[int]]:
+        """Write the lenses as plain values, and which of them each frame has."""
+        each: tuple[Lens, ...] = (self.lens,)
+        which = [0] * len(self.direction)
+        if isinstance(self.lens, Lenses):
+            each, which = self.lens.each, self.lens.which.tolist()
+        written = [
+            {
+                "kind": one.kind.value,
+                "focal": one.focal_px.tolist(),
+                "centre": one.centre_px.tolist(),
+                "skew": one.skew_px,
+                "k": one.coefficients.tolist(),
+                "field": one.field_radius if np.isfinite(one.field_radius) else None,
+            }
+            for one in each
+        ]
+        return written, which
+
+
+def directions_of(project: Project, frames: VideoFrames, chosen: Sequence[int]) -> FrameDirections:
+    """Trace the lines of sight to all landmarks of a project in frames of its video.
+
+    Raises:
+        VopdError: where the project lacks what tells the camera's places, or the lens, or that is
+            not of frames of this size
+    """
+    label = [frames.label(k) for k in chosen]
+    own: Any = Names(label) if frames.image_name else np.array(list(map(int, label)))
+    section = project.section("picks")
+    sigma_px = section.number("sigma_px")
+    none = np.zeros((len(label), 2))
+    rows = PickRows(
+        own, Names([""] * len(label)), none, np.full(len(label), sigma_px), "centre", None, ""
+    )
+    if project.section("solve").has("frames"):
+        project = project.changed("solve", "frames", "each")
+    flight = flight_of(project, rows)
+    known = list(flight.image_name) or [str(one) for one in flight.frame.tolist()]
+    at = np.array([known.index(one) for one in label])
+    marks = flight.landmarks
+    frame, mark = (one.ravel() for one in np.indices((len(at), len(marks.name))))
+    lines = sight_lines(
+        flight.path.position_m[at], marks.position_m, frame, mark, flight.refraction
+    )
+    lens = flight.lens.of(at)
+    width, height = next(frames.pictures(chosen[:1])).size
+    own_px = lens.by_rows("size_px").reshape(-1, 2)[0].astype(int).tolist()
+    if [width, height] != own_px:
+        raise project.section("camera").error(
+            "lens", f"is for {own_px[0]} x {own_px[1]}, and {label[0]} has {width} x {height}"
+        )
+    arm = flight.path.lever_arm_m
+    left_out = ["the lever arm"] if arm is not None and np.any(arm) else []
+    left_out += ["the rolling shutter"] if flight.shutter is not None else []
+    direction = lines.direction.reshape(len(at), len(marks.name), 3)
+    return FrameDirections(marks.name, direction, lens, sigma_px, " and ".join(left_out))

@@ -1,0 +1,221 @@
+"""Standard deviations of a flight's inputs: those of files and project, and missing ones."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats
+from vopd.findings import NeededError, VopdError
+from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
+from vopd.flight.formats.lens import LensRead
+from vopd.flight.project.keys import ROWS, WIDTH, Project, Section, with_common_error
+from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS
+from vopd.geometry.lenses import LensKind
+from vopd.inputs import LEAST_SIGMA, MOST_SIGMA, beyond_sigmas
+
+
+class Notes(NamedTuple):
+    """What is said of files as they are read, and standard deviations that are missing."""
+
+    said: list[str]
+    missing: dict[tuple[str, str], str]  # by section and key: which file has none
+
+
+# Positions, landmarks, velocities: rows of a file
+
+
+class RowSigmas(NamedTuple):
+    """The standard deviations that a file has for its N rows."""
+
+    file: str  # its name
+    own: Floats | None  # (N, 3); NaN where not given
+    total: int  # N
+    line: Sequence[int] = ()  # of each row, where they have lines
+    by: str = ""  # where the file has them from
+    usual: tuple[float, float, float] | None = None  # of such files, where nothing else is known
+
+
+def row_sigmas(section: Section, key: str, rows: RowSigmas, notes: Notes) -> Floats:
+    """Choose the standard deviations of rows (N, 3): their own, else the key's, else usual ones.
+
+    Args:
+        section: of the project
+        key: of that section
+        rows: what the file has
+        notes: added to
+    """
+    stated = section.sigma(key)
+    own = np.full((rows.total, 3), np.nan) if rows.own is None else rows.own
+    beyond = ((own > 0.0) & (own < LEAST_SIGMA)) | (own > MOST_SIGMA)
+    for k in np.flatnonzero(beyond.any(axis=1)).tolist():
+        where = f"line {rows.line[k]}" if len(rows.line) else f"position {k + 1}"
+        raise VopdError(f"{rows.file}: {where}: {beyond_sigmas(own[k].tolist())}, or 0")
+    lacking: Bools = np.asarray(np.isnan(own).any(axis=1))
+    without = int(lacking.sum())
+    if without < rows.total:
+        notes.said.append(_said(rows, without, f"[{section.name}] {key}", stated is not None))
+    if without and stated is None:
+        if rows.usual is None:
+            notes.missing[section.name, key] = _which(rows, lacking)
+        elif without == rows.total:
+            sizes = "{:g}, {:g} and {:g} m east, north and up".format(*rows.usual)
+            notes.said.append(f"{rows.file}: has no accuracy of its positions: {sizes} is assumed")
+        stated = rows.usual or (0.0,) * 3
+    return own if stated is None else np.where(np.isnan(own), stated, own)
+
+
+def _said(rows: RowSigmas, without: int, key: str, stated: bool) -> str:
+    """Say that the rows have their own, and what the key is for."""
+    text = f"{rows.file}: standard deviations by {rows.by}"
+    if without:
+        other = key if stated else "usual ones"
+        return f"{text}; {other} for {without} of {rows.total} rows, which have none"
+    return f"{text}; {key} is not used" if stated else text
+
+
+def _which(rows: RowSigmas, lacking: Bools) -> str:
+    """Name the rows without standard deviations."""
+    if rows.own is None or lacking.all():
+        return f"{rows.file} has none"
+    first = int(np.argmax(lacking))
+    where = f"line {rows.line[first]}" if len(rows.line) else f"position {first + 1}"
+    more = int(lacking.sum()) - 1
+    return f"{rows.file}: {where} " + (f"and {more} more have none" if more else "has none")
+
+
+def key_sigma(section: Section, key: str, why: str, notes: Notes) -> tuple[float, ...]:
+    """Read standard deviations that only a key can state."""
+    stated = section.sigma(key)
+    if stated is None:
+        notes.missing[section.name, key] = why
+    return stated or (0.0,) * ROWS[section.name, key].size
+
+
+# What is common to a flight: lens, clock, readout, refraction
+
+
+COMMON = {
+    ("uncertainty", "focal_rel"): ("focal",),
+    ("uncertainty", "principal_px"): ("centre_u", "centre_v"),
+    ("uncertainty", "k1"): ("k1",),
+    ("uncertainty", "k2"): ("k2",),
+    ("uncertainty", "p1p2"): ("p1", "p2"),
+    ("track", "sigma_t_s"): ("clock",),
+    ("uncertainty", "clock_rate_ppm"): ("clock_rate",),
+    ("uncertainty", "readout_ms"): ("readout",),
+    ("atmosphere", "sigma_k"): ("refraction",),
+}
+"""Parameters whose standard deviations a key states, by section and key."""
+UNITS = {"clock_rate_ppm": 1e-6, "readout_ms": 1e-3}  # of such keys; 1 for the others
+HALF = 0.5  # of the coefficient of refraction is its standard deviation if none is stated
+
+
+def flight_options(
+    project: Project,
+    read: LensRead,
+    refraction: Refraction,
+    path: CameraPath,
+    landmarks: LandmarkSet,
+) -> FlightOptions:
+    """Read how a flight is solved, and what is uncertain of all that is common to its frames.
+
+    Raises:
+        VopdError: where a value is not as it should be, or the lens has no such coefficient
+    """
+    solve, found = project.section("solve"), dict(read.sigma)
+    if refraction.k:
+        found["refraction"] = HALF * abs(refraction.k)
+    for (section_name, key), names in COMMON.items():
+        section = project.section(section_name)
+        values = section.sigma(key)
+        if values is None:
+            continue
+        rolls = project.section("camera").has("readout_ms")
+        if key == "readout_ms" and max(values) > 0.0 and not rolls:
+            message = (
+                "the camera has no rolling shutter: give its [camera] readout_ms, readout and "
+                "frame_time, or leave the key out"
+            )
+            raise section.error(key, message)
+        unit = UNITS.get(key, 1.0)
+        if key == "focal_rel":
+            unit = float(read.lens.focal_px.mean())
+        for name, value in zip(names, values * (len(names) // len(values)), strict=True):
+            if value > 0.0 and COMPONENT[name] == "distortion":
+                _check_coefficient(section, key, name, read.lens.kind)
+            found[name] = value * unit
+    sizes: dict[str, float | None] = {
+        "position": float(path.bias_sigma_m.max())
+        if path.fixes is None or path.fixes.exact
+        else 1.0,
+        "landmark": float(landmarks.sigma_m.max(initial=0.0)),
+        **dict.fromkeys(COMPONENT[name] for names in COMMON.values() for name in names),
+        "velocity": None if path.velocity_sigma_m_s is None else path.velocity_sigma_m_s.max(),
+        "wind": path.wind_sigma_m_s if project.section("wind").has("sigma_m_s") else None,
+        "mount": None,
+    }
+    for name, sigma in found.items():
+        sizes[COMPONENT[name]] = max(sigma, sizes[COMPONENT[name]] or 0.0)
+    if project.has("track") and not project.section("track").has("sigma_bias_m"):
+        sizes["bias"] = None
+    return FlightOptions(
+        loss=solve.text("loss"),
+        drop_blunders=solve.text("blunders") == "drop",
+        solve_position=solve.text("position") == "solve",
+        parameter_sigma=found,
+        exact=tuple(name for name, size in sizes.items() if size == 0.0),
+        not_stated=tuple(name for name, size in sizes.items() if size is None),
+        free=tuple(dict.fromkeys(solve.texts("free"))),
+    )
+
+
+def _check_coefficient(section: Section, key: str, name: str, kind: LensKind) -> None:
+    """Refuse the standard deviation of a coefficient that the lens does not have."""
+    names = LENS_COEFFICIENTS[kind]
+    if name not in names:
+        has = f"its coefficients are {', '.join(names)}" if names else "it has no coefficients"
+        raise section.error(key, f"a lens of the model {kind.value} has no {name}: {has}")
+
+
+# Missing standard deviations
+
+
+def refuse_missing(project: Project, missing: Mapping[tuple[str, str], str]) -> None:
+    """Raise an error with the lines to paste, if any standard deviation is missing."""
+    if missing:
+        keys = with_common_error(missing)
+        raise NeededError(
+            f"{project.name}: standard deviations are missing, and nothing counts as exact unless "
+            "you say so. Add these lines, with numbers of your own:\n"
+            + lines_to_add(project.lacking(keys))
+        )
+
+
+def lines_to_add(keys: Mapping[tuple[str, str], str]) -> str:
+    """Write the lines that a project lacks, with examples, under the headers of their sections.
+
+    Args:
+        keys: why each is needed, by section and key
+    """
+    lines, section, order = list[str](), "", list(ROWS)
+    for one in sorted(keys, key=order.index):
+        if one[0] != section:
+            section = one[0]
+            lines += ["", f"under [{section}]"]
+        row, why = ROWS[one], keys[one]
+        own = re.search(r"\{ \w+ = [-\d.]+ \}", why)  # which the files themselves suggest
+        example = own[0] if own else row.example or ROWS["landmarks", row.name].example
+        repeats = why.partition(",")[0] == row.comment.partition(",")[0]
+        why = "" if not why or repeats or why.startswith(row.comment) else f" ({why})"
+        lines.append(f"{f'{row.name} = {example}':{WIDTH - 1}} # {row.comment}{why}")
+    if any(ROWS[one].kind == "sigma" for one in keys):
+        lines += [
+            "",
+            'If you do not know one, state it rather too large than too small. "exact" in',
+            "the place of a number is for what has no error, as in a simulation.",
+        ]
+    return "\n".join(lines)

@@ -1,0 +1,1000 @@
+"""The camera's position in each frame: a fixed place, or a track by time or by image."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
+from math import comb
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Bools, Floats, Ints, in_four_bytes
+from vopd.findings import VopdError, count_text, first_of
+from vopd.flight.coordinates import (
+    HeightDatum,
+    crs_name,
+    doubt_of_heights,
+    earth_centred_positions,
+    units_of_grid,
+)
+from vopd.flight.flight import CameraPath, TrackFixes, TrackSlopes
+from vopd.flight.formats.files import (
+    TIME,
+    InputFile,
+    coordinate_columns,
+    frames_of_column,
+    has_columns,
+    read_csv,
+)
+from vopd.flight.formats.image_tags import images_in, tags_of
+from vopd.flight.formats.picks import Names, PickRows
+from vopd.flight.formats.track import (
+    TRACK_FORMATS,
+    VELOCITY_SIGMAS,
+    TrackRows,
+    row_out_of_order,
+)
+from vopd.flight.project.keys import VIDEO, Project, Section, toml_numbers
+from vopd.flight.project.stated import Notes, RowSigmas, key_sigma, row_sigmas
+from vopd.flight.project.unused import unused_by_image
+from vopd.flight.project.velocity import (
+    Roughness,
+    gap_curvature,
+    gap_twist,
+    off_chord,
+    path_slopes,
+    roughness,
+    track_velocity,
+    with_gaps,
+)
+from vopd.geometry.earth import NED_FROM_ENU, local_axes
+from vopd.inputs import LAST_S, LATE_S, since_1970
+
+# Frames and their times: by numbers, a CSV, or tags of images
+
+ZONE = "utc_offset_h"
+
+
+BRING_TIMES = (
+    "give [picks] frame_rate_hz and first_frame_t_s, or times, a CSV or the folder of the images"
+)
+
+
+class FrameTimes(NamedTuple):
+    """When and of what each frame is: seconds on a clock, and its image's name."""
+
+    time_s: Floats  # (F,) NaN where not known
+    image: tuple[str, ...]  # (F,) or none
+    epoch: datetime | None  # the date of zero, where it is known
+    said: str = ""  # where the times come from, for a sentence
+    whole_seconds: bool = False  # a camera's clock without parts of a second
+    doubts: tuple[str, ...] = ()  # warnings about images that have no time
+    bring: str = BRING_TIMES  # what to give where frames need times and have none
+
+
+def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:
+    """Number the frames (F,), with their times, and the index of each pick's frame (P,)."""
+    number, image, index = number_frames(rows.frame)
+    if not image or not project.section("picks").has("frame_rate_hz"):
+        return number, _times(project, number, image), index
+    from vopd.video import image_numbers, images_without_number  # of few flights
+
+    lost = images_without_number(image)
+    has = np.array([name not in lost for name in image])
+    own = np.where(has, image_numbers(image), -1)
+    own[~has] = own.max() + 1 + np.arange(len(lost))  # behind those that have a number
+    order = np.argsort(own)
+    number, image, has = own[order], tuple(image[k] for k in order), has[order]
+    times = _times(project, number, image)
+    times = times._replace(time_s=np.where(has, times.time_s, np.nan))
+    index = in_four_bytes(np.argsort(order)[index])
+    return number, times._replace(doubts=_doubts_of_images(project, lost)), index
+
+
+def _doubts_of_images(project: Project, lost: Mapping[str, str]) -> tuple[str, ...]:
+    """Warn of images that have no time.
+
+    Args:
+        project: with the file that names them
+        lost: why, by their names
+    """
+    for name, why in lost.items():
+        section = project.section("picks")
+        tracked = section.has("tracked") and section.text("tracked_from") != "clicks"
+        file = project.open("picks", "tracked" if tracked else "file")
+        message = f"{why}; [picks] frame_rate_hz gives no time to {first_of(list(lost), 3)}"
+        return (str(file.error(message, file.line_of(name))),)
+    return ()
+
+
+def number_frames(frame: Ints | Names) -> tuple[Ints, tuple[str, ...], Ints]:
+    """Number the frames (F,); names of images (F,) or none; index of each pick's frame (P,)."""
+    if isinstance(frame, Names):
+        image = sorted(frame.known)
+        place = {name: k for k, name in enumerate(image)}
+        by_known = in_four_bytes(np.array([place[name] for name in frame.known]))
+        return np.arange(len(image)), tuple(image), by_known[frame.which]
+    number = np.unique(frame)
+    return number, (), in_four_bytes(np.searchsorted(number, frame))
+
+
+def first_whole_second(utc_s: Floats, section: Section, key: str) -> datetime:
+    """Find the date and time of zero where a project gives none: the second of the first time.
+
+    Args:
+        utc_s: times since 1970, (F,)
+        section: that of the file with the times
+        key: which names it
+    """
+    try:
+        return datetime.fromtimestamp(float(np.floor(np.nanmin(utc_s))), UTC)
+    except (OverflowError, ValueError, OSError) as error:
+        text = f"{section.values.get(key)}: {np.nanmin(utc_s):g} s after 1970 is no date of a frame"
+        raise section.error(key, f"{text}: it is beyond the years 1 to 9999") from error
+
+
+def refuse_since_1970(project: str, times: FrameTimes) -> FrameTimes:
+    """Refuse frames in seconds since 1970 beside the date of another zero.
+
+    Args:
+        project: its name
+        times: of the frames, on a clock whose zero the project's epoch is
+    """
+    if wrong := since_1970(times.epoch, float(np.fmin.reduce(times.time_s, initial=np.inf))):
+        raise Section(project, "flight", {}).error("epoch", wrong)
+    return times
+
+
+def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
+    section = project.section("picks")
+    epoch = project.section("flight").date("epoch")
+    if section.has("times") and section.has("frame_rate_hz"):
+        raise section.error("times", "frame_rate_hz is there too: give one of them")
+    shown_s, said = np.full(len(number), np.nan), ""
+    if not image and section.has("video"):
+        shown_s, said = _shown(project, number)
+    if section.has("frame_rate_hz"):
+        rate = section.number("frame_rate_hz")
+        time_s = section.number("first_frame_t_s") + number / rate
+        off_s = np.ptp(number / rate - shown_s)
+        if off_s * rate > 1.0:
+            raise section.error(
+                "frame_rate_hz",
+                f"{rate:g} a second, and by its own times the frames of {said}: they differ by "
+                f'{off_s:.3g} s over the flight; write times = "video" in its place',
+            )
+        said = "" if np.isfinite(shown_s).all() else said
+        return refuse_since_1970(project.name, FrameTimes(time_s, image, epoch, said))
+    if not section.has("times"):
+        times = FrameTimes(np.full(len(number), np.nan), image, epoch)
+        return times._replace(bring=_bring_times(project))
+    if section.text("times") == VIDEO:
+        if image or not section.has("video"):
+            message = "the picks name images, which have no place in a video" if image else ""
+            raise section.error("times", message or "the key video is missing, which names it")
+        time_s = section.number("first_frame_t_s") + shown_s
+        return refuse_since_1970(project.name, FrameTimes(time_s, image, epoch, said))
+    file = project.open("picks", "times")
+    whole = False
+    if file.path.is_dir():
+        (known, said, whole), utc = times_of_images(section, file), True
+    else:
+        known, utc = times_of_csv(section, file, bool(image))
+        said = f"{file.name}: times of {count_text(len(known), 'frame')}"
+    wanted = list(image) or [str(n) for n in number.tolist()]
+    time_s = np.array([known.get(one, np.nan) for one in wanted])
+    if not np.isfinite(time_s).any():
+        raise section.error("times", f"{file.name}: none of the frames is there ({wanted[0]})")
+    if not utc:
+        return refuse_since_1970(project.name, FrameTimes(time_s, image, epoch, said))
+    epoch = epoch or first_whole_second(time_s, section, "times")
+    return FrameTimes(time_s - epoch.timestamp(), image, epoch, said, whole)
+
+
+def _bring_times(project: Project) -> str:
+    """Say what brings the frames their times; the picks themselves if they have a column of it."""
+    section = project.section("picks")
+    name = section.values.get("file")
+    if isinstance(name, str) and (project.folder / name).is_file():  # not yet, where nobody clicked
+        file = replace(project.open("picks"), columns=None)
+        if has_columns(file, TIME, *((name,) for name in TIME)):
+            return f'{file.name} has a column of times: write [picks] times = "{file.name}"'
+    return BRING_TIMES
+
+
+def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
+    """Read when frames are shown after the first of their video, seconds (F,), and a sentence.
+
+    They are NaN of images, and where nothing decodes the video and the project has a frame rate.
+    """
+    from vopd.video import has_decoder, open_frames
+
+    section = project.section("picks")
+    paths = [project.folder / name for name in section.files("video")]
+    try:
+        frames = open_frames(map(str, paths))
+    except VopdError as error:
+        rated = section.values.get("times") != VIDEO
+        if rated and not has_decoder() and all(one.is_file() for one in paths):
+            return np.full(len(number), np.nan), f"frame_rate_hz is not checked: {error}"
+        raise section.error("video", str(error)) from error
+    if frames.image_name:
+        if section.values.get("times") != VIDEO:
+            return np.full(len(number), np.nan), frames.about if frames.missing else ""
+        raise section.error("video", f"{frames.source}: images have no times of presentation")
+    if number[-1] >= len(frames):
+        has = f"{frames.source} has {count_text(len(frames), 'frame')}, counted from 0"
+        if frames.lost:
+            has += f", and {frames.lost} more that are not in the file: is it complete?"
+        if frames.hidden:
+            has += f", and {frames.hidden} more that its edit list does not show"
+        raise section.error("video", f"frame {number[-1]} is picked, and {has}")
+    if frames.lost and section.values.get("times") != VIDEO:  # those at the end may be any
+        return np.full(len(number), np.nan), f"frame_rate_hz is not checked: {frames.about}"
+    return frames.time_s[number], frames.about
+
+
+def times_of_csv(
+    section: Section, file: InputFile, by_image: bool
+) -> tuple[dict[str, float], bool]:
+    """Read the times from a CSV with frame or image, and t_s or t_utc.
+
+    Returns:
+        The times by the name of an image or the number of a frame, and whether they are seconds
+        since 1970 and not of the flight.
+    """
+    table = read_csv(file, ("frame", "image", *TIME))
+    keys = table.column("image" if by_image else "frame")
+    time_s, utc = table.clock(TIME)
+    if not by_image:
+        frame = np.array(frames_of_column(table))
+        keys = [str(one) for one in frame.tolist()]
+        order = np.argsort(frame, kind="stable")
+        back = np.flatnonzero((np.diff(frame[order]) > 0) & ~(np.diff(time_s[order]) > 0.0))
+        if len(back):
+            earlier, later = order[back[0]], order[back[0] + 1]
+            message = f"frame {keys[later]} is not after frame {keys[earlier]}"
+            raise table.error(message, int(later), "t_utc" if utc else "t_s")
+    known = dict[str, float]()
+    for row, (frame_key, one) in enumerate(zip(keys, time_s.tolist(), strict=True)):
+        if known.setdefault(frame_key, one) != one:  # as often as it has picks
+            message = f"{frame_key} has two times, {known[frame_key]:.10g} and {one:.10g} s"
+            raise section.error("times", str(table.error(message, row)))
+    return known, utc
+
+
+def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float], str, bool]:
+    """Read the times from the tags of a folder of images, in UTC by their zone or the project's.
+
+    Returns:
+        The times by the names of the images, where they come from as a sentence, and whether the
+        camera's clock has whole seconds.
+
+    Raises:
+        VopdError: where the zone is not known, or there is no time
+    """
+    paths = images_in(file.path)
+    tags = {path.name: one for path, one in tags_of(paths)[0].items()}
+    dated = {name: one for name, one in tags.items() if np.isfinite(one.clock_s)}
+    if not dated:
+        of_all = "the image has no" if len(paths) == 1 else f"none of its {len(paths)} images has a"
+        raise section.error("times", f"{file.name}: {of_all} time in its tags")
+    zones = {one.zone_s for one in dated.values() if np.isfinite(one.zone_s)}
+    without = [name for name, one in dated.items() if not np.isfinite(one.zone_s)]
+    own = "by their own zone"
+    if without:
+        if not section.has(ZONE):
+            raise section.error(
+                ZONE,
+                f"is needed: the tags of {without[0]} have a time and not its zone; give the hours "
+                "by which the camera's clock is ahead of UTC, 2.0 for summer in central Europe",
+            )
+        own = f"{section.number(ZONE):+g} h ahead of UTC"
+    elif section.has(ZONE):
+        named = ", ".join(f"{zone / 3600.0:+g} h" for zone in sorted(zones))
+        raise section.error(ZONE, f"the tags have their zone, {named}: leave the key out")
+    hours = section.number(ZONE, 0.0)
+    if not -12.0 <= hours <= 14.0:
+        raise section.error(ZONE, f"{hours:g} is not of any zone: -12 to 14 hours")
+    ahead = hours * 3600.0
+    known = {
+        name: one.clock_s - (one.zone_s if np.isfinite(one.zone_s) else ahead)
+        for name, one in dated.items()
+    }
+    whole = any(one.whole_second for one in dated.values())
+    said = f"{file.name}: times of {count_text(len(dated), 'image')} by their EXIF tags, {own}"
+    return known, said + (", whole seconds" if whole else ""), whole
+
+
+# Clocks of tracks: UTC, GPS time, or seconds of the flight
+
+GPS_AHEAD_S = (  # of UTC, from a date on
+    (datetime(2017, 1, 1, tzinfo=UTC), 18.0),
+    (datetime(2015, 7, 1, tzinfo=UTC), 17.0),
+    (datetime(2012, 7, 1, tzinfo=UTC), 16.0),
+    (datetime(2009, 1, 1, tzinfo=UTC), 15.0),
+    (datetime(2006, 1, 1, tzinfo=UTC), 14.0),
+)
+
+
+def track_on_clock(section: Section, rows: TrackRows, times: FrameTimes) -> Floats:
+    """Convert the track's times to the clock of the frames."""
+    found = track_clock(section, rows)
+    if rows.clock == "seconds":
+        return found
+    if times.epoch is None:
+        message = "is needed: the track is in UTC, and the frames are in seconds"
+        raise Section(section.project, "flight", {}).error("epoch", message)
+    return found - times.epoch.timestamp()
+
+
+def track_clock(section: Section, rows: TrackRows) -> Floats:
+    """Convert the track's times to UTC since 1970; seconds stay as they are."""
+    assert rows.time_s is not None
+    own = rows.clock
+    if own == "utc-column":
+        own = section.text("clock", ("utc", "gps"))
+    elif section.has("clock"):
+        own = section.text("clock")
+        if own != rows.clock and "seconds" in (own, rows.clock):
+            raise section.error("clock", f"the file's times are {rows.clock}")
+    if own != "gps":
+        return rows.time_s
+    first = datetime.fromtimestamp(float(rows.time_s[0]), UTC)
+    ahead = next((seconds for since, seconds in GPS_AHEAD_S if first >= since), float("nan"))
+    if not np.isfinite(ahead):
+        raise section.error("clock", "GPS time before 2006 is not known: give UTC")
+    return rows.time_s - ahead
+
+
+# Standard deviations of a track's positions and velocities
+
+
+def track_sigma(section: Section, rows: TrackRows, notes: Notes) -> Floats:
+    """Choose the standard deviations of a track's positions, east, north, up, (T, 3); 0: exact."""
+    return row_sigmas(section, "sigma_m", _row_sigmas(section, rows, rows.sigma_m), notes)
+
+
+def track_bias(section: Section) -> Floats:
+    """Read sigmas east, north, up of the error that all positions have in common, (3,)."""
+    return np.array(section.sigma("sigma_bias_m") or (0.0,) * 3)
+
+
+def velocity_sigma(section: Section, rows: TrackRows, notes: Notes) -> Floats | None:
+    """Choose the standard deviations of a track's velocities (T, 3); None if not stated.
+
+    They are needed of velocities that the track has itself.
+    """
+    if rows.velocity_m_s is None and not section.has("velocity_sigma_m_s"):
+        return None
+    own = _row_sigmas(section, rows, rows.velocity_sigma_m_s)
+    own = own._replace(by=f"columns {', '.join(VELOCITY_SIGMAS)}", usual=None)
+    return row_sigmas(section, "velocity_sigma_m_s", own, notes)
+
+
+def _row_sigmas(section: Section, rows: TrackRows, own: Floats | None) -> RowSigmas:
+    count = len(rows.coordinate)
+    return RowSigmas(
+        str(section.values.get("file")), own, count, rows.line, rows.sigma_by, rows.usual_sigma_m
+    )
+
+
+def lever_arm(section: Section) -> Floats | None:
+    """Read the arm from the antenna to the camera in the body's axes, if it is given."""
+    return np.array(section.numbers("lever_arm_m")) if section.has("lever_arm_m") else None
+
+
+# Tracks by image
+
+
+def times_of_track(
+    section: Section, rows: TrackRows, times: FrameTimes
+) -> tuple[FrameTimes, Floats | None]:
+    """Find the frames' times, by the track where nothing else has them, and the track's (T,)."""
+    if rows.time_s is None:
+        return times, None
+    time_s = track_clock(section, rows) + section.number("offset_s")
+    if rows.clock != "seconds":
+        epoch = times.epoch or first_whole_second(time_s, section, "file")
+        times, time_s = times._replace(epoch=epoch), time_s - epoch.timestamp()
+    if not np.isfinite(times.time_s).any():
+        row = rows_of_images(section, rows, times.image)
+        times = times._replace(time_s=np.where(row >= 0, time_s[row], np.nan))
+        times = refuse_since_1970(section.project, times) if rows.clock == "seconds" else times
+    return times, time_s
+
+
+def rows_of_images(section: Section, rows: TrackRows, image: tuple[str, ...]) -> Ints:
+    """Look up each image's row, -1 where there is none; folders in names do not count."""
+    if not image:
+        raise section.error("file", "has positions by image, and the picks have frame numbers")
+    index = {name: k for k, name in enumerate(rows.image)}
+    if len(index) < len(rows.image):
+        doubled = next(name for name in rows.image if rows.image.count(name) > 1)
+        raise section.error("file", f"{doubled} has two positions")
+    keys = [(rows.image_key(name), rows.image_key(name.rpartition("/")[2])) for name in image]
+    return np.array([index.get(name, index.get(last, -1)) for name, last in keys])
+
+
+def path_by_image(
+    section: Section,
+    rows: TrackRows,
+    position: Floats,
+    times: FrameTimes,
+    time_s: Floats | None,
+    notes: Notes,
+) -> CameraPath:
+    """Find the camera's path at the images that were picked.
+
+    Args:
+        section: `[track]`
+        rows: the track
+        position: its positions, Earth-centred, (T, 3)
+        times: of the frames, with the names of their images
+        time_s: of the track's positions on the frames' clock, (T,), where it has times
+        notes: added to
+    """
+    found = rows_of_images(section, rows, times.image)
+    missing = (found < 0)[:, None]
+    here = np.where(missing, np.nan, position[found])
+    sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
+    velocity, acceleration = rows.velocity_m_s, None
+    if velocity is None and time_s is not None:
+        order = np.argsort(time_s, kind="stable")
+        if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
+            why = "the images' times are whole seconds, or too few, or alike"
+            notes.said.append(f"no velocity: {why}")
+        else:
+            at_s = time_s[order]
+            rough = track_roughness(at_s, position[order], sigma_m[order])
+            back = np.argsort(order)
+            fitted = velocity_by_fit(at_s, position[order], at_s, position[order], rough, notes)
+            velocity, acceleration, by_fit = (None if one is None else one[back] for one in fitted)
+            sigma_m_s = by_fit if sigma_m_s is None else sigma_m_s
+    gimbal = None
+    if rows.gimbal_deg is not None:
+        gimbal = np.where(missing, np.nan, rows.gimbal_deg[found])
+
+    def of_images(values: Floats | None) -> Floats | None:
+        return None if values is None else np.where(missing, np.nan, values[found])
+
+    fixes = TrackFixes(np.maximum(found, 0), np.where(missing, 0.0, 1.0), sigma_m)
+    return CameraPath(
+        here,
+        fixes if sigma_m.any() else None,
+        track_bias(section),
+        velocity_m_s=of_images(velocity),
+        velocity_sigma_m_s=of_images(sigma_m_s),
+        acceleration_m_s2=of_images(acceleration),
+        lever_arm_m=lever_arm(section),
+        gimbal_deg=gimbal,
+    )
+
+
+# Velocity by the positions of a track
+
+
+def track_roughness(time_s: Floats, position: Floats, sigma_m: Floats) -> Roughness:
+    """Estimate the noise of a track's positions and the curvature of its path.
+
+    Args:
+        time_s: of the track, ascending, (T,)
+        position: Earth-centred, (T, 3)
+        sigma_m: stated standard deviations, east, north, up, (T, 3)
+    """
+    return roughness(time_s, east_north_up(position), sigma_m)
+
+
+def east_north_up(position: Floats) -> Floats:
+    """Convert a track's positions to metres east, north, up of its first, by its middle's axes."""
+    return np.asarray((position - position[0]) @ local_axes(position[len(position) // 2]).T)
+
+
+def velocity_by_fit(
+    at: Floats, here: Floats, time_s: Floats, position: Floats, rough: Roughness, notes: Notes
+) -> tuple[Floats, Floats, Floats | None]:
+    """Fit the velocity at some moments.
+
+    Args:
+        at: the moments, (F,)
+        here: positions there, Earth-centred, (F, 3)
+        time_s: of the track, (T,)
+        position: of the track, Earth-centred, (T, 3)
+        rough: its noise and curvature
+        notes: added to
+
+    Returns:
+        Velocity, acceleration and standard deviations of the velocity, north, east, down, (F, 3);
+        no standard deviations where the track has too few positions to show its curvature.
+    """
+    found = track_velocity(at, time_s, position, rough)
+    velocity, acceleration = np.empty((2, len(at), 3))
+    for k in range(0, len(at), FRAMES_AT_ONCE):
+        some = slice(k, k + FRAMES_AT_ONCE)
+        to_ned = NED_FROM_ENU @ local_axes(here[some])
+        velocity[some] = np.einsum("fij,fj->fi", to_ned, found.velocity_m_s[some])
+        acceleration[some] = np.einsum("fij,fj->fi", to_ned, found.acceleration_m_s2[some])
+    variance = (found.noise + found.curvature) @ np.abs(NED_FROM_ENU).T
+    low, high = int(found.fixes.min()), int(found.fixes.max())
+    through = f"{low}" if low == high else f"{low} to {high}"
+    noise = np.median(rough.noise_m, axis=0)
+    said = f"velocity by polynomials through {through} of the track's positions"
+    if np.isnan(variance).all():
+        notes.said.append(f"{said}, which are too few to show how uncertain it is")
+        return velocity, acceleration, None
+    sizes = "{:.2g}, {:.2g} and {:.2g} m east, north and up".format(*noise)
+    sizes = sizes if noise.max() >= LEAST_TOLD_M else "less than 1 mm"
+    notes.said.append(f"{said}, whose noise is {sizes}")
+    return velocity, acceleration, np.sqrt(variance)
+
+
+# The camera's path: a fixed position, or a track by time or by image
+
+FRAMES_AT_ONCE = 20_000
+LEAST_BENT = 0.01  # of a position's sigma: a path that bends less between positions is straight
+LEAST_TWISTED = 0.1  # likewise, of a path whose curvature changes within a gap
+LEAST_TOLD_M = 1e-3  # of noise: less is not told in numbers; of an exact track: less is straight
+
+
+ONE_LEVEL = "ground_m or undulation_m: leave one out"
+NO_LEVEL = (
+    "ground_m counts as the landmarks' heights do, whose height is not given beside their crs: "
+    "give undulation_m, the ground's height above the ellipsoid"
+)
+
+
+class PathRead(NamedTuple):
+    """A camera's path, and sentences about what was read and what is doubtful.
+
+    `missing` are standard deviations that neither project nor track have.
+    """
+
+    path: CameraPath
+    said: list[str]
+    times: FrameTimes  # of the frames, those of a track by image included
+    doubts: list[str]
+    missing: dict[tuple[str, str], str]
+
+
+def height_datum(section: Section, landmarks: Section | None = None) -> HeightDatum | None:
+    """Read what a section says of its heights; None if it says nothing.
+
+    Args:
+        section: of landmarks, or of the camera
+        landmarks: theirs, as whose heights that of the ground counts, for the camera's
+    """
+    if not section.has("height"):
+        return None
+    if isinstance(section.values["height"], dict):
+        inside = section.section("height")
+        if not inside.has("ground_m"):
+            return HeightDatum("undulation", inside.number("undulation_m"))
+        datum = height_datum(landmarks) if landmarks is not None else None
+        if datum is None or inside.has("undulation_m"):
+            raise section.error("height", ONE_LEVEL if datum is not None else NO_LEVEL)
+        return replace(datum, ground_m=inside.number("ground_m"))
+    return HeightDatum(section.text("height"))
+
+
+def read_path(project: Project, times: FrameTimes) -> PathRead:
+    """Read the camera's position in each frame.
+
+    Raises:
+        VopdError: where the track has nothing for any frame, or cannot be read
+    """
+    landmarks = project.section("landmarks")
+    if project.has("position"):
+        return fixed_path(project.section("position"), times, landmarks)
+    section = project.section("track")
+    file = project.open("track")
+    rows = project.read("track", file, TRACK_FORMATS)
+    given = section.text("crs") if section.has("crs") else None
+    if rows.crs is not None and given is not None and crs_name(given) != crs_name(rows.crs):
+        raise section.error("crs", f"the file says {rows.crs}: leave the key out")
+    crs = rows.crs or given
+    if crs is None and not rows.geodetic:
+        raise section.error("crs", "is needed: the file has x and y")
+    where = f"{project.name}: [track]"
+    position = earth_centred_positions(
+        rows.coordinate, rows.geodetic, crs, track_height(section, rows, landmarks), where
+    )
+    notes = Notes([f"{file.name}: {rows.said}{_above_ground(section)}"], {})
+    doubts = doubt_of_heights("track", rows.said, crs)
+    if rows.image and (times.image or rows.time_s is None):
+        times, time_s = times_of_track(section, rows, times)
+        path = path_by_image(section, rows, position, times, time_s, notes)
+        doubts += unused_by_image(project, rows)
+    else:
+        path = path_by_time(section, rows, position, times, notes, file.name)
+        doubts = doubts_of_rounded_times(section, times, path)
+        doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
+        doubts += doubts_of_scatter(rows, position, path.fixes, file.name)
+    if not np.isfinite(path.position_m[:, 0]).any():
+        raise section.error("file", why_nowhere(section, rows, times))
+    return PathRead(path, notes.said, times, doubts, notes.missing)
+
+
+def track_height(
+    section: Section, rows: TrackRows, landmarks: Section | None = None
+) -> HeightDatum | None:
+    """Choose the datum of a track's heights, by its format or by the project."""
+    given = height_datum(section, landmarks)
+    if given is None and rows.from_ground and not section.has("crs"):
+        raise section.error("height", f"is needed: {rows.asks_ground}")
+    if rows.height is None:
+        return given
+    if given is not None and (given.name not in (rows.height, "same") or given.ground_m):
+        raise section.error("height", f"the file has heights above the {rows.height}: leave it out")
+    return HeightDatum(rows.height)
+
+
+def _above_ground(section: Section) -> str:
+    """Say from where a track's heights count, where that is the ground; else nothing."""
+    height = section.values.get("height")
+    if not isinstance(height, dict) or "ground_m" not in height:
+        return ""
+    return f"; heights from the ground at {height['ground_m']:g} m, counted as the landmarks'"
+
+
+def not_in_metres(crs: str | None, where: str) -> str:
+    """Say that a grid does not count in metres, as a fixed position does; empty if it does.
+
+    Args:
+        crs: the grid
+        where: file or section, for errors
+    """
+    for unit in units_of_grid(crs, where):
+        if not unit.is_metre:
+            write = "write lat_deg, lon_deg and h_m, or a grid in metres"
+            return f"is metres, and the grid {crs} counts in {unit.name}: {write}"
+    return ""
+
+
+def fixed_path(section: Section, times: FrameTimes, landmarks: Section | None = None) -> PathRead:
+    """Read the path of a camera that does not move from `[position]`."""
+    geodetic = section.has("lat_deg") or section.has("lon_deg")
+    keys = coordinate_columns(geodetic)
+    for key in [one for one in coordinate_columns(not geodetic) if section.has(one)]:
+        raise section.error(key, f"{keys[0]} is there too: give degrees or metres of a grid")
+    coordinate = np.array([[section.number(key) for key in keys]])
+    crs = section.text("crs") if section.has("crs") else None
+    if crs is None and not geodetic:
+        raise section.error("crs", "is needed with x_m and y_m")
+    where = f"{section.project}: [position]"
+    if not geodetic and (wrong := not_in_metres(crs, where)):
+        raise section.error("x_m", wrong)
+    datum = height_datum(section, landmarks)
+    position = earth_centred_positions(coordinate, geodetic, crs, datum, where)
+    notes = Notes(["one fixed position"], {})
+    path = CameraPath(
+        np.tile(position, (len(times.time_s), 1)),
+        bias_sigma_m=np.array(key_sigma(section, "sigma_m", "", notes)),
+        lever_arm_m=lever_arm(section),
+        of_position=True,
+    )
+    return PathRead(path, notes.said, times, [], notes.missing)
+
+
+def path_by_time(
+    section: Section,
+    rows: TrackRows,
+    position: Floats,
+    times: FrameTimes,
+    notes: Notes,
+    name: str,
+) -> CameraPath:
+    """Interpolate a track at the times of the frames."""
+    assert rows.time_s is not None
+    time_s = track_on_clock(section, rows, times) + section.number("offset_s")
+    if wrong := row_out_of_order(rows):
+        raise section.error("file", f"{name}: {wrong}")
+    if len(time_s) < 2:
+        few = "one position is no track: give it as [position]"
+        few = few if len(time_s) else "no position is in the file"
+        raise section.error("file", f"{name}: {few}")
+    if not np.isfinite(times.time_s).any():
+        why = "; ".join(times.doubts) or times.bring
+        raise section.error("file", f"is by time, and the frames have none: {why}")
+    way = section.text("interpolate")
+    notes.said.append(f"positions between those of the track: {way}")
+    sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
+    velocity_m_s, near = rows.velocity_m_s, _near(times.time_s, time_s)
+    time_s, position, sigma_m = time_s[near], position[near], sigma_m[near]
+    sigma_m_s = None if sigma_m_s is None else sigma_m_s[near]
+    inside: Bools = (times.time_s >= time_s[0]) & (times.time_s <= time_s[-1])
+    at = np.where(inside, times.time_s, time_s[0])
+    here = _interpolated(way, time_s, position, at)
+    rough = track_roughness(time_s, position, sigma_m)
+    if velocity_m_s is None:
+        fitted = velocity_by_fit(at, here, time_s, position, rough, notes)
+        velocity, acceleration, of_frames = fitted
+    else:
+        velocity_m_s = velocity_m_s[near]
+        velocity = _columns_at(at, time_s, velocity_m_s)
+        acceleration = _columns_at(at, time_s, np.gradient(velocity_m_s, time_s, axis=0))
+        of_frames = None
+        notes.said.append("velocity as the track has it")
+    if sigma_m_s is not None:
+        of_frames = _columns_at(at, time_s, sigma_m_s)
+    unknown = ~inside[:, None]
+    key_sigma(section, "sigma_t_s", "", notes)
+    fixes = path_errors(at, inside, time_s, position, sigma_m, rough, way)
+    if velocity_m_s is None and fixes is not None and not fixes.exact:
+        fixes = with_slopes(fixes, at, here, time_s, position, rough)
+    return CameraPath(
+        np.where(unknown, np.nan, here),
+        fixes,
+        track_bias(section),
+        np.where(unknown, np.nan, velocity),
+        None if of_frames is None else np.where(unknown, np.nan, of_frames),
+        np.where(unknown, np.nan, acceleration),
+        lever_arm_m=lever_arm(section),
+        row_s=time_s,
+    )
+
+
+NEAR_ROWS = 30_000  # before and after the frames: those farther away are not looked at
+
+
+def _near(at_s: Floats, time_s: Floats) -> slice:
+    """Select the rows of a long track about the frames; all where no frame has a row."""
+    first, behind = np.searchsorted(time_s, [np.nanmin(at_s), np.nanmax(at_s)])
+    if behind == 0 or first == len(time_s):
+        return slice(None)
+    return slice(max(int(first) - NEAR_ROWS, 0), int(behind) + NEAR_ROWS)
+
+
+def with_slopes(
+    fixes: TrackFixes, at: Floats, here: Floats, time_s: Floats, position: Floats, rough: Roughness
+) -> TrackFixes:
+    """Add the fixes' parts in the frames' velocities to the errors of a short track.
+
+    Args:
+        fixes: the errors of the track
+        at: the frames' times, within the track, (F,)
+        here: positions there, Earth-centred, (F, 3)
+        time_s: of the track, (T,)
+        position: of the track, Earth-centred, (T, 3)
+        rough: its noise and curvature
+    """
+    if len(time_s) > MOST_SLOPED or np.isnan(rough.jerk).any():
+        return fixes
+    found = path_slopes(at, time_s, position, rough)
+    # the shape of the path in each gap stands between two fixes
+    each = 1 if fixes.between is None else int(np.flatnonzero(~fixes.between)[1])
+    slots = each * found.by_velocity.shape[1]
+    width = max(slots - each + 1, fixes.weight.shape[1])
+    if len(at) * width**2 > MOST_PARTS:
+        return fixes
+    by_velocity, by_acceleration = np.zeros((2, len(at), width))
+    by_velocity[:, :slots:each] = found.by_velocity
+    by_acceleration[:, :slots:each] = found.by_acceleration
+    to_ned = NED_FROM_ENU @ local_axes(here)
+    slopes = TrackSlopes(
+        each * found.first,
+        by_velocity,
+        by_acceleration,
+        np.einsum("fij,fj->fi", to_ned, found.velocity_m_s),
+        np.einsum("fij,fj->fi", to_ned, found.acceleration_m_s2),
+        found.late_s,
+    )
+    return replace(fixes, slopes=slopes)
+
+
+MOST_SLOPED = 300  # of a longer track the ends, where a fit is uncertain, are a small part
+MOST_PARTS = 2_000_000  # frames times squares of fixes: some hundredths of a second each pass
+
+
+def path_errors(
+    at: Floats, inside: Bools, time_s: Floats, position: Floats, sigma_m: Floats,
+    rough: Roughness, way: str,
+) -> TrackFixes | None:  # fmt: skip
+    """Find the errors of interpolated positions: those of the fixes, and of the path between them.
+
+    Args:
+        at: the frames' times, within the track, (F,)
+        inside: frames that the track covers, (F,)
+        time_s: of the track, (T,)
+        position: of the track, Earth-centred, (T, 3)
+        sigma_m: of its fixes, east, north, up, (T, 3); 0: exact
+        rough: noise and curvature of the track
+        way: of interpolation
+
+    Returns:
+        None where the positions are exact, and the path between them nearly straight.
+    """
+    before = np.clip(np.searchsorted(time_s, at, side="right") - 1, 0, len(time_s) - 2)
+    step_s = np.diff(time_s)[before]
+    part = (at - time_s[before]) / step_s
+    exact = not sigma_m.any()
+    if exact and not (inside & (part > 0.0) & (part < 1.0)).any():
+        return None
+    weight = np.where(inside[:, None], np.stack([1.0 - part, part], axis=1), 0.0)
+    # between two rows the errors are mixed linearly, also where positions are not
+    fixes = TrackFixes(before, weight, sigma_m)
+    if exact:  # what is left over is the path's, but for the decimals of the file
+        rough = track_roughness(time_s, position, np.full_like(sigma_m, LEAST_TOLD_M))
+    local_m = east_north_up(position)
+    off = np.abs(off_chord(part, step_s)) * inside[:, None]
+    least_m = np.where(sigma_m > 0.0, sigma_m, LEAST_TOLD_M / LEAST_BENT)[before]
+    bend = gap_curvature(time_s, local_m, rough, way)
+    if not (off[:, :1] * bend[before] > LEAST_BENT * least_m).any():
+        return None if exact else fixes
+    twist = gap_twist(time_s, local_m, rough)
+    if way == "linear" and (off[:, 1:] * twist[before] > LEAST_TWISTED * least_m).any():
+        return with_gaps(fixes, time_s, bend, twist)
+    return with_gaps(fixes, time_s, bend)
+
+
+def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPath) -> list[str]:
+    """Warn of times in whole seconds, if the project does not allow for it."""
+    allowed = any(section.sigma("sigma_t_s") or ())
+    if not times.whole_seconds or allowed or path.velocity_m_s is None:
+        return []
+    speed = np.nanmax(np.linalg.norm(path.velocity_m_s, axis=1), initial=0.0)
+    return [
+        f"the images' times are whole seconds, in which the camera moves {speed:.1f} m: "
+        "give [track] sigma_t_s, .3 for times that are cut off so"
+    ]
+
+
+MOST_BENT_M_S2, LEAST_LEAP_M = 100.0, 10.0  # beyond both a path is no vehicle's
+LEAPS = "are position and time right?"
+MANY = 5  # of which more are counted
+NOISY_LEAP = 12.0  # standard deviations of a fix: five of the leaps that their errors make
+
+
+def doubts_of_leaps(
+    rows: TrackRows, position: Floats, fixes: TrackFixes | None, name: str
+) -> list[str]:
+    """Warn of positions to and from which no vehicle moves.
+
+    Such a path, taken for one that bends so between its positions, would be uncertain by as much.
+
+    Args:
+        rows: of a track by time
+        position: its positions, Earth-centred, (T, 3)
+        fixes: their errors; None where they are exact
+        name: of its file
+    """
+    assert rows.time_s is not None
+    least_m = LEAST_LEAP_M
+    if fixes is not None:
+        least_m += NOISY_LEAP * float(np.linalg.norm(fixes.of_positions_m, axis=1).max())
+    step_s = np.diff(rows.time_s)[:, None]
+    turned = np.linalg.norm(np.diff(np.diff(position, axis=0) / step_s, axis=0), axis=1)
+    before_s, after_s = step_s[:-1, 0], step_s[1:, 0]
+    leap = turned * np.minimum(before_s, after_s) > least_m
+    bent = np.where(leap, 2.0 * turned / (before_s + after_s), 0.0)
+    most = bent.max(initial=0.0)
+    if not most > MOST_BENT_M_S2:
+        return []
+    # a position that is off bends the path half as much at those before and behind it
+    about = np.pad(bent, 1)
+    far = (bent > MOST_BENT_M_S2) & (bent >= about[:-2]) & (bent >= about[2:])
+    labels = [
+        f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
+        for row in (np.flatnonzero(far) + 1).tolist()
+    ]
+    bend = f"{'up to ' * (len(labels) > 1)}{most:.3g} m/s^2"
+    return [f"{name}: {first_of(labels, MANY)}: the path bends by {bend} there: {LEAPS}"]
+
+
+ORDERS = (3, 4, 5, 6)  # of differences: those of a smooth path become less from one to the next
+FEWEST_ROWS = 120  # of which the scatter is known to a sixth
+SCATTER, LEAST_SCATTER_M = 1.75, 0.5  # times what is stated, and as much, from where on it is told
+NORMAL_MEDIAN = 0.6745  # median size of a normal error of standard deviation 1
+EVEN = 0.1  # of the usual step between positions, to which most steps are that
+
+
+def doubts_of_scatter(
+    rows: TrackRows, position: Floats, fixes: TrackFixes | None, name: str
+) -> list[str]:
+    """Warn of positions that scatter about a smooth path by more than is stated.
+
+    Args:
+        rows: of a track by time
+        position: its positions, Earth-centred, (T, 3)
+        fixes: their errors; None where they are exact
+        name: of its file
+    """
+    assert rows.time_s is not None
+    if fixes is None or fixes.exact or (scatter_m := scatter_of(rows.time_s, position)) is None:
+        return []
+    sigma_m = np.median(fixes.of_positions_m, axis=0)
+    if not ((scatter_m > SCATTER * sigma_m) & (scatter_m > LEAST_SCATTER_M)).any():
+        return []
+    found, said = ("{:.2g}, {:.2g} and {:.2g} m".format(*one) for one in (scatter_m, sigma_m))
+    stated = toml_numbers(*(float(f"{one:.2g}") for one in scatter_m))
+    return [
+        f"{name}: positions scatter by {found} east, north and up about a smooth path, and {said} "
+        f"are stated for each by itself: the angles are less certain than is said; [track] sigma_m "
+        f"= {stated} says so"
+    ]
+
+
+def scatter_of(time_s: Floats, position: Floats) -> Floats | None:
+    """Estimate by how much positions scatter about a smooth path, east, north, up (3,), metres.
+
+    Args:
+        time_s: of the positions, (T,)
+        position: Earth-centred, (T, 3), metres
+
+    Returns:
+        The standard deviations; None where positions are few, or at uneven times.
+    """
+    if len(position) < FEWEST_ROWS:
+        return None
+    step_s = np.diff(time_s)
+    usual_s = np.median(step_s)
+    if np.quantile(np.abs(step_s - usual_s), 0.9) > EVEN * usual_s:
+        return None
+    place_m, each = east_north_up(position), []
+    for order in ORDERS:
+        usual_m = np.median(np.abs(np.diff(place_m, order, axis=0)), axis=0)
+        each.append(usual_m / (NORMAL_MEDIAN * np.sqrt(comb(2 * order, order))))
+    return np.asarray(np.min(each, axis=0))
+
+
+def _interpolated(way: str, time_s: Floats, position: Floats, at: Floats) -> Floats:
+    """Interpolate positions (F, 3), Earth-centred, at times (F,)."""
+    if way == "cubic":
+        from scipy.interpolate import CubicSpline  # takes a tenth of a second to load
+
+        return np.asarray(CubicSpline(time_s, position)(at))
+    return _columns_at(at, time_s, position)
+
+
+def _columns_at(at: Floats, time_s: Floats, values: Floats) -> Floats:
+    return np.stack([np.interp(at, time_s, column) for column in values.T], axis=1)
+
+
+def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
+    """Explain why a track has no position for any frame."""
+    if rows.image and times.image:
+        picked = times.image[0]
+        near = [one for one in rows.image if one.lower() == picked.lower()]
+        other = f"{near[0]}: letters must be of one case" if near else f"{rows.image[0]} for one"
+        return f"has none of the images that were picked ({picked} for one); it has {other}"
+    own = track_on_clock(section, rows, times) + section.number("offset_s")
+    first, last = float(np.nanmin(times.time_s)), float(np.nanmax(times.time_s))
+    gap = first - own[-1] if first > own[-1] else own[0] - last  # of the frame next to the track
+    apart = f"{gap:.3g} s apart{covering_text(own, times.time_s, section.number('offset_s'))}"
+    assert rows.time_s is not None
+    if rows.clock == "seconds" and LAST_S >= rows.time_s[0] >= LATE_S > last:
+        apart = "apart: the track's t_s are seconds since 1970, call the column t_unix_s"
+    elif hours := round(gap / 3600.0):
+        apart = f"{gap / 3600.0:.2f} h apart" + ", a time zone?" * (hours <= 14)
+    return (
+        f"does not cover any frame: the track is from {own[0]:.7g} to {own[-1]:.7g} s, the "
+        f"frames from {first:.7g} to {last:.7g} s, {apart}; "
+        "look at the clocks, [flight] epoch and [track] offset_s"
+    )
+
+
+NEARLY_S = 0.1
+"""Frames that are no farther beyond a track are told which offset of its clock covers them."""
+
+
+def covering_text(own_s: Floats, time_s: Floats, offset_s: float) -> str:
+    """Say by how little frames lie beyond a track, and the offset that covers them; or nothing.
+
+    Args:
+        own_s: the track's times on the frames' clock, (T,)
+        time_s: those of the frames, (F,)
+        offset_s: by which the track's times are moved already
+    """
+    early_s, late_s = own_s[0] - np.nanmin(time_s), np.nanmax(time_s) - own_s[-1]
+    gap_s = float(max(early_s, late_s))
+    by_s = (np.floor(gap_s * 1e4 + 1e-6) + 1.0) / 1e4
+    if not 0.0 < gap_s <= NEARLY_S or min(early_s, late_s) + by_s > 0.0:
+        return ""
+    how, needed_s = "begins {} s later", offset_s - by_s
+    if late_s > 0.0:
+        how, needed_s = "ends {} s earlier", offset_s + by_s
+    return (
+        f": it {how.format(f'{gap_s:.2g}')}; if its clock may be off by that, "
+        f"[track] offset_s = {needed_s:.10g} covers all frames"
+    )
