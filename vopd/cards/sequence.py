@@ -46,7 +46,8 @@ def strip_sequence(text: bytes, name: str) -> tuple[bytes, set[int]]:
     """Blank the sequence numbers of a deck; other contents of columns 73 to 80 stay.
 
     Returns:
-        The deck without trailing blanks, its lines ended as they were, and the cards that had a number, counted from 1.
+        The deck without trailing blanks, its lines ended as they were, and the cards that had a
+        number, counted from 1.
 
     Raises:
         VopdError: if the cards of group 1 have no sequence numbers.
