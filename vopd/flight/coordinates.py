@@ -126,7 +126,7 @@ MISSING = (
     f"{', '.join(HEIGHTS)} or {{ undulation_m = ... }}"
 )
 NO_GRID = (
-    "; give the geoid's height above the ellipsoid there, height = { undulation_m = ... }, or "
+    "give the geoid's height above the ellipsoid there, height = { undulation_m = ... }, or "
     '"same" where camera and landmarks have heights above one level'
 )
 NAMED_GRID = re.compile(r"Grid (\S+) is not available")
@@ -168,13 +168,19 @@ def _crs(name: str, where: str) -> Any:
             crs = pyproj.CRS.from_user_input(name)
             if crs.is_projected:
                 pyproj.Proj(crs)
-        return crs
     except pyproj.exceptions.CRSError as error:
         raise VopdError(
             f"{where}: crs {name!r} is not known: write a code, for instance EPSG:32633"
         ) from error
     except pyproj.exceptions.ProjError as error:
-        raise VopdError(f"{where}: crs {name!r}: {_short(error)}") from error
+        message = "cannot be set up: write a code, for instance EPSG:32633"
+        raise VopdError(f"{where}: crs {name!r} {message} (PROJ: {_short(error)})") from error
+    if len(crs.axis_info) == 1:
+        raise VopdError(
+            f"{where}: crs {name!r} has heights alone: write that of x and y, too, for instance "
+            f"EPSG:32633+{name.rpartition(':')[2]}"
+        )
+    return crs
 
 
 def crs_is_geographic(name: str, where: str) -> bool:
@@ -282,12 +288,18 @@ def _transform(
         return tuple(np.asarray(a) for a in transformer.transform(*lists, errcheck=True))
     except pyproj.exceptions.ProjError as error:
         if not hint and "+" in source and "=" not in source:
-            hint = NO_GRID.replace("; give", "; give a CRS without heights, and")
+            hint = NO_GRID.replace("give", "give a CRS without heights, and")
         if hint:
             grids = _missing_grids(str(error), crs, target, coordinate)
             fetch = " and ".join(f"pyproj sync --file {grid}" for grid in grids)
             hint += f", or fetch its grid: {fetch}" if grids else "; no grid covers this place"
-        raise VopdError(f"{where}: {source} to WGS 84: {_short(error)}{hint}") from error
+        named = NAMED_GRID.search(str(error))
+        hint = hint or (
+            f"fetch its grid: pyproj sync --file {named[1]}"
+            if named
+            else "these coordinates have no exact transformation: look at them and at the CRS"
+        )
+        raise VopdError(f"{where}: {source} to WGS 84: {hint} (PROJ: {_short(error)})") from error
 
 
 def _short(error: Exception) -> str:
