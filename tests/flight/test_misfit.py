@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -14,23 +15,27 @@ from tests.kit.command import ROOT
 from tests.kit.command import vopd as command
 from tests.kit.flight_mistakes import MistakeRow
 from tests.kit.flight_project import TOML, long_track, write_project
-from tests.kit.joint_flights import drone, flight_of
+from tests.kit.joint_flights import axes, drone, flight_of
 from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close, within
+from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.findings import VopdError
-from vopd.flight.flight import CameraPath, TrackFixes
+from vopd.flight.flight import CameraPath, Flight, TrackFixes
 from vopd.flight.misfits import misfit
 from vopd.flight.misfits.misfit import (
     SPEAK_FOR,
     even_path,
     input_errors,
+    misfit_text,
     sampled,
     significant_errors,
     sizes_text,
+    too_wide_text,
 )
 from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.equations import SHIFT, Priors
-from vopd.flight.solve.joint import JointSolution, weighed
+from vopd.flight.solve.errors import priors_of
+from vopd.flight.solve.joint import JointSolution, solve_jointly, weighed
 
 SEED = 5
 
@@ -255,6 +260,66 @@ def test_a_reading_sigma_that_is_stated_much_too_large(tmp_path: Path) -> None:
     result = vopd.solve_flight(project)
     (text,) = said(result)
     assert not result.misfits and text.startswith("sigma_px = 3 is stated larger than the picks")
+
+
+@cache
+def exact_flight() -> Flight:
+    """Forty frames of which nothing is uncertain but the picks, by half a pixel."""
+    rng = np.random.default_rng(SEED)
+    flight = flight_of(rng, drone(rng, 40, 8), 0.5, Priors())
+    return replace(flight, picks=replace(flight.picks, one_sigma_px=0.5))
+
+
+def misfit_of(source: str, sigma_px: float, stated_px: float | None = None) -> str:
+    """What is said of picks of which a reading sigma is stated, given, or found."""
+    flight = exact_flight()
+    joint = solve_jointly(
+        replace(flight, picks=flight.picks.with_sigma(sigma_px)), priors_of(flight)
+    )
+    freedom = np.inf if source in ("stated", "given") else 520.0
+    reading = JobReadingSigma(sigma_px, freedom, source, np.ones(40), sigma_px)
+    return misfit_text(joint, reading, stated_px) or too_wide_text(joint, reading)
+
+
+@pytest.mark.parametrize("source", ["stated", "given"])
+def test_residuals_of_one_and_a_half_times_what_is_known_of_picks_misfit(source: str) -> None:
+    """2N - 3F degrees of freedom; with fewer residuals a stated sigma is too large, not a given."""
+    flight = exact_flight()
+    residual_px = 0.5 * solve_jointly(flight, priors_of(flight)).normal.residual
+    size_px = float(np.sqrt((residual_px**2).sum() / (2 * len(residual_px) - 3 * 40)))
+    assert misfit_of(source, size_px / 1.49) == ""
+    assert misfit_of(source, size_px / 1.51).startswith("the flight misfits: ")
+    assert misfit_of(source, size_px * 1.49) == ""
+    assert bool(misfit_of(source, size_px * 1.51)) == (source == "stated")
+
+
+@pytest.mark.parametrize("stated_px", [None, 0.8])
+def test_a_reading_sigma_of_one_and_a_half_times_what_picks_have_misfits(
+    stated_px: float | None,
+) -> None:
+    """Picks of which nothing is stated have 3 px."""
+    expected_px = stated_px or 3.0
+    assert misfit_of("residuals", 1.49 * expected_px, stated_px) == ""
+    assert misfit_of("residuals", 1.51 * expected_px, stated_px).startswith("the flight misfits: ")
+
+
+@pytest.mark.parametrize(("moved", "said"), [(19.0, False), (21.0, True)])
+def test_cameras_that_come_out_20_standard_deviations_from_where_they_are_stated(
+    moved: float, said: bool
+) -> None:
+    """Of fixes of 1, 2 and 2 dm, and what they share, of 4 dm along each axis, together .75 m."""
+    rng = np.random.default_rng(SEED)
+    fixes = TrackFixes(np.arange(9), np.ones((9, 1)), np.tile([0.1, 0.2, 0.2], (9, 1)))
+    priors = Priors(fixes, None, dict.fromkeys(SHIFT, 0.4))
+    scene = drone(rng, 9, 8)
+    flight = flight_of(rng, scene, 0.5, Priors(fixes))
+    away_m = moved * np.sqrt(0.01 + 0.04 + 0.04 + 3.0 * 0.16) / np.sqrt(2.0)
+    north_east = axes(scene.camera_m)[:, :2].sum(axis=1)
+    path = replace(flight.path, position_m=scene.camera_m + away_m * north_east)
+    joint = solve_jointly(replace(flight, path=path), priors)
+    text = misfit_text(joint, JobReadingSigma(0.5, 100.0, "residuals", np.ones(9), 0.5), None)
+    assert text.startswith("the flight misfits: the cameras come out 1") == said
+    assert bool(text) == said
 
 
 def test_landmarks_of_one_frame_each_do_not_make_picks_look_better(tmp_path: Path) -> None:

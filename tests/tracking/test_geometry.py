@@ -99,6 +99,21 @@ class Rising:
         return np.asarray(np.where(position_m[:, 1] < -200.0, np.nan, found))
 
 
+class Falling:
+    """A terrain that falls from the landmark on, by .1125 of the square of what is east."""
+
+    def above_m(self, position_m: Floats) -> Floats:
+        return np.asarray(position_m[:, 0] - EARTH_M + 0.1125 * position_m[:, 1] ** 2)
+
+
+def test_the_ground_on_a_terrain_that_is_bent() -> None:
+    """40 m east in 1000 m: t - 1000 = .1125 (.04 t)^2, where a step by the slope leaves a half."""
+    scene = replace(above(1000.0), terrain=Falling())
+    found = scene.ground(view(0, NADIR), np.array([[140.0, 80.0]]), 0)
+    t = (1.0 - np.sqrt(1.0 - 0.72)) / 0.00036
+    assert_close("ground on a terrain", found, [[0.04 * t, 0.0, 1000.0 - t]])
+
+
 def test_the_ground_on_a_terrain() -> None:
     """40 m east in 1000 m: t below the camera is .04 t east, so 1000 - t = .1 * .04 t."""
     scene = replace(above(1000.0), terrain=Rising())
