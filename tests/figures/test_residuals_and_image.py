@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -175,6 +176,20 @@ def test_a_residual_of_one_frame_that_does_not_fit_is_marked() -> None:
     figure, _ = drawn(by_hand(1, residual=np.column_stack([X, Y])[:1], outlier=odd))
     for axis, values in zip(figure.axes, (-X[0], -Y[0]), strict=True):
         assert points(labelled(axis)["does not fit"]) == [[1.0, values[1]]]
+
+
+def test_residuals_whose_sigma_is_left_out_have_none() -> None:
+    """A reading sigma of 0 says nothing of their size: none is beyond a sigma."""
+    one = film()
+    reading = replace(one.uncertainty.reading, sigma=0.0)
+    one = replace(one, uncertainty=replace(one.uncertainty, reading=reading))
+    assert np.isnan(residual_points([one]).sigmas).all()
+    figure, said = drawn(one)
+    assert [text.get_text() for axis in figure.axes for text in axis.texts] == ["no sigma"]
+    assert "sigma" not in said and "beyond" not in said
+    assert_close("table value", figure.axes[4].get_ylim(), [-3.18, 3.18])
+    zero = film(residual=np.zeros((3, 8)))
+    assert_close("table value", drawn(zero)[0].axes[0].get_ylim(), [-1.06e-9, 1.06e-9])
 
 
 # The image of one frame

@@ -194,6 +194,9 @@ def test_standard_deviations_of_picks(tmp_path: Path) -> None:
     ):  # fmt: skip
         found = project_picks(tmp_path, text, **grid, **keys)
         assert (found.sigma_px.tolist(), found.stated) == (sigma, stated)
+    for beyond in (9e-10, 1.1e9):
+        with pytest.raises(VopdError, match=r"\[picks\] sigma_px: .* standard deviation must be"):
+            project_picks(tmp_path, PLAIN, **grid, sigma_px=beyond)
 
 
 def test_a_sigma_that_no_pick_has_is_told_by_its_line(tmp_path: Path) -> None:

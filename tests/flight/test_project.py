@@ -142,6 +142,20 @@ def test_numbers_and_their_limits() -> None:
         assert_approved(told(lambda one=one: one.numbers("lever_arm_m")), parts=[f"{wrong!r}"])
 
 
+MOST = {"lat_deg": 90.0, "lon_deg": 360.0, "undulation_m": 1e5, "ground_m": 1e5}
+
+
+@pytest.mark.parametrize("key", [one for one in KEYS if one.name in MOST], ids=str)
+def test_places_and_levels_are_of_the_earth(key: Key) -> None:
+    most = MOST[key.name]
+    for size in (most, -most):
+        section = Section("p.toml", key.section, {key.name: size})
+        assert section.number(key.name) == size
+        beyond = Section("p.toml", key.section, {key.name: 1.001 * size})
+        with pytest.raises(VopdError, match=rf"{key.name}: must be -"):
+            beyond.number(key.name)
+
+
 def test_standard_deviations() -> None:
     def doubt(**values: Any) -> Section:
         return Section("p.toml", "uncertainty", values)

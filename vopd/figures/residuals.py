@@ -64,7 +64,8 @@ def residual_points(histories: Sequence[History]) -> Residuals:
             left = np.stack(np.split(1.0 - fitted, 2, axis=1), axis=-1)
             with np.errstate(invalid="ignore", divide="ignore"):
                 sigma = h.uncertainty.reading.sigma * np.sqrt(np.where(left > HELD, left, np.nan))
-                sigmas = pair / (sigma * e.relative_sigma[..., None])
+                sigma = sigma * e.relative_sigma[..., None]
+                sigmas = pair / np.where(sigma > 0.0, sigma, np.nan)  # 0: it is left out
             odd = outliers(e) if e.outlier is None else e.outlier
             time = np.broadcast_to(along[frames][:, None], here.shape)
             count = np.full(int(here.sum()), job)
