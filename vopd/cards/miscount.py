@@ -264,6 +264,33 @@ def _repeats(card: int) -> str:
 
 # The readings of the film: a card too few or too many in one frame
 
+READINGS = 3  # of a point
+ONE_POINT_IN = 1.0  # inches between readings: fiducials are farther apart, and readings nearer
+
+
+class _Fiducial(NamedTuple):
+    """A fiducial of a frame, and how often it was read."""
+
+    number: int
+    readings: int
+    end: int  # of its cards, behind the last one, counted from the frame's first
+
+
+def _odd_fiducial(x_in: Floats, y_in: Floats) -> _Fiducial | None:
+    """Find which of four fiducials has not three readings; None where the places do not tell.
+
+    Args:
+        x_in: of the readings of a frame's fiducials, in order
+        y_in: likewise
+    """
+    steps = np.hypot(np.diff(x_in), np.diff(y_in))
+    ends = [*(np.flatnonzero(steps > ONE_POINT_IN) + 1).tolist(), len(x_in)]
+    readings = np.diff([0, *ends]).tolist()
+    odd = [k for k, count in enumerate(readings) if count != READINGS]
+    if len(ends) != FIDUCIAL_CARDS // READINGS or len(odd) != 1:
+        return None
+    return _Fiducial(odd[0] + 1, readings[odd[0]], ends[odd[0]])
+
 
 def find_odd_reading(cards: CardBlock, landmarks_per_frame: Ints) -> Finding | None:
     """Find the blank, repeated or missing card after which the frames of a film are out of step.
@@ -281,8 +308,8 @@ def find_odd_reading(cards: CardBlock, landmarks_per_frame: Ints) -> Finding | N
     field = ("landmark number", (_LANDMARK.first, _LANDMARK.last))
     for row in np.flatnonzero((text == BLANK).all(axis=1)).tolist():
         return cards.finding(row, "a blank card; take it out", "", (1, COLUMNS))
-    number, frame = (
-        read_field(text[:, i.first - 1 : i.last], i).value for i in (_LANDMARK, _FRAME)
+    number, x, y, frame = (
+        read_field(text[:, i.first - 1 : i.last], i).value for i in (_LANDMARK, _X, _Y, _FRAME)
     )
     ends = np.append(np.flatnonzero(np.diff(frame)) + 1, len(frame))
     at = 0
@@ -303,6 +330,10 @@ def find_odd_reading(cards: CardBlock, landmarks_per_frame: Ints) -> Finding | N
                         return cards.finding(one, _repeats(cards.first + one - 1), *field)
             if readings % usual and have != size:
                 of = f"landmark {number[first]:.0f} has" if number[first] else "the fiducials have"
+                point = _odd_fiducial(x[first:last], y[first:last]) if not number[first] else None
+                if point is not None:
+                    of, usual = f"fiducial {point.number} has", READINGS
+                    readings, last = point.readings, first + point.end
                 message = f"{of} {count_text(readings, 'reading')} in frame {frame[at]:.0f}, not "
                 return cards.finding(last - 1, f"{message}{usual}", *field)
         at = end
