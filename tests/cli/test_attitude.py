@@ -33,6 +33,7 @@ from vopd.cli.options import SharedOptions
 from vopd.estimate import Words
 from vopd.export import FORMATS
 from vopd.findings import Finding, VopdError
+from vopd.flight import result as flight_result
 from vopd.pipeline import SolveOptions, read_deck
 from vopd.results import SourceEnd
 
@@ -387,6 +388,7 @@ def collected(
     monkeypatch.setattr(histories, "solve_sources", solve)
     monkeypatch.setattr(histories, "findings_of", misfits)
     monkeypatch.setattr(histories, "one_part", one_part)
+    monkeypatch.setattr(flight_result, "unused_options", lambda one, options: [])
     how = replace(SOLVED, **asked)
     return histories.collect_jobs(("a", "b"), how, by_parts, heard.append), heard
 

@@ -20,7 +20,7 @@ from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project.read import read_flight
-from vopd.flight.result import solve_flight
+from vopd.flight.result import solve_flight, unused_options
 
 OPENCV = (
     '{"image_width": 1920, "image_height": 1080, "camera_matrix": [[1500, 0, 960], '
@@ -128,15 +128,15 @@ STANDING = (
 
 def test_options_without_an_effect(tmp_path: Path) -> None:
     summits = solve_flight(ROOT / "examples" / "summits" / "flight.toml")
-    assert_approved([str(one) for one in summits.unused_options(OPTIONS)])
+    assert_approved([str(one) for one in unused_options(summits, OPTIONS)])
     standing = solve_flight(flight(tmp_path, STANDING))
-    assert_approved([one.message for one in standing.unused_options(OPTIONS)])
+    assert_approved([one.message for one in unused_options(standing, OPTIONS)])
 
 
 def test_options_that_have_one_or_are_not_given(tmp_path: Path) -> None:
-    assert not solve_flight(flight(tmp_path)).unused_options(OPTIONS)
+    assert not unused_options(solve_flight(flight(tmp_path)), OPTIONS)
     summits = solve_flight(ROOT / "examples" / "summits" / "flight.toml")
-    assert not summits.unused_options(HistoryOptions(Sigmas(landmark=1.0)))
+    assert not unused_options(summits, HistoryOptions(Sigmas(landmark=1.0)))
 
 
 @pytest.mark.parametrize("command", ["attitude -o a.csv", "attitude --format text", "batch -d out"])

@@ -33,7 +33,7 @@ from vopd.batch.sources import (
 from vopd.export import FORMATS, FileRequest, own_epoch
 from vopd.files import OutputError
 from vopd.findings import Finding, VopdError, finding_of
-from vopd.flight.result import FlightResult
+from vopd.flight.result import FlightResult, unused_options
 from vopd.inputs import no_file
 from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.pipeline import NAMES_ARE_PATHS, is_flight, solve_sources
@@ -138,7 +138,7 @@ def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
             one.listing = b"".join(of_jobs if one.error else [*of_jobs, end_of_case()])
         one.histories = list(islice(histories, len(one.jobs)))
         if one.flight is not None:
-            one.findings.extend(one.flight.unused_options(settings.history))
+            one.findings.extend(unused_options(one.flight, settings.history))
             one.histories.append(one.flight.history_parts(settings.history).whole)
         for h in one.histories:
             summary = summary_of([h])

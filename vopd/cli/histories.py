@@ -120,7 +120,9 @@ def collect_jobs(
                     misfits=found.misfits or one.misfits, mistaken=found.mistaken + one.mistaken
                 )
                 found = found._replace(clicks=(*found.clicks, *one.next_clicks))
-                for finding in one.unused_options(options.history):
+                from vopd.flight.result import unused_options  # decks need not wait for it
+
+                for finding in unused_options(one, options.history):
                     messages(finding)
                 made = one.history_parts(options.history)
                 made = made if by_parts else one_part(made.whole)

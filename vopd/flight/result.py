@@ -198,26 +198,6 @@ class FlightResult(Shown):
         made, own = self.estimates, replace(options, sigmas=rest)
         return history_of_long_job(made.layout, made.of, own, made.reading, made.sum_errors)
 
-    def unused_options(self, options: HistoryOptions) -> list[Finding]:
-        """Warn of options of a history that change nothing in it.
-
-        Args:
-            options: as `history_parts` takes them
-        """
-        sigmas, velocity, found = options.sigmas, self.flight.path.velocity_m_s, list[str]()
-        untimed = np.isfinite(self.time_s).sum() < 2
-        stands = velocity is None or not np.nan_to_num(velocity).any()
-        no_times = "fewer than two frames have times, of [picks] frame_rate_hz or times"
-        still = no_times if untimed else "the camera stands, or its velocity is not known"
-        if options.max_rate_deg_s is not None and untimed:
-            found.append(f"maximum rate: is not used: {no_times}")
-        if sigmas.time_s > 0.0 and stands:
-            found.append(f"time sigma: is not used: {still}")
-        attack = [name for name in ("velocity", "wind") if getattr(sigmas, name) > 0.0]
-        if attack and not np.isfinite(self.attack_deg).any():
-            found += [f"{name} sigma: is not used: {still}" for name in attack]
-        return [Finding(one, self.flight.source, severity="warning") for one in found]
-
     def _shown(self) -> tuple[list[HistoryParts], Sequence[Finding]]:
         from vopd.attitude.history import HistoryOptions
 
@@ -261,6 +241,28 @@ class FlightResult(Shown):
 
     def __repr__(self) -> str:
         return f"FlightResult({self.flight.source}, {count_text(len(self.frame), 'frame')})"
+
+
+def unused_options(result: FlightResult, options: HistoryOptions) -> list[Finding]:
+    """Warn of options of a history that change nothing in it.
+
+    Args:
+        result: of a flight
+        options: as `history_parts` takes them
+    """
+    sigmas, velocity, found = options.sigmas, result.flight.path.velocity_m_s, list[str]()
+    untimed = np.isfinite(result.time_s).sum() < 2
+    stands = velocity is None or not np.nan_to_num(velocity).any()
+    no_times = "fewer than two frames have times, of [picks] frame_rate_hz or times"
+    still = no_times if untimed else "the camera stands, or its velocity is not known"
+    if options.max_rate_deg_s is not None and untimed:
+        found.append(f"maximum rate: is not used: {no_times}")
+    if sigmas.time_s > 0.0 and stands:
+        found.append(f"time sigma: is not used: {still}")
+    attack = [name for name in ("velocity", "wind") if getattr(sigmas, name) > 0.0]
+    if attack and not np.isfinite(result.attack_deg).any():
+        found += [f"{name} sigma: is not used: {still}" for name in attack]
+    return [Finding(one, result.flight.source, severity="warning") for one in found]
 
 
 # From a project file to a solved flight, with its findings
