@@ -129,6 +129,20 @@ def test_noise_keeps_the_proportions_of_the_rows() -> None:
     assert np.abs(rough.noise_m / each - 1.0).max() < within("noise of 400 fixes")
 
 
+@pytest.mark.parametrize("apart_s", [1e-6, 1e-9])
+def test_two_fixes_of_nearly_one_time(apart_s: float) -> None:
+    """Their third differences have no covariance that can be factored; the noise is known."""
+    rng = np.random.default_rng(1)
+    time_s = np.insert(np.arange(60.0), 31, 30.0 + apart_s)
+    position = time_s[:, None] * [10.0, -5.0, 1.0] + rng.normal(0.0, 0.1, (61, 3))
+    position[31] = position[30]
+    rough = roughness(time_s, position, np.full((61, 3), 0.1))
+    assert (rough.jerk > 0.0).all() and (rough.noise_m <= 0.1 + 1e-12).all()
+    assert (rough.noise_m > 0.05).all()
+    found = track_velocity(np.array([10.5]), time_s, position, rough)
+    assert_close("velocity of noisy fixes", found.velocity_m_s, [[10.0, -5.0, 1.0]])
+
+
 @pytest.mark.parametrize("fixes", [2, 3])
 def test_few_fixes_say_nothing_of_curvature(fixes: int) -> None:
     position = np.arange(fixes)[:, None] * [1.0, 2.0, 3.0]

@@ -29,6 +29,7 @@ NOISE_STEPS = 120
 ALLOWED = 0.5  # of a logarithm of likelihood: one standard deviation
 NOISE_RANGE = 1e-4
 PASSES = 30  # of the frequencies of the ratios
+SAME = 1e-8  # of a variance, by which third differences differ of which another is as good as one
 FIXES_AT_ONCE = 30_000  # of a long track, about 2 kB each
 FEWEST_FIXES = 4  # three have no third difference
 GAUSS = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)]) / 2.0 + 0.5
@@ -172,8 +173,9 @@ def _innovations(z: Floats, by_noise: Floats, by_jerk: Floats) -> tuple[Floats, 
         total = by_noise + ratio * by_jerk
         try:
             factor = cholesky_banded(total, lower=True)
-        except np.linalg.LinAlgError:  # times that are nearly the same: each by itself
-            factor = np.sqrt(total) * (np.arange(4) == 0)[:, None]
+        except np.linalg.LinAlgError:  # differences of fixes of nearly one time are the same
+            total[0] *= 1.0 + SAME
+            factor = cholesky_banded(total, lower=True)
         squares[k] = lapack.dtbtrs(factor, z[:, None], uplo="L")[0][:, 0] ** 2
         logs[k] = 2.0 * np.log(factor[0])
     return squares, logs

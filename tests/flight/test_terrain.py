@@ -1,0 +1,61 @@
+"""What the heights of a terrain are counted from: as the landmarks' are, unless its CRS says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.kit.flight_project import TOML, write_project
+from vopd.findings import Finding
+from vopd.flight.project.keys import read_project
+from vopd.flight.project.read import flight_of
+from vopd.flight.project.terrain import read_terrain
+from vopd.geometry.earth import geodetic
+
+rasterio = pytest.importorskip("rasterio")
+GEOID_M = 40.0
+
+
+def about(folder: Path, crs: str, lower_m: float, of_landmarks: str) -> tuple[str, list[Finding]]:
+    """What is said of a level terrain so far below the mean landmark, by the numbers of files."""
+    counted = f'"landmarks.csv"\nterrain = "terrain.tif"\nheight = {of_landmarks}'
+    text = TOML.replace('"landmarks.csv"\nheight = "ellipsoid"', counted)
+    assert counted in text
+    flight = flight_of(read_project(str(write_project(folder, TOML))))
+    place = geodetic(flight.landmarks.position_m)
+    west, north = place.longitude_deg.mean() - 0.1, place.latitude_deg.mean() + 0.1
+    level = np.full((1, 200, 200), float(np.median(place.height_m)) - lower_m, np.float32)
+    with rasterio.open(
+        folder / "terrain.tif", "w", driver="GTiff", width=200, height=200, count=1,
+        dtype="float32", crs=crs, transform=rasterio.Affine(1e-3, 0.0, west, 0.0, -1e-3, north),
+    ) as file:  # fmt: skip
+        file.write(level)
+    project = read_project(str(write_project(folder, text)))
+    terrain = read_terrain(project)
+    assert terrain is not None
+    marks = flight_of(project).landmarks
+    (line, *_), findings = terrain.about(marks, np.arange(len(marks.name)))
+    return line, findings
+
+
+@pytest.mark.parametrize(
+    ("crs", "of_landmarks", "below_m"),
+    [
+        ("EPSG:4326", '"ellipsoid"', 7.0),
+        ("EPSG:4979", '"ellipsoid"', 7.0),
+        ("EPSG:4326", f"{{ undulation_m = {GEOID_M} }}", 7.0),
+        # above the ellipsoid by itself: the landmarks are so much higher
+        ("EPSG:4979", f"{{ undulation_m = {GEOID_M} }}", 7.0 + GEOID_M),
+    ],
+)
+def test_heights_of_a_terrain(crs: str, of_landmarks: str, below_m: float, tmp_path: Path) -> None:
+    line, findings = about(tmp_path, crs, 7.0, of_landmarks)
+    assert f" {below_m:.1f} m below the landmarks " in line and not findings
+
+
+def test_heights_above_a_geoid_that_is_not_there_are_not_compared(tmp_path: Path) -> None:
+    """EGM96 takes a grid of PROJ's; the shape of the ground does not need it."""
+    line, findings = about(tmp_path, "EPSG:4326+5773", 7.0, '"ellipsoid"')
+    assert line.endswith("heights are not compared, for want of its geoid") and not findings
