@@ -11,6 +11,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved
+from tests.kit.clicked_flights import clicked_flight
 from tests.kit.command import ROOT
 from tests.kit.command import vopd as command
 from tests.kit.flight_mistakes import MistakeRow
@@ -27,6 +28,7 @@ from vopd.flight.misfits.misfit import (
     even_path,
     input_errors,
     misfit_text,
+    of_sampled,
     sampled,
     significant_errors,
     sizes_text,
@@ -399,6 +401,30 @@ def test_a_long_flight_is_looked_at_by_its_drawn_frames(
     monkeypatch.setattr(misfit, "MOST_PICKS", 60)
     some = [one for one in said(solved(tmp_path, "focal length", 30.0)) if "focal" in one]
     assert_approved([*every, *some])
+
+
+@pytest.mark.parametrize("kind", ["own fixes", "shared fixes", "clicks"])
+def test_drawn_frames_are_solved_from_where_all_frames_are(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To the solution that they have by themselves."""
+    monkeypatch.setattr(misfit, "MOST_PICKS", 60)
+    rng = np.random.default_rng(SEED)
+    if kind == "clicks":
+        flight = clicked_flight(rng, 30, 6, every=10).flight
+    else:
+        first, weight = np.arange(30), np.ones((30, 1))
+        if kind == "shared fixes":
+            first, weight = np.sort(rng.integers(0, 12, 30)), rng.dirichlet(np.ones(3), 30)
+        fixes = TrackFixes(first, weight, np.ones((first[-1] + weight.shape[1], 3)))
+        priors = Priors(fixes, np.full((6, 3), 0.3))
+        flight = flight_of(rng, drone(rng, 30, 6), 0.5, priors)
+    every = solve_jointly(flight, priors_of(flight))
+    found, part = of_sampled(every), sampled(flight).flight
+    alone = solve_jointly(part, priors_of(part))
+    assert len(found.model.pick) <= 60 < len(every.model.pick)
+    for one, other in zip(found.state, alone.state, strict=True):
+        assert np.abs(one - other).max(initial=0.0) < within("joint minimum")
 
 
 def test_angles_stand_where_no_explanation_has_a_solution(
