@@ -319,6 +319,23 @@ def leap_second(text: str) -> str:
     return f"{text!r} is in a leap second, which is not read: write the second before or after it"
 
 
+DATE_ALONE = re.compile(r"[\dW-]+", re.ASCII)
+
+
+def date_alone(text: str) -> str:
+    """Say of a date without a time of day, at which a photograph was taken, what to write instead.
+
+    Args:
+        text: any date, with a time or not
+
+    Returns:
+        Empty for others.
+    """
+    if not DATE_ALONE.fullmatch(text.strip()):
+        return ""
+    return f"{text!r} has no time of day: write the time, too, UTC, as {text.strip()}T21:00Z"
+
+
 def beyond_sigmas(values: Iterable[float]) -> str:
     """Describe the first standard deviation that is too small or too large to be meant.
 

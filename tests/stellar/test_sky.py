@@ -201,7 +201,7 @@ def test_files_that_are_named_are_used(tmp_path: Any) -> None:
             text = "x_mm,y_mm,name\n1,2,Sirius\n3,4,Rigel\n"
             result = solve(option, file, "--date", DATE, text=text)
             assert result.status == 1 and str(file) in result.stderr, result.stderr
-    early = solve(ORION, "--date", "1700-01-01")
+    early = solve(ORION, "--date", "1700-01-01T00:00Z")
     assert early.status == 1
     assert_approved(early.stderr.partition(".bsp: ")[2], others_after="it has the dates from")
 

@@ -10,6 +10,7 @@ import click
 
 from vopd.cli.options import FILE_NAME, WholeRange
 from vopd.findings import VopdError
+from vopd.inputs import date_alone
 
 if TYPE_CHECKING:
     from vopd.stellar.files.images import ImageAxes
@@ -323,9 +324,12 @@ def _moment(ctx: click.Context, param: click.Parameter, value: str | None) -> An
     from vopd.export import parse_epoch
 
     try:
-        return None if value is None else parse_epoch(value)
+        moment = None if value is None else parse_epoch(value)
     except VopdError as error:
         raise click.BadParameter(f"{error}.") from None
+    if value is not None and (message := date_alone(value)):
+        raise click.BadParameter(f"{message}.")
+    return moment
 
 
 def _place(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:

@@ -22,6 +22,7 @@ from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
 from vopd.inputs import (
     MOST_COLUMNS,
+    date_alone,
     is_number,
     leap_second,
     no_file,
@@ -557,6 +558,8 @@ def _moment(stars: Sequence[Star], source: str) -> datetime | None:
         except (ValueError, OverflowError):
             message = leap_second(text) or f"{text!r} is not an ISO 8601 date and time"
             raise input_error(f"line {number}: utc: {message}", source) from None
+        if message := date_alone(text):
+            raise input_error(f"line {number}: utc: {message}", source)
         if moment not in (None, found):
             raise input_error(f"line {number}: utc: one photograph has two dates", source)
         moment = found
