@@ -99,6 +99,40 @@ class Rising:
         return np.asarray(np.where(position_m[:, 1] < -200.0, np.nan, found))
 
 
+DOWNWARD = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+"""A camera that looks down from its vehicle, ahead at the top: to axes forward, right, down."""
+
+
+@pytest.mark.parametrize(
+    ("mount", "place"), [(np.eye(3), [1.0, -2.0, 997.0]), (DOWNWARD, [2.0, 1.0, 997.0])]
+)
+def test_a_camera_is_a_lever_arm_from_its_antenna(mount: Floats, place: list[float]) -> None:
+    """1, 2, 3 m to the right, down in the picture and ahead; or forward, right, down, north."""
+    scene = above(1000.0)
+    path = replace(scene.path, lever_arm_m=np.array([1.0, 2.0, 3.0]))
+    scene = replace(scene, path=path, mount=mount)
+    assert_close("table value", scene.camera_m(0, NADIR), place)
+
+
+def test_a_velocity_that_is_not_known_is_none() -> None:
+    scene = above(1000.0)
+    assert_close("table value", scene.velocity_m_s(0), [50.0, 0.0, 0.0])
+    unknown = replace(scene, path=replace(scene.path, velocity_m_s=None))
+    assert unknown.velocity_m_s(0).tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_line_of_sight_that_grazes_the_ground_ends_across_it() -> None:
+    """Of a landmark 1000 m north; 10 px to the right and 5 up are 10 and 5 m.
+
+    There the vertical is .00904 degree north of the camera's, which so is .158 m lower.
+    """
+    scene = above(0.0)
+    north = replace(scene.landmarks, position_m=np.array([[EARTH_M, 0.0, 1000.0]]))
+    looks = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    found = replace(scene, landmarks=north).ground(view(0, looks), np.array([110.0, 75.0]), 0)
+    assert_close("ground on a terrain", found, [10.0, 0.0, 5.0 - 0.158])
+
+
 class Falling:
     """A terrain that falls from the landmark on, by .1125 of the square of what is east."""
 
