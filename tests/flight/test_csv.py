@@ -302,6 +302,12 @@ def test_names_of_grid_coordinates_with_units(tmp_path: Path) -> None:
     assert_approved(told_of(tmp_path, "landmarks", "Point,E (ft),N (m),h\na,2,3,4\n"))
 
 
+def test_the_line_that_names_a_separator_is_to_be_removed(tmp_path: Path) -> None:
+    assert_approved(
+        told_of(tmp_path, "landmarks", "sep=,\nlandmark,lat_deg,lon_deg,h_m\na,2,3,4\n")
+    )
+
+
 @pytest.mark.parametrize("heights", ["alt,alt_msl", "gps_alt,baro_alt", "height (m),h"])
 def test_two_heights_of_two_names_are_asked_for(heights: str, tmp_path: Path) -> None:
     """Of a usual name and one with its level the first was taken."""

@@ -303,7 +303,7 @@ def shown(value: object) -> str:
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """Suggest a word for a mistyped one: `; did you mean x?`, or the words that are known."""
     some = known[:MANY_WORDS]
-    near = [one for one in some if one.lower() == word.lower()]
+    near = [one for one in some if _bare_word(one) == _bare_word(word)]
     near = near or get_close_matches(word[:LONG_WORD], some, 1, 0.6)
     more = f" and {len(known) - MANY_NAMED} more" if len(known) > MANY_NAMED else ""
     several = ", ".join(known[:MANY_NAMED])
@@ -311,6 +311,12 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
         return f"; known are {several}{more}"
     unseen = near[0] != word and _seen(near[0]) == _seen(word)
     return f"; did you mean {near[0]}?" + " (they differ by characters that are not seen)" * unseen
+
+
+def _bare_word(word: str) -> str:
+    """Write a word in small letters, as it is seen, and a number without zeros before it."""
+    small = _seen(word[:LONG_WORD]).lower()
+    return small.lstrip("0") if small.isdigit() else small
 
 
 def _seen(word: str) -> str:
@@ -510,6 +516,8 @@ def _unnamed(file: InputFile) -> str:
     """Say what to do where the columns of a table are not known; empty if it is no table."""
     if file.head.lstrip()[:1] in ("{", "[", "<"):
         return ""  # JSON or XML
+    if file.head.lower().startswith("sep="):
+        return "; its first line, sep=, is a spreadsheet's: remove that line"
     header = header_names(file)
     if header and header[0].startswith(TIE_POINTS):
         return OF_TIE_POINTS
