@@ -194,7 +194,16 @@ def test_standard_deviations_in_any_spelling(name: str) -> None:
 SIGNS = "name,lat,ns,lon,ew,h\n"
 
 
-@pytest.mark.parametrize("row", ["a,2,S,3,E,4", "a,2,N,3,w,4", "a,2,,3,E,4\nb,2,s,3,E,4"])
+@pytest.mark.parametrize(
+    "row",
+    [
+        "a,2,S,3,E,4",
+        "a,2,N,3,w,4",
+        "a,2,,3,E,4\nb,2,s,3,E,4",
+        "a,2,South,3,East,4",
+        "a,2,N,3,E,4\nb,2,N,5,O,4",
+    ],
+)
 def test_a_sign_in_a_column_of_its_own(row: str) -> None:
     """Of a place in the south-west all angles were turned by 180 degrees, with no residual."""
     with refused(VopdError):
@@ -204,7 +213,17 @@ def test_a_sign_in_a_column_of_its_own(row: str) -> None:
         read_text(TRACK_FORMATS, "t.csv", f"{header}{timed}\n")
 
 
-@pytest.mark.parametrize("row", ["a,-2,S,-3,W,4", "a,2,N,3,E,4", "a,2,S1,3,S2,4", "a,2,,3,,4"])
+@pytest.mark.parametrize(
+    "row",
+    [
+        "a,-2,S,-3,W,4",
+        "a,2,N,3,E,4",
+        "a,2,S1,3,S2,4",
+        "a,2,,3,,4",
+        "a,2,North,3,O,4",
+        "a,2,N,-3,W,4\nb,2,N,5,O,4",
+    ],
+)
 def test_signs_that_the_numbers_have(row: str) -> None:
     assert read_text(LANDMARK_FORMATS, "t.csv", f"{SIGNS}{row}\n").coordinate[0, 2] == 4.0
 

@@ -537,6 +537,15 @@ def _unnamed(file: InputFile) -> str:
     return f"; its columns are {names}: rename them, or map them, {_mapped('...', '...')}"
 
 
+WORDS = ("NORTH", "SOUTH", "EAST", "WEST")  # for the letters that they begin with
+
+
+def _letter(cell: str) -> str:
+    """Write the sign of a degree as a letter; any other text in capitals."""
+    text = cell.upper()
+    return text[0] if text in WORDS else text
+
+
 # Tables with a header line: their columns
 
 EXACT = "exact"
@@ -600,9 +609,12 @@ class CsvTable:
         """
         for name in self._unused():
             header = self.header[self.own.index(name)]
-            if not {*map(str.upper, next(self.blocks(header), []))} <= {*"NSEW", ""}:
+            if not {*map(_letter, next(self.blocks(header), []))} <= {*"NSEWO", ""}:
                 continue  # no signs, as its first rows tell
-            letters = [*map(str.upper, self.column(header))]
+            letters = [*map(_letter, self.column(header))]
+            if "O" in letters:  # Ost or Ouest, as the other letter tells
+                other = "W" if "E" in letters else "E"
+                letters = [other if one == "O" else one for one in letters]
             for axis, (plus, minus) in enumerate((("E", "W"), ("N", "S"))):
                 if minus in letters and {*letters} <= {plus, minus, ""}:
                     below = [one == minus for one in letters] & (degrees[:, axis] > 0.0)
