@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from datetime import UTC
 from shlex import quote
 from typing import Any
 
@@ -30,7 +31,7 @@ from vopd.export import (
     parse_epoch,
 )
 from vopd.files import ESCAPED, whole_file
-from vopd.findings import VopdError
+from vopd.findings import Finding, Report, VopdError
 from vopd.inputs import since_1970
 from vopd.pipeline import is_flight
 
@@ -165,8 +166,8 @@ def command(
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
     found = collect_jobs(sources, options, chosen.by_parts and not mean, misfits=mean or not screen)
-    request = _with_epoch(chosen, request, [job.head for job in found.jobs])
     messages = Messages(options.quiet)
+    request = _with_epoch(chosen, request, [job.head for job in found.jobs], messages)
     if columns is not None:
         _check_columns(found, request)
     progress = Progress(
@@ -274,9 +275,11 @@ def _format(output: str, form: str | None) -> AttitudeFormat:
 
 
 def _with_epoch(
-    chosen: AttitudeFormat, request: FileRequest, histories: Sequence[History]
+    chosen: AttitudeFormat, request: FileRequest, histories: Sequence[History], report: Report
 ) -> FileRequest:
     """Add the epoch of the sources to the request if no option gives one.
+
+    One that is not that of a source is warned of.
 
     Raises:
         VopdError: where the format needs one and there is none, or the option's is not that of
@@ -287,6 +290,10 @@ def _with_epoch(
             first_s = float(np.fmin.reduce(one.estimate.time_s, initial=np.inf))
             if wrong := since_1970(request.epoch, first_s):
                 raise VopdError(f"{one.about.source}: --epoch {wrong}")
+            if one.about.epoch not in (None, request.epoch):
+                own = one.about.epoch.astimezone(UTC).isoformat().replace("+00:00", "Z")
+                text = f"--epoch: the dates are other ones than the project's, whose epoch is {own}"
+                report(Finding(text, one.about.source, severity="warning"))
         return request
     epoch = own_epoch(histories)
     if chosen.needs_epoch and epoch is None:
