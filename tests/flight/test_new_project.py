@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
+import json
 import shutil
 import sys
 import tomllib
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -554,3 +556,89 @@ def test_a_crs_without_pyproj_or_that_is_none_is_told_at_once(
     ran = run("new", "p", "--landmarks", "marks.csv", "--crs", code)
     assert ran.status == 1 and not Path("p").exists()
     assert_approved(ran.stderr.splitlines())
+
+
+CAMERA = {
+    "lens": {"model": "brown", "fx_px": 1500.0, "fy_px": 1490.0, "cx_px": 960.0, "cy_px": 540.0},
+    "image_size_px": [1920, 1080], "pixel_grid": "corner",
+}  # fmt: skip
+OF_CAMERA = (
+    "--lens", "1500,1490,960,540", "--image-size", "1920,1080", "--pixel-grid", "corner",
+    "--sigma-landmarks", ".05",
+)  # fmt: skip
+ON_GRID = "landmark,x_m,y_m,z_m\nchurch,610000,5278000,465\nmast,610200,5278100,490\n"
+PLACES = {
+    "track": (
+        ("--track", "track.csv", "--height", "ellipsoid", "--fps", "10", "--first-frame", "2",
+         "--epoch", "2026-05-01T00:00:00Z", "--sigma-position", "2,2,4", "--sigma-time", ".02",
+         "--wind", "wind.csv"),
+        {
+            "flight": {"name": "new", "epoch": datetime(2026, 5, 1, tzinfo=UTC)},
+            "picks": {"frame_rate_hz": 10, "first_frame_t_s": 2},
+            "landmarks": {"file": "../landmarks.csv", "height": "ellipsoid"},
+            "track": {"file": "../track.csv", "height": "ellipsoid", "sigma_m": [1, 1, 2],
+                      "sigma_bias_m": [2, 2, 4], "sigma_t_s": 0.02},
+            "wind": {"file": "../wind.csv"},
+        },
+    ),
+    "clock": (
+        ("--clock", "gps", "--track", "dated.csv", "--height", "egm96", "--fps", "10",
+         "--epoch", "2026-05-01T12:00:01Z", "--sigma-position", ".02", "--sigma-time", "0"),
+        {
+            "flight": {"name": "new", "epoch": datetime(2026, 5, 1, 12, 0, 1, tzinfo=UTC)},
+            "picks": {"frame_rate_hz": 10, "first_frame_t_s": 0.0},
+            "landmarks": {"file": "../landmarks.csv", "height": "egm96"},
+            "track": {"file": "../dated.csv", "height": "egm96", "clock": "gps", "sigma_m": 0.02,
+                      "sigma_t_s": 0},
+        },
+    ),
+    "position": (
+        ("--position", "47.64,16.47,540", "--height", "same", "--sigma-position", "2,2,4"),
+        {
+            "flight": {"name": "new"}, "picks": {},
+            "landmarks": {"file": "../landmarks.csv", "height": "same"},
+            "position": {"lat_deg": 47.64, "lon_deg": 16.47, "h_m": 540, "height": "same",
+                         "sigma_m": [2, 2, 4]},
+        },
+    ),
+    "grid": (
+        ("--position", "610000,5278000,540", "--height", "40", "--crs", "EPSG:32633",
+         "--sigma-position", "3"),
+        {
+            "flight": {"name": "new"}, "picks": {},
+            "landmarks": {"file": "../grid.csv", "height": {"undulation_m": 40},
+                          "crs": "EPSG:32633"},
+            "position": {"x_m": 610000, "y_m": 5278000, "z_m": 540, "crs": "EPSG:32633",
+                         "height": {"undulation_m": 40}, "sigma_m": 3},
+        },
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_each_option_gives_its_keys_and_nothing_more_is_needed(place: str, tmp_path: Path) -> None:
+    """At once, or those of the place in a second call, which writes the file again."""
+    write_project(tmp_path)
+    (tmp_path / "wind.csv").write_text("h_m,speed_m_s,from_deg\n0,3,90\n1000,5,100\n")
+    (tmp_path / "grid.csv").write_text(ON_GRID)
+    rows = [f"2026-05-01T12:00:{k:02},47.64,16.47,{500 + k}" for k in range(3)]
+    (tmp_path / "dated.csv").write_text("\n".join(["t_utc,lat_deg,lon_deg,h_m", *rows, ""]))
+    given, expected = PLACES[place]
+    expected = {**expected, "camera": CAMERA}
+    expected["picks"] = {**expected["picks"], "file": "../picks.csv", "pixel_grid": "corner"}
+    expected["landmarks"] = {**expected["landmarks"], "sigma_m": 0.05}
+    marks = "grid.csv" if place == "grid" else "landmarks.csv"
+    files = ("--picks", "picks.csv", "--landmarks", marks, *OF_CAMERA, *given)
+    options = [*zip(files[::2], files[1::2], strict=True)]
+    options = [(o, str(tmp_path / v) if v.endswith(".csv") else v) for o, v in options]
+    for folder, calls in (("new", [options]), ("two/new", [options[:6], options[6:]])):
+        for one in calls:
+            done = run("new", tmp_path / folder, *(part for pair in one for part in pair))
+            assert done.status == 0, done.stderr
+        text = (tmp_path / folder / "flight.toml").read_text(encoding="utf-8")
+        values = {name: own for name, own in tomllib.loads(text).items() if own}
+        there = "../" * folder.count("/") + ".."
+        wanted = json.loads(json.dumps(expected, default=str).replace('"..', f'"{there}'))
+        wanted = {name: own for name, own in wanted.items() if own}
+        assert json.loads(json.dumps(values, default=str)) == wanted
+        assert "NEEDED (" not in text
