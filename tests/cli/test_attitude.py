@@ -121,6 +121,13 @@ def test_bad_input_is_said_and_leaves_nothing(
     assert (place / "deck.dat").read_text() == deck_text("case4")
 
 
+def test_standard_input_is_no_folder_of_that_name(place: Path) -> None:
+    (place / "-").mkdir()
+    (place / "-" / "flight.toml").write_text("")
+    result = vopd("attitude", "-", "-q", stdin=deck_text("case4"))
+    assert result.status == 0 and "project" not in result.stdout
+
+
 def test_no_deck_and_no_such_deck(place: Path) -> None:
     assert vopd("attitude").status == 2
     result = vopd("attitude", "none.dat", "-o", "t.csv")

@@ -15,7 +15,7 @@ from vopd.cli.console import Messages, Progress, notes
 from vopd.cli.new import refuse_existing, write_project
 from vopd.cli.options import (
     FILE_NAME,
-    FOLDER_NAME,
+    FOLDER_OR_FILE,
     NUMBER,
     SOURCE_NAME,
     WholeRange,
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 @click.option(
     "-o",
     "--output",
-    type=FOLDER_NAME,
+    type=FOLDER_OR_FILE,
     metavar="DIR|DECK",
     help="Of a flight: write a project with what was solved for, and its covariance. Of a deck: "
     "write it with the landmark in group 9; with --trials the stacked deck.",
@@ -172,6 +172,8 @@ def command(
             raise click.UsageError("name the landmark to be located: --free landmark:NUMBER.")
         made = adjusted_deck(source, job, names, fixes, landmark_sigma, output, quiet)
     else:
+        if output == "-":
+            raise click.UsageError("-o -: a project is a folder of files: name one.")
         if output is not None:
             from vopd.flight.adjust.project import COVARIANCE
             from vopd.flight.project.new import NAME

@@ -329,21 +329,29 @@ class _FolderName(click.Path):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not value:
             self.fail("the name of a folder is needed; . is this one.", param, ctx)
+        if value == "-" and not self.allow_dash:
+            self.fail("- is standard output, and no folder.", param, ctx)
         return super().convert(value, param, ctx)
 
 
 FOLDER_NAME = _FolderName(readable=False)
+FOLDER_OR_FILE = _FolderName(readable=False, allow_dash=True)
 
 decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", nargs=-1, required=True)
 """One deck or several; `-` is standard input."""
 
 
 class _SourceName(click.Path):
-    """A name of a file, or of a folder with `flight.toml` in it, which stands for that file."""
+    """A name of a file, or of a folder with `flight.toml` in it, which stands for that file.
+
+    `-` is standard input.
+    """
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         project = os.path.join(value, "flight.toml")  # noqa: PTH118
-        return project if os.path.isfile(project) else super().convert(value, param, ctx)  # noqa: PTH113
+        if value != "-" and os.path.isfile(project):  # noqa: PTH113
+            return project
+        return super().convert(value, param, ctx)
 
 
 SOURCE_NAME = _SourceName(readable=False)
