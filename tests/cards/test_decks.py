@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from tests.kit.jobs import APPENDIX_H, reread
 from vopd.cards import deck as card_deck
 from vopd.cards import read as basic_data
 from vopd.cards.deck import CardBlock, CardDeck, byte_matrix
+from vopd.cards.explain import explain_deck
 from vopd.cards.head import read_head
 from vopd.cards.read import open_deck, read_jobs
 from vopd.cards.sequence import strip_sequence
@@ -168,6 +170,24 @@ def test_any_film_comes_back(job: Job) -> None:
     (back,) = jobs(written)
     assert back == job
     assert vopd.write_deck([back]) == written
+
+
+@pytest.mark.parametrize("group", range(1, 13))
+def test_a_next_job_begins_with_its_return_group(group: int) -> None:
+    """Behind the first job are the cards from there on; readings again with NGO 1 and 2 alone."""
+    one = vopd.write_deck([JOB])
+    own = Counter(of for of in groups_of(one))
+    expected = own + Counter({k: own[k] for k in own if k >= group or (k == 0 and group <= 2)})
+    both = vopd.write_deck([replace(JOB, return_group=group), JOB])
+    assert Counter(of for of in groups_of(both)) == expected
+    assert jobs(both) == [replace(JOB, return_group=group), JOB]
+
+
+def groups_of(deck: str) -> list[int]:
+    """The group of each card of a deck, 0 for basic data."""
+    found: list[int] = []
+    list(explain_deck(io.BytesIO(deck.encode()), "deck", lambda of, _: bool(found.append(of))))
+    return found
 
 
 def test_a_stack_that_cannot_be_written() -> None:

@@ -66,6 +66,25 @@ def test_clicks_in_few_frames_are_to_be_followed(folder: Path) -> None:
     assert_approved("\n".join(said).replace(str(folder), "FOLDER"))
 
 
+def test_what_to_do_next_with_clicks_when_nothing_is_needed(folder: Path) -> None:
+    """Click first while none is there; then all frames, where something is still needed not yet."""
+    Path("t.csv").write_text("t_s,lat_deg,lon_deg,h_m,sigma_m\n0,47,15,9,1\n1,47.001,15,9,1\n")
+    head = "# pixels: (0, 0) the centre of the first pixel\nframe,landmark,u_px,v_px\n"
+    Path("c.csv").write_text(f"{head}0,mast,1,2\n")
+    options = [
+        "--video", "a.mp4", "--landmarks", "l.csv", "--track", "t.csv", "--height", "ellipsoid",
+        "--lens", "60,60,32,24", "--pixel-grid", "centre", "--first-frame", "0",
+        "--sigma-time", "0",
+    ]  # fmt: skip
+    said = []
+    for name, more in {"a": [], "b": ["--picks", "c.csv"], "c": ["--picks", "c.csv"]}.items():
+        given = options[:-2] if name == "c" else options
+        ran = vopd("new", name, *given, *more)
+        assert ("needed: " in ran.stdout) == (name == "c")
+        said.append(ran.stdout.splitlines()[-1])
+    assert_approved(said)
+
+
 def test_a_video_with_a_track_by_date(folder: Path) -> None:
     """Neither file says when the first frame was, and the track has a clock of its own."""
     Path("t.csv").write_text(
