@@ -51,6 +51,14 @@ def test_marks_of_interpolated_picks_stay_theirs_where_others_are_not_used() -> 
     assert picks.followed.tolist() == [False, True, False]
 
 
+def test_a_pick_that_is_there_twice_says_nothing_of_its_error() -> None:
+    """As in a file that two exports were put together in; it has the usual sigma still."""
+    twice = [(frame, name, 1.0, 2.0, 1.0) for frame in (0, 1) for name in ("mast", "well")] * 2
+    picks, findings = joined(*twice, stated=False)
+    assert picks.one_sigma_px == 1.0 and (picks.sigma_px > 0.7).all()
+    assert picks.pixel.tolist() == [[1.0, 2.0]] * 4 and not findings
+
+
 @pytest.mark.parametrize("at_once", [1, 2, 100])
 def test_picks_of_one_point_are_averaged_by_their_weights(
     at_once: int, monkeypatch: pytest.MonkeyPatch

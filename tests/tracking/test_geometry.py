@@ -306,6 +306,37 @@ def test_a_frame_that_has_turned() -> None:
     assert_close("turn by whole frames", turn_between(NADIR, found), turn)
 
 
+def test_frames_are_aligned_that_were_taken_from_other_places() -> None:
+    """30 m east and 20 m higher: what is on the ground is seen elsewhere, by its distance."""
+    scene = above(1000.0, 1020.0)
+    scene.path.position_m[1, 1] = 30.0
+    turn = np.array([0.001, -0.002, 0.004])
+    after = turned_by(turn, NADIR)
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    on_it = scene.ground(view(1, after), np.stack([u, v], axis=-1), 0)
+    at, _ = scene.pixels(view(0, NADIR), on_it - [0.0, 0.0, 1000.0])
+    turned = drawn(at[..., 0], at[..., 1])
+    found, likeness = Alignment(scene).turn(
+        view(0, NADIR), reduced(picture()), view(1, NADIR), reduced(turned)
+    )
+    assert likeness > 0.95
+    assert_close("turn by whole frames", turn_between(NADIR, found), turn)
+
+
+@pytest.mark.parametrize(("width", "factor"), [(361, 2), (360, 1), (720, 2), (721, 4)])
+def test_frames_are_reduced_by_averaging_squares(width: int, factor: int) -> None:
+    """To 360 pixels or fewer across, and again by half; what is left over is cut off."""
+    grey = np.arange(9.0)[:, None] * 1000.0 + np.arange(float(width))
+    coarse, fine = reduced(grey)
+    assert (fine.factor, coarse.factor) == (factor, 2 * factor)
+    for level in (coarse, fine):
+        high, wide = 9 // level.factor, width // level.factor
+        down, right = np.arange(high)[:, None], np.arange(wide)
+        mean = (level.factor - 1) / 2.0
+        expected = 1000.0 * (level.factor * down + mean) + level.factor * right + mean
+        assert_close("grey of a reduced frame", level.grey, expected)
+
+
 @pytest.mark.parametrize(
     ("wide_m", "high_m", "said"),
     [(1000.0, 29.0, 0), (1000.0, 31.0, 1), (100.0, 9.0, 0), (100.0, 11.0, 1)],
