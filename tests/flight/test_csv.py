@@ -302,6 +302,35 @@ def test_names_of_grid_coordinates_with_units(tmp_path: Path) -> None:
     assert_approved(told_of(tmp_path, "landmarks", "Point,E (ft),N (m),h\na,2,3,4\n"))
 
 
+UNITS = {
+    "landmarks": ["lat_deg,lon_deg,h_mm", "lat_rad,lon_rad,alt_km", "Lat[E7],lon_deg,z",
+                  "lat_deg,lon_deg,gps_alt (cm)", "lat_deg,lon_deg,reach_cm"],
+    "track": ["t_us,lat_deg,lon_deg,h_m", "TimeUS,lat_deg,lon_deg,h_m", "time (min),lat,lon,h"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "header"), [(k, one) for k, some in UNITS.items() for one in some]
+)
+def test_columns_in_other_units_are_not_to_be_renamed(
+    kind: str, header: str, tmp_path: Path
+) -> None:
+    """It was "rename h_mm to h_m"; a column that only ends in a unit is none in it."""
+    first = "landmark," * (kind == "landmarks")
+    assert_approved(told_of(tmp_path, kind, f"{first}{header}\n{'1,' * 3}4\n{'2,' * 3}4\n"))
+
+
+def test_columns_in_other_units_are_not_mapped(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("t_s,lat_deg,lon_deg,alt_mm\n1,2,3,4\n")
+    with refused(VopdError):
+        read_by_content(TRACK_FORMATS, open_input("t.csv", tmp_path, {"h_m": "alt_mm"}))
+
+
+def test_knots_may_be_kn(tmp_path: Path) -> None:
+    text = "h_m,from_deg,Wind Speed (kn)\n0,180,10\n9,180,10\n"
+    assert_close("ratio", read(tmp_path, "wind", text).toward_m_s[0, 0], 10.0 * 1852.0 / 3600.0)
+
+
 def test_the_line_that_names_a_separator_is_to_be_removed(tmp_path: Path) -> None:
     assert_approved(
         told_of(tmp_path, "landmarks", "sep=,\nlandmark,lat_deg,lon_deg,h_m\na,2,3,4\n")

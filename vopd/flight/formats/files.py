@@ -351,7 +351,7 @@ SYNONYMS = {
         "z_m": "z up height elevation elev ele alt altitude h agl",
         "from_deg": "direction wind_direction wind_dir dir wdir direction_deg wind_direction_deg",
         "speed_m_s": "speed_ms wind_speed_m_s wind_speed_ms",
-        "speed_kt": "speed_knots speed_kts wind_speed_kt wind_speed_knots",
+        "speed_kt": "speed_knots speed_kts speed_kn wind_speed_kt wind_speed_knots wind_speed_kn",
     }.items()
 }
 """Names that columns have in other programs' tables, lower case, with _ for all that is no letter.
@@ -400,6 +400,26 @@ ENOUGH = ((("frame", "image"), ("frame", "image")), (TIME, (*TIME, "image")))
 """Columns, and those that are not looked for under other names where one of the first is there."""
 ONE_OF = TIME[::-1], ("image", "frame")
 """Columns of which the first that is there is read."""
+
+
+OTHER_UNITS = {
+    "m": {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "km": 1e3},
+    "s": {"us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "days": 86_400.0},
+    "deg": {"rad": 180.0 / np.pi, "e7": 1e-7, "gon": 0.9},
+}
+"""By the unit of a column, others that its name may end in, and what to multiply them by."""
+
+
+def _other_unit(own: str, name: str) -> str:
+    """Say which unit a column seems to have in the place of that of `name`; empty for no other."""
+    bare, _, unit = plain_name(own).replace("timeus", "time_us").rpartition("_")
+    wanted = "deg" if name in DEGREES else "m" * (name in COORDINATES)
+    wanted = "s" if name == TIME[0] else wanted
+    factor = OTHER_UNITS.get(wanted, {}).get(unit)
+    if factor is None or bare not in (TIMES if wanted == "s" else SYNONYMS[name]):
+        return ""
+    said = "1e-7 degree" if unit == "e7" else unit
+    return f"{own} is in {said}: multiply by {factor:.12g} and call it {name}"
 
 
 def coordinate_columns(geodetic: bool) -> tuple[str, str, str]:
@@ -454,6 +474,8 @@ def own_names(
             raise file.error(f"columns: {given} is none of this table{did_you_mean(given, known)}")
         if own not in header:
             raise file.error(f"columns: there is no column {own}{did_you_mean(own, header)}")
+        if unit := _other_unit(own, name):
+            raise file.error(f"columns: {unit}")
         found[header.index(own)] = name
     plain = [plain_name(name) for name in found]
     feet = "x_m" in known and any(map(IN_FEET.search, plain)) and _grid_in_feet(file)
@@ -682,11 +704,15 @@ class CsvTable:
             factor = 0.44704 if unit[0].startswith("mp") else 1.0 / 3.6
             how = f"multiply by {factor:.5g} and call it {name}"
             return f": {speeds[0]} seems to be in {unit[0].replace('_', '/')}; {how}"
+        if units := [*filter(None, (_other_unit(one, name) for one in free))]:
+            return f": {units[0]}"
         if name in HEIGHTS:
             free = [one for one in free if LIKE_HEIGHT.search(plain_name(one))] or free
         only = near or free[: len(free) == 1]
         which = only[0] if only else f"one of {', '.join(free[:MANY_NAMED])}"
         that = " if it is that" if only and not near else ""
+        if name == "speed_m_s":
+            that = " if it is in m/s, to speed_kt if it is in knots"
         mapped = _mapped(name, only[0] if only else "...")
         return f": rename {which} to {name}{that}, or map it, {mapped}"
 
@@ -708,6 +734,9 @@ class CsvTable:
             has = f"no columns {', '.join(lacking)}: {', '.join(feet[:MANY_NAMED])} are feet"
             do = "state a grid that counts in feet as crs, such as EPSG:2229, or multiply by 0.3048"
             raise self.file.error(f"{has}: {do} and call them x_m, y_m", 1)
+        pairs_of_units = [_other_unit(one, name) for name in lacking for one in free]
+        if units := [*filter(None, pairs_of_units)]:
+            raise self.file.error(f"no columns {', '.join(lacking)}: {'; '.join(units)}", 1)
         if free:
             near = {name: get_close_matches(name, free[:MANY_WORDS], 1, 0.6) for name in lacking}
             pairs = ", ".join(f'{name} = "{(near[name] or ["..."])[0]}"' for name in lacking)
