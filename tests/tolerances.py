@@ -21,6 +21,9 @@ TOLERANCES = {
         "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
     ),
     "grey of a reduced frame": Tolerance("1", 0.005, "means of 9,000 in 32 bits, 5E-4"),
+    "symmetric flight": Tolerance(
+        "1", 1e-6, "deg, m, px, or a part: solves end at 1E-8 sigma; decimals of a file are 1E-7 m"
+    ),
     "velocity of noisy fixes": Tolerance("m/s", 0.1, "fixes of .1 m a second apart, nine of them"),
     "tail of chi-square": Tolerance("1", 0.004, "its first term; the next is 2/1500 of it, twice"),
     "azimuth of whole pixels": Tolerance("deg", 0.04, "half a pixel of a focal length of 1500"),
