@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 
 from tests.approved.texts import refused
+from tests.kit.command import vopd
 from tests.kit.flight_project import FRAMES, LENS, MARKS, TOML, pixels, truth_deg, write_project
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
+from vopd.batch.sources import input_sha256
 from vopd.convert.flight_to_deck import flight_job
 from vopd.findings import VopdError
 from vopd.flight.formats.lens import make_lens
@@ -19,6 +21,7 @@ from vopd.flight.project.read import read_camera, read_flight
 from vopd.flight.result import solve_flight
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
+from vopd.inputs import lenses_of, named_files
 from vopd.report.frames import frames_json
 
 OTHER = make_lens("fisheye", (1280, 960), (700.0, 700.0), (641.2, 476.4), (0.03, -0.01))
@@ -150,6 +153,41 @@ def test_the_largest_sigma_of_several_lenses_counts(tmp_path: Path) -> None:
     read = read_camera(read_project(str(path))).read
     assert read.sigma == {"focal": 6.0, "centre_u": 3.0}
     assert read.lens.focal_px.tolist() == [1500.0, 1500.0]
+
+
+def test_the_lenses_are_of_what_a_project_names(tmp_path: Path) -> None:
+    """A batch that goes on kept the results of earlier lenses, and so did an adjusted project."""
+    path = two_cameras(tmp_path / "own", noise_px=0.3)
+    path.write_text(path.read_text().replace('sigma_t_s = "exact"', "sigma_t_s = 0.05"))
+    before = input_sha256(str(path))
+    found = named_files(path.read_bytes(), path.parent)
+    assert [name for name, _ in found][-2:] == ["cameras/a.json", "cameras/b.json"]
+    adjusted = tmp_path / "adjusted"
+    assert vopd("adjust", path, "--free", "clock", "-o", adjusted).status == 0
+    read_flight(str(adjusted / "flight.toml"))
+    (path.parent / "cameras" / "b.json").write_text(camera_file(LENS, "brown"))
+    assert input_sha256(str(path)) != before
+    with refused(VopdError):
+        read_flight(str(adjusted / "flight.toml"))
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("# of two\n\nimage;Lens ;camera\na.jpg;'b.json;1\na.jpg; a.json ;1\n", ["a.json"]),
+        ('image,lens\na.jpg,"a.json"\nb.jpg\nc.jpg,../own/a.json\n', ["../own/a.json", "a.json"]),
+        ("image,camera\na.jpg,a.json\n", []),
+        ("", []),
+        ("image,lens\na.jpg,\x00\n", []),
+    ],
+)
+def test_tables_of_lenses(text: str, names: list[str], tmp_path: Path) -> None:
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / "a.json").write_text("")
+    (own / "t.csv").write_text(text)
+    assert [name for name, _ in lenses_of(own / "t.csv")] == names
+    assert lenses_of(own) == lenses_of(own / "none.csv") == []
 
 
 def test_the_cards_have_one_lens(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ from vopd.flight.project.keys import Project, Section
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
-from vopd.inputs import MOST_NUMBER, beyond_sigmas, parse_json
+from vopd.inputs import MOST_NUMBER, beyond_sigmas, lenses_of, parse_json
 
 # The file
 
@@ -45,7 +45,7 @@ SAME_S = 1e-6  # between offsets of a clock
 SAME, SAME_ZERO = 1e-6, 1e-12  # between values of a lens, as a part of them, and where they are 0
 SPEAKS_OF = (
     ("picks", "file"), ("picks", "tracked"), ("picks", "times"), ("track", "file"),
-    ("camera", "lens"), ("landmarks", "file"),
+    ("camera", "lens"), ("camera", "of_images"), ("landmarks", "file"),
 )  # fmt: skip
 """Keys of the files of which the covariance speaks."""
 TAGS = 65_536  # bytes from the beginning of an image: its tags are there
@@ -106,6 +106,8 @@ def digests(files: dict[str, bytes | Path]) -> dict[str, str]:
         content = one
         if isinstance(one, Path):
             content = _folder(one) if one.is_dir() else one.read_bytes()
+            if key == "[camera] of_images":
+                content += b"".join(lens.read_bytes() for _, lens in lenses_of(one))
         found[key] = sha256(content).hexdigest()  # type: ignore[arg-type]
     return found
 
@@ -350,6 +352,7 @@ def _refuse_changed(
             what = f"{key} is new"
         else:
             what = f"{now[key].name} ({key}) has changed"
+            what += ", or a lens that it names," * (key == "[camera] of_images")
         raise section.error(
             "covariance",
             f"{what} since {file.name} was written, which speaks of the files that there were. "
