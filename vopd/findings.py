@@ -6,6 +6,8 @@ import re
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
+from reprlib import Repr
 from typing import Literal
 
 # Findings: errors and warnings about an input, with their location in it.
@@ -248,3 +250,65 @@ def first_of_each_kind(
             kept.append(finding)
             example[kind] = finding
     return kept, [(example[k], count - most) for k, count in seen.items() if count > most]
+
+
+# Wrong values, and words that are not known
+
+SHOWN = Repr()
+"""Writes the beginning of a wrong value for a message: YAML of a few lines may hold gigabytes."""
+SHOWN.maxstring = SHOWN.maxother = 200  # characters
+SHOWN.maxlist, SHOWN.maxlevel = 12, 2
+
+
+def shown(value: object) -> str:
+    """Write a wrong value for a message, the beginning of it if it is long.
+
+    Args:
+        value: it, of any kind
+    """
+    from datetime import date, time  # of few starts
+
+    if isinstance(value, date | time):  # of TOML
+        return value.isoformat()
+    try:
+        return SHOWN.repr(value)
+    except ValueError:  # the digits of a whole number that has thousands
+        return "a whole number of thousands of digits"
+
+
+def did_you_mean(word: str, known: Sequence[str]) -> str:
+    """Suggest a word for a mistyped one: `; did you mean x?`, or the words that are known."""
+    some = known[:MANY_WORDS]
+    near = [one for one in some if _bare_word(one) == _bare_word(word)] or nearest_word(word, some)
+    more = f" and {len(known) - MANY_NAMED} more" if len(known) > MANY_NAMED else ""
+    several = ", ".join(known[:MANY_NAMED])
+    if not near:
+        return f"; known are {several}{more}"
+    unseen = near[0] != word and _seen(near[0]) == _seen(word)
+    return f"; did you mean {near[0]}?" + " (they differ by characters that are not seen)" * unseen
+
+
+def nearest_word(word: str, known: Iterable[str]) -> list[str]:
+    """Find the known word that is most like a mistyped one: one, or none if none is like it."""
+    from difflib import get_close_matches  # of few starts
+
+    return get_close_matches(word[:LONG_WORD], [*islice(known, MANY_WORDS)], 1)
+
+
+def _bare_word(word: str) -> str:
+    """Write a word in small letters, as it is seen, and a number without zeros before it."""
+    small = _seen(word[:LONG_WORD]).lower()
+    return small.lstrip("0") if small.isdigit() else small
+
+
+def _seen(word: str) -> str:
+    """Leave out of a word what is not seen, such as blanks without width."""
+    import unicodedata  # of few starts
+
+    shown_part = (one for one in unicodedata.normalize("NFKC", word) if one.isprintable())
+    return "".join(shown_part)
+
+
+MANY_NAMED = 40  # words that are listed
+MANY_WORDS = 2_000  # among which a like one is looked for: it takes 20 microseconds each
+LONG_WORD = 100  # characters

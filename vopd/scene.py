@@ -74,6 +74,10 @@ class Change(NamedTuple):
     stated: bool  # whether they are those before; else those after
 
 
+Adjusted = tuple[Sequence[Change], Sequence[str], Floats]
+"""Free parameters, names of landmarks, and sizes of residuals, as `JobScene.adjusted` has them."""
+
+
 @dataclass(frozen=True, eq=False)
 class JobScene:
     """Where the landmarks and the camera of a job are, N landmarks and F frames.
@@ -100,7 +104,7 @@ class JobScene:
     them do not fit and are not used; None: each pick stands for itself."""
     plane: Callable[[Floats], tuple[Floats, Floats]] | None = None
     """Easting and northing in `crs`, and the convergence of its grid, degrees, of positions."""
-    adjusted: Callable[[], tuple[Sequence[Change], Sequence[str], Floats]] | None = None
+    adjusted: Callable[[], Adjusted] | None = None
     """Parameters that were solved for, and names of M landmarks with the root mean square of a
     residual's coordinates before and after, of each and of all, pixels, (M + 1, 2)."""
     film: Callable[[Ints], tuple[Floats, Floats, Floats]] | None = None

@@ -17,7 +17,7 @@ from vopd.files import OutputError
 from vopd.findings import Finding, VopdError
 from vopd.flight import result as solve_project
 from vopd.flight.project import new as new_project
-from vopd.flight.project.new import NewProject
+from vopd.flight.project.inspect import NewProject
 from vopd.job import Deck
 
 

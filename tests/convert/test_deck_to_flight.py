@@ -23,8 +23,8 @@ from vopd.arrays import Floats
 from vopd.convert.deck_to_flight import deck_flight, deck_project
 from vopd.errata import NO_FIXES, fixes
 from vopd.findings import VopdError
-from vopd.flight.misfits.misfit import SPEAK_FOR
-from vopd.flight.project.new import NewProject
+from vopd.flight.misfits.input_errors import SPEAK_FOR
+from vopd.flight.project.inspect import NewProject
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight_read
 from vopd.job import Job, Landmarks, Wind

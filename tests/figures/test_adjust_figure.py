@@ -17,7 +17,7 @@ from tests.tolerances import assert_close
 from vopd.figures.adjust import MOST_ROWS, Change, draw_adjusted
 from vopd.figures.residuals import residual_points
 from vopd.flight.adjust.adjustment import adjust
-from vopd.flight.adjust.table import residual_sizes
+from vopd.flight.parameters import before_and_after
 from vopd.flight.result import solve_flight
 from vopd.report import embedded_figures
 
@@ -91,7 +91,7 @@ def wrong(tmp_path: Path) -> Path:
 
 def test_residuals_before_and_after(wrong: Path) -> None:
     """Before they are those of the project as it is; of the right focal length they are small."""
-    names, rms_px = residual_sizes(adjust(str(wrong), ["focal"]))
+    _, names, rms_px = before_and_after(adjust(str(wrong), ["focal"]).result.estimates)
     found = residual_points([solve_flight(wrong).history()])
     by_landmark = [
         np.sqrt(np.mean(found.pair[found.landmark == k] ** 2)) for k in np.unique(found.landmark)
@@ -104,7 +104,7 @@ def test_residuals_before_and_after(wrong: Path) -> None:
 def test_blunders_are_not_searched_again(wrong: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made = adjust(str(wrong), ["focal"])
     monkeypatch.delattr("vopd.flight.result.find_blunders")
-    assert np.isfinite(residual_sizes(made)[1]).all()
+    assert np.isfinite(before_and_after(made.result.estimates)[2]).all()
 
 
 @pytest.mark.usefixtures("not_laid_out")

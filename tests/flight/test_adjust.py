@@ -17,9 +17,10 @@ from tests.kit.flight_project import write_project
 from tests.kit.joint_flights import FOCAL, Dense, drone, flight_of
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight.adjust.adjustment import Adjustment, Parameter, adjust
+from vopd.flight.adjust.adjustment import Adjustment, adjust
 from vopd.flight.adjust.table import as_text
 from vopd.flight.flight import CameraPath, Flight, FlightOptions
+from vopd.flight.parameters import Parameter
 from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.equations import Priors
 from vopd.flight.solve.free import names_of

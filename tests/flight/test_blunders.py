@@ -19,7 +19,8 @@ from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.misfits.blunders import _together, find_blunders, gross_picks
 from vopd.flight.project.read import read_flight
-from vopd.flight.result import FlightResult, settled, solve_flight_read
+from vopd.flight.result import FlightResult, solve_flight_read
+from vopd.flight.settled import settled
 from vopd.flight.solve.rotations import solve
 
 COUNT = len(MARKS)  # picks of a frame; pick COUNT * f + n is of frame f and landmark n

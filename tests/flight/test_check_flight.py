@@ -19,14 +19,16 @@ from tests.tolerances import assert_close
 from vopd.attitude.findings import HistorySummary
 from vopd.findings import Finding, VopdError
 from vopd.flight import check as check_module
-from vopd.flight import mistakes
-from vopd.flight.check import check_flight, far_landmarks, messages_of_files
+from vopd.flight.check import check_flight, messages_of_files
 from vopd.flight.flight import Flight
+from vopd.flight.formats.photographs import photograph
+from vopd.flight.misfits import far_landmarks as far_module
+from vopd.flight.misfits import mistakes
 from vopd.flight.misfits.blunders import ARE_EXCHANGED
+from vopd.flight.misfits.far_landmarks import far_landmarks
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import flight_of, read_flight
 from vopd.flight.result import solve_flight_read
-from vopd.flight.scene import photograph
 from vopd.flight.solve.rotations import SolvedFlight
 from vopd.geometry.earth import earth_centred_m, geodetic
 
@@ -341,7 +343,7 @@ def test_an_exchanged_position_is_not_the_landmarks(tmp_path: Path) -> None:
     shutil.copytree(Path(__file__).parents[2] / "examples" / "summits", tmp_path / "p")
     path = tmp_path / "p" / "flight.toml"
     one = read_flight(str(path))
-    camera = check_module._grid_exchanged(one, one.path.position_m)
+    camera = far_module._grid_exchanged(one, one.path.position_m)
     (found,) = far(one, camera)
     assert "with x and y of the position exchanged" in found
 
@@ -352,10 +354,10 @@ def test_easting_and_northing_are_named_before_latitude_and_longitude(
     one = flight(tmp_path)
     where = geodetic(one.landmarks.position_m)
     turned = earth_centred_m(where.longitude_deg, where.latitude_deg, where.height_m)
-    words, _ = check_module.COORDINATE_MISTAKES[0]
+    words, _ = far_module.COORDINATE_MISTAKES[0]
     grid = words, lambda flight, position_m: one.landmarks.position_m
-    every = (grid, *check_module.COORDINATE_MISTAKES[1:])
-    monkeypatch.setattr(check_module, "COORDINATE_MISTAKES", every)
+    every = (grid, *far_module.COORDINATE_MISTAKES[1:])
+    monkeypatch.setattr(far_module, "COORDINATE_MISTAKES", every)
     assert_approved(far(one, marks_m=turned))
 
 
@@ -391,7 +393,11 @@ def test_a_solve_without_an_attitude_is_an_error(
     path = str(write_project(tmp_path))
     history = SimpleNamespace(about=None, summary=HistorySummary())
     result = SimpleNamespace(
-        solved=np.array(solved), findings=(), misfits=False, history_parts=lambda _: history
+        solved=np.array(solved),
+        findings=(),
+        misfits=False,
+        history_parts=lambda _: history,
+        estimates=None,
     )
     monkeypatch.setattr(check_module, "solve_flight_read", lambda flight, project: result)
     monkeypatch.setattr(check_module, "usual_mistakes", lambda *_: [])

@@ -25,16 +25,18 @@ from vopd.flight.adjust.project import adjusted_project
 from vopd.flight.check import check_flight
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.formats.picks import Names
-from vopd.flight.formats.tracked import TrackedRows, track_digests, tracked_lines
+from vopd.flight.formats.tracked import TrackedRows, tracked_lines
 from vopd.flight.misfits.click_tests import without_wrong_clicks
+from vopd.flight.misfits.unsolved import picks_outside
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import flight_of, read_flight
 from vopd.flight.project.tracked_picks import (
     correlation_of_neighbours,
     followed_findings,
     hidden_marks,
+    track_digests,
 )
-from vopd.flight.result import FlightResult, picks_outside, solve_flight, solve_flight_read
+from vopd.flight.result import FlightResult, solve_flight, solve_flight_read
 from vopd.flight.solve import joint
 from vopd.flight.solve.clicks import AT_ONCE, errors_of_frames
 from vopd.flight.solve.errors import priors_of

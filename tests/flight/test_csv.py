@@ -16,22 +16,21 @@ from tests.kit.flight_project import read_text
 from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.formats.files import (
-    CsvTable,
-    InputFile,
-    csv_blocks,
-    frames_of_column,
-    has_columns,
-    header_names,
-    open_input,
-    read_by_content,
-    read_csv,
-    whole_numbers,
-)
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.image_tags import read_tags
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS
+from vopd.flight.formats.tables import (
+    CsvTable,
+    csv_blocks,
+    frames_of_column,
+    has_columns,
+    header_names,
+    read_csv,
+    whole_numbers,
+)
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.wind import WIND_FORMATS
 

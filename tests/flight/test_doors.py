@@ -17,7 +17,8 @@ from tests.approved.texts import refused
 from tests.kit.flight_project import read_text
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.formats.files import open_input, read_by_content
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import open_input
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import (
     IMAGE_LENS_FORMATS,
@@ -29,8 +30,9 @@ from vopd.flight.formats.lens import (
 from vopd.flight.formats.matlab import read_variables
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.project.camera import CameraLens
 from vopd.flight.project.keys import Project, Section
-from vopd.flight.project.read import CameraLens, read_pick_rows
+from vopd.flight.project.read import read_pick_rows
 from vopd.geometry.earth import earth_centred_m, local_axes
 
 PLACE = {"latitude": 48.0, "longitude": 15.0, "altitude": 300.0}

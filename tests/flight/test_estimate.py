@@ -30,16 +30,11 @@ from tests.kit.random_flights import lenses, random_frame
 from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.estimate import Estimate, MapGrid
-from vopd.flight.estimate import (
-    SIGMA_KEYS,
-    FlightEstimates,
-    flight_estimate,
-    flight_words,
-    lean_of_verticals_deg,
-)
+from vopd.flight.estimate import FlightEstimates, flight_estimate, lean_of_verticals_deg
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.project.keys import ROWS
 from vopd.flight.solve.rotations import SolvedFlight, solve
+from vopd.flight.words import SIGMA_KEYS, flight_words
 from vopd.geometry.earth import earth_centred_m, local_axes
 from vopd.geometry.lenses import project
 

@@ -12,7 +12,8 @@ from tests.kit.flight_project import LENS, MARK, UNUSED, local_to_camera, three_
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.estimate import Estimate
-from vopd.flight.estimate import AttackAngles, angles_of_attack, flight_estimate, gain_of_turns
+from vopd.flight.angles import AttackAngles, angles_of_attack
+from vopd.flight.estimate import flight_estimate, gain_of_turns
 from vopd.flight.flight import CameraPath, Flight, LandmarkSet, Picks, Refraction
 from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.flight.solve.rotations import SolvedFlight, solve

@@ -19,8 +19,9 @@ from tests.tolerances import assert_close
 from vopd.flight.flight import FlightOptions
 from vopd.flight.misfits import exchanged
 from vopd.flight.misfits.blunders import ARE_EXCHANGED
+from vopd.flight.misfits.unsolved import picks_outside
 from vopd.flight.project.read import read_flight
-from vopd.flight.result import FlightResult, picks_outside, solve_flight_read
+from vopd.flight.result import FlightResult, solve_flight_read
 
 SEED = 12
 HELD = FlightOptions(solve_position=False)

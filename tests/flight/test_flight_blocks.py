@@ -13,11 +13,7 @@ import pytest
 from tests.approved.texts import refused
 from tests.kit.command import peak
 from tests.kit.estimates import assert_same_landmarks
-from tests.kit.flight_project import (
-    NOISE_PX,
-    three_frames,
-    uneven_flight,
-)
+from tests.kit.flight_project import NOISE_PX, three_frames, uneven_flight
 from tests.tolerances import assert_close, within
 from vopd.attitude import long_history
 from vopd.attitude.history import History, HistoryOptions
@@ -30,9 +26,10 @@ from vopd.findings import VopdError
 from vopd.flight import estimate as estimate_module
 from vopd.flight.estimate import FlightEstimates, flight_estimate
 from vopd.flight.flight import Flight
-from vopd.flight.formats.files import InputFile, read_csv
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.picks import read_csv_picks as read_picks
-from vopd.flight.mistakes import some_frames
+from vopd.flight.formats.tables import read_csv
+from vopd.flight.misfits.mistakes import some_frames
 from vopd.flight.result import FlightResult
 from vopd.flight.solve import rotations as solve_module
 from vopd.flight.solve.rotations import solve

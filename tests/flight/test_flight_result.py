@@ -27,12 +27,8 @@ from vopd.findings import VopdError
 from vopd.flight import result as result_module
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Picks, Refraction
 from vopd.flight.misfits.blunders import Blunders
-from vopd.flight.result import (
-    freed_beside_blunders,
-    require_two_landmarks,
-    solve_flight,
-    solve_flight_read,
-)
+from vopd.flight.misfits.unsolved import require_two_landmarks
+from vopd.flight.result import freed_beside_blunders, solve_flight, solve_flight_read
 from vopd.flight.solve.rotations import FlightBlocks
 
 

@@ -17,20 +17,22 @@ from tests.tolerances import within
 from vopd.findings import VopdError
 from vopd.flight.coordinates import HeightDatum, crs_name
 from vopd.flight.flight import CameraPath
-from vopd.flight.formats.files import open_input, read_by_content
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import open_input
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import make_lens
 from vopd.flight.formats.track import TrackRows
-from vopd.flight.project.keys import Project, Section
-from vopd.flight.project.new import (
+from vopd.flight.project.inspect import (
     NewProject,
     look_at_landmarks,
     look_at_lens,
     look_at_picks,
     look_at_track,
 )
+from vopd.flight.project.keys import Project, Section
 from vopd.flight.project.read import landmark_grid
-from vopd.flight.project.track import FrameTimes, doubts_of_rounded_times, times_of_track
+from vopd.flight.project.times import FrameTimes
+from vopd.flight.project.track import doubts_of_rounded_times, times_of_track
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from tests.approved.texts import assert_approved
-from vopd.flight.estimate import gimbal_sentence
+from vopd.flight.words import gimbal_sentence
 
 NAN = [np.nan] * 3
 

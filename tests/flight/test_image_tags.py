@@ -24,7 +24,8 @@ from tests.kit.tagged_images import Rational, tagged_image
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.formats import image_tags
-from vopd.flight.formats.files import InputFile, read_by_content
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_tags import (
     clock_of_tags,
     exif_position,
@@ -36,15 +37,10 @@ from vopd.flight.formats.image_tags import (
 )
 from vopd.flight.formats.picks import CLICKS
 from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.project.inspect import NewProject, has_positions, look_at_focal, take_size
 from vopd.flight.project.keys import Section
-from vopd.flight.project.new import (
-    NewProject,
-    has_positions,
-    look_at_focal,
-    project_of_files,
-    take_size,
-)
-from vopd.flight.project.track import times_of_images
+from vopd.flight.project.new import project_of_files
+from vopd.flight.project.times import times_of_images
 from vopd.geometry.earth import geodetic
 
 

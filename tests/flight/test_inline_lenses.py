@@ -12,9 +12,9 @@ import pytest
 from tests.approved.texts import assert_approved
 from vopd.findings import VopdError
 from vopd.flight.formats.lens import LensRead
+from vopd.flight.project.camera import read_lens
+from vopd.flight.project.inspect import lens_of_numbers
 from vopd.flight.project.keys import Project, Section
-from vopd.flight.project.new import lens_of_numbers
-from vopd.flight.project.read import read_lens
 
 UNSIZED = '{"camera_matrix": [70, 0, 2, 0, 60, 3, 0, 0, 1]}'
 SIZED = ', "image_width": 64, "image_height": 48}'

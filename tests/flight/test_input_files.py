@@ -13,28 +13,18 @@ import pytest
 
 from tests.approved.texts import assert_approved, refused
 from tests.tolerances import assert_close
-from vopd.files import (
-    A_VIDEO,
-    install_command,
-    kind_by_first_bytes,
-    optional_package,
-    reason,
-)
-from vopd.findings import VopdError
-from vopd.flight.formats.files import (
-    InputFile,
-    InputFormat,
-    did_you_mean,
-    open_input,
-    read_by_content,
-)
+from vopd.files import A_VIDEO, install_command, kind_by_first_bytes, optional_package, reason
+from vopd.findings import VopdError, did_you_mean
+from vopd.flight.formats.by_content import InputFormat, read_by_content
+from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import LENS_FORMATS
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project.keys import Section
-from vopd.flight.project.track import times_of_csv, track_height
+from vopd.flight.project.times import times_of_csv
+from vopd.flight.project.track import track_height
 from vopd.flight.solve.rotations import first_attitude
 from vopd.inputs import no_file, parse_json, parse_toml, parse_xml
 

@@ -15,7 +15,8 @@ from tests.kit.flight_project import read_text, text_told
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions
-from vopd.flight.formats.files import InputFile, read_by_content
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.geometry.earth import earth_centred_m

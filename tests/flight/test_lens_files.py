@@ -14,7 +14,8 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import lens_of, no_lens
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.formats.files import open_input, read_by_content
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import open_input
 from vopd.flight.formats.lens import (
     LENS_FORMATS,
     NOT_READ_COLMAP,
@@ -22,8 +23,8 @@ from vopd.flight.formats.lens import (
     LensRead,
     coefficients_said,
 )
+from vopd.flight.project.camera import read_lens
 from vopd.flight.project.keys import Project, Section
-from vopd.flight.project.read import read_lens
 from vopd.geometry.lenses import LensKind
 
 

@@ -14,7 +14,8 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import text_told
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.formats.files import TEXT_AT_ONCE, InputFormat, open_input, read_by_content
+from vopd.flight.formats.by_content import InputFormat, read_by_content
+from vopd.flight.formats.files import TEXT_AT_ONCE, open_input
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
 from vopd.flight.formats.lens import IMAGE_LENS_FORMATS, LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS

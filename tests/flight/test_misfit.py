@@ -22,18 +22,17 @@ from tests.tolerances import assert_close, within
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.findings import VopdError
 from vopd.flight.flight import CameraPath, Flight, TrackFixes
+from vopd.flight.misfits import input_errors as errors_module
 from vopd.flight.misfits import misfit
-from vopd.flight.misfits.misfit import (
+from vopd.flight.misfits.input_errors import (
     SPEAK_FOR,
     even_path,
     input_errors,
-    misfit_text,
     of_sampled,
     sampled,
     significant_errors,
-    sizes_text,
-    too_wide_text,
 )
+from vopd.flight.misfits.misfit import misfit_text, sizes_text, too_wide_text
 from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.equations import SHIFT, Priors
 from vopd.flight.solve.errors import priors_of
@@ -398,7 +397,7 @@ def test_a_long_flight_is_looked_at_by_its_drawn_frames(
 ) -> None:
     """A focal length that is 3 % off is named as by all frames, with its larger sigma."""
     every = [one for one in said(solved(tmp_path, "focal length", 30.0)) if "focal" in one]
-    monkeypatch.setattr(misfit, "MOST_PICKS", 60)
+    monkeypatch.setattr(errors_module, "MOST_PICKS", 60)
     some = [one for one in said(solved(tmp_path, "focal length", 30.0)) if "focal" in one]
     assert_approved([*every, *some])
 
@@ -408,7 +407,7 @@ def test_drawn_frames_are_solved_from_where_all_frames_are(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """To the solution that they have by themselves."""
-    monkeypatch.setattr(misfit, "MOST_PICKS", 60)
+    monkeypatch.setattr(errors_module, "MOST_PICKS", 60)
     rng = np.random.default_rng(SEED)
     if kind == "clicks":
         flight = clicked_flight(rng, 30, 6, every=10).flight
@@ -444,7 +443,7 @@ def test_frames_are_drawn_over_the_whole_flight(
 ) -> None:
     flight = solved(tmp_path).flight
     assert sampled(flight).flight is flight
-    monkeypatch.setattr(misfit, "MOST_PICKS", 60)
+    monkeypatch.setattr(errors_module, "MOST_PICKS", 60)
     some = sampled(flight).flight
     assert len(some.picks.frame) == 60 and np.ptp(some.frame) >= 9
 

@@ -16,9 +16,9 @@ from tests.kit.flight_project import TOML, long_track, uneven_flight, write_proj
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.flight import mistakes
 from vopd.flight.flight import Flight, FlightOptions, LandmarkSet
-from vopd.flight.mistakes import (
+from vopd.flight.misfits import mistakes
+from vopd.flight.misfits.mistakes import (
     AXES_MISTAKES,
     USUAL_MISTAKES,
     freedom,
@@ -353,8 +353,8 @@ def with_sigma(result: FlightResult, sigma_px: Floats) -> Any:
     """The same with other standard deviations, for `usual_mistakes`."""
     picks = replace(result.flight.picks, sigma_px=sigma_px)
     return SimpleNamespace(
-        flight=replace(result.flight, picks=picks), estimate=result.estimate,
-        estimates=result.estimates,
+        flight=replace(result.flight, picks=picks), joint=result.estimates.joint,
+        whole=lambda: result.estimate,
     )  # fmt: skip
 
 
@@ -363,7 +363,7 @@ def typical(result: FlightResult) -> float:
 
 
 def told(
-    monkeypatch: pytest.MonkeyPatch, result: Any, changes: list[tuple[Flight, str]]
+    monkeypatch: pytest.MonkeyPatch, estimates: Any, changes: list[tuple[Flight, str]]
 ) -> list[str]:
     table = [
         Mistake(advice, lambda *_, one=one: [(one, ())], advice)  # type: ignore[misc]
@@ -371,7 +371,7 @@ def told(
     ]
     monkeypatch.setattr(mistakes, "AXES_MISTAKES", ())
     monkeypatch.setattr(mistakes, "USUAL_MISTAKES", table)
-    return [*usual_mistakes(ANY, result)]
+    return [*usual_mistakes(ANY, estimates)]
 
 
 @pytest.mark.parametrize(("sigmas", "named"), [(1.99, False), (2.01, True)])

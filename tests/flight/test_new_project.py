@@ -24,14 +24,9 @@ from tests.kit.tagged_images import tagged_image
 from tests.tolerances import within
 from vopd.findings import VopdError
 from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
+from vopd.flight.project.inspect import NewProject, look_at_times
 from vopd.flight.project.keys import KEYS, read_project
-from vopd.flight.project.new import (
-    EXAMPLE_VALUES,
-    NewProject,
-    example_project,
-    look_at_times,
-    project_of_files,
-)
+from vopd.flight.project.new import EXAMPLE_VALUES, example_project, project_of_files
 from vopd.flight.project.track import track_clock
 from vopd.video import open_frames
 

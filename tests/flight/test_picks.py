@@ -15,12 +15,15 @@ from tests.kit.flight_project import read_text, text_told
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
 from vopd.flight.flight import FrameSlots
-from vopd.flight.formats.files import InputFile, open_input, read_by_content
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.lens import LensRead, make_lens
 from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows, clicks_of
-from vopd.flight.project import read as read_module
+from vopd.flight.project import picks as picks_module
+from vopd.flight.project.camera import CameraLens
 from vopd.flight.project.keys import Project, Section
-from vopd.flight.project.read import CameraLens, join_picks, read_pick_rows
+from vopd.flight.project.picks import join_picks
+from vopd.flight.project.read import read_pick_rows
 
 MARKS = ("mast", "well", "arch")
 LENS = make_lens("brown", (64, 48), (50.0, 50.0), (31.5, 23.5))
@@ -64,7 +67,7 @@ def test_picks_of_one_point_are_averaged_by_their_weights(
     at_once: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Sigmas 1 and 2 have weights 1 and 1/4: (10 + 15 / 4) / 1.25 is 11; 1 / sqrt(1.25)."""
-    monkeypatch.setattr(read_module, "POINTS_AT_ONCE", at_once)
+    monkeypatch.setattr(picks_module, "POINTS_AT_ONCE", at_once)
     picks, findings = joined(
         (1, "well", 10, 20, 1.0), (0, "arch", 5, 6, 0.5), (1, "well", 15, 10, 2.0),
         (0, "mast", 7, 8, 1.5), (1, "mast", 1, 2, 1.0), (1, "arch", 3, 4, 1.0),

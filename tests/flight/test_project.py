@@ -14,7 +14,8 @@ import pytest
 
 from tests.approved.texts import assert_approved, refused
 from vopd.findings import VopdError
-from vopd.flight.formats.files import InputFile, InputFormat
+from vopd.flight.formats.by_content import InputFormat
+from vopd.flight.formats.files import InputFile
 from vopd.flight.project.keys import (
     KEYS,
     SECTIONS,

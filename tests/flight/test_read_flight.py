@@ -25,9 +25,10 @@ from vopd.flight.formats.lens import LensRead
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.track import TrackRows
 from vopd.flight.misfits.blunders import pick_distances_px
+from vopd.flight.misfits.unsolved import picks_set_aside, require_two_landmarks
 from vopd.flight.project import read as read_module
+from vopd.flight.project.inspect import NewProject, ask_height, look_at_track
 from vopd.flight.project.keys import Project, Section
-from vopd.flight.project.new import NewProject, ask_height, look_at_track
 from vopd.flight.project.read import (
     add_wind,
     frames_uncovered,
@@ -37,18 +38,9 @@ from vopd.flight.project.read import (
     refraction_of,
 )
 from vopd.flight.project.stated import Notes, flight_options
-from vopd.flight.project.track import (
-    FrameTimes,
-    fixed_path,
-    lever_arm,
-    number_frames,
-    path_by_image,
-)
-from vopd.flight.result import (
-    picks_set_aside,
-    require_two_landmarks,
-    solve_flight_read,
-)
+from vopd.flight.project.times import FrameTimes, number_frames
+from vopd.flight.project.track import fixed_path, lever_arm, path_by_image
+from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.rotations import SolvedFlight, no_attitudes, solve
 from vopd.geometry.earth import earth_centred_m
 

@@ -11,7 +11,8 @@ import pytest
 from tests.approved.texts import assert_approved, refused
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.formats.files import open_input, read_by_content
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import open_input
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
 from vopd.flight.formats.picks import PICK_FORMATS, PickRows

@@ -16,8 +16,9 @@ from vopd.batch.sources import input_sha256
 from vopd.convert.flight_to_deck import flight_job
 from vopd.findings import VopdError
 from vopd.flight.formats.lens import make_lens
+from vopd.flight.project.camera import read_camera
 from vopd.flight.project.keys import read_project
-from vopd.flight.project.read import read_camera, read_flight
+from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel

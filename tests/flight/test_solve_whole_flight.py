@@ -11,19 +11,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import assert_approved
-from tests.kit.flight_project import (
-    MARK,
-    TIME_S,
-    camera_m,
-    three_frames,
-    truth_deg,
-    uneven_flight,
-)
+from tests.kit.flight_project import MARK, TIME_S, camera_m, three_frames, truth_deg, uneven_flight
 from tests.tolerances import assert_close
 from vopd.findings import Finding
 from vopd.flight.estimate import flight_estimate
 from vopd.flight.flight import frame_label
-from vopd.flight.result import frames_unsolved
+from vopd.flight.misfits.unsolved import frames_unsolved
 from vopd.flight.solve import rotations as solve_module
 from vopd.flight.solve.rotations import FlightBlocks, no_attitudes, solve, solve_rotations
 from vopd.geometry.earth import NED_FROM_ENU, local_axes

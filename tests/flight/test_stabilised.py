@@ -17,7 +17,7 @@ from tests.tolerances import assert_close
 from tools.render_video import Settings, make
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.misfits import stabilised
-from vopd.flight.misfits.misfit import SHIFTED
+from vopd.flight.misfits.input_errors import SHIFTED
 from vopd.flight.result import solve_flight_read
 
 FRAMES = 40

@@ -23,15 +23,12 @@ from vopd.flight.formats.track import TrackRows, photo_number
 from vopd.flight.project import track as track_module
 from vopd.flight.project.keys import Project, Section
 from vopd.flight.project.stated import Notes
+from vopd.flight.project.times import BRING_TIMES, FrameTimes, first_whole_second, frames_of
 from vopd.flight.project.track import (
-    BRING_TIMES,
-    FrameTimes,
     PathRead,
     covering_text,
     doubts_of_leaps,
     doubts_of_scatter,
-    first_whole_second,
-    frames_of,
     height_datum,
     path_by_image,
     path_by_time,

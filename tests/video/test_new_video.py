@@ -12,7 +12,8 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd
 from tests.kit.video import SIZE, write_video
 from vopd.findings import VopdError
-from vopd.flight.project.new import NAME, NewProject, project_of_files
+from vopd.flight.project.inspect import NewProject
+from vopd.flight.project.new import NAME, project_of_files
 
 LANDMARKS = "landmark,lat_deg,lon_deg,h_m,sigma_m\nmast,47.0,15.0,300.0,0.1\n"
 BLOCK = (

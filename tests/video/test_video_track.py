@@ -14,7 +14,8 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.video import klv, write_gpmf, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
-from vopd.flight.formats.files import open_input, read_by_content
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import open_input
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS, TrackRows
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cache, cached_property
 from typing import Any
 
@@ -16,7 +15,7 @@ from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.sigmas import COMPONENTS
 from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import FrameEstimate, Units
-from vopd.findings import VopdError
+from vopd.findings import VopdError, nearest_word
 
 # Columns.
 
@@ -322,7 +321,7 @@ def _instead_of(name: str, every: Sequence[str]) -> str:
     if word in OTHER_WORDS:
         return OTHER_WORDS[word]
     within = [one for one in every if word in one.split("_")][:MOST_HINTED]
-    if near := get_close_matches(name, every, 1) or within:
+    if near := nearest_word(name, every) or within:
         return f"did you mean {' or '.join(near)}?"
     return f"there are: {', '.join(every)}"
 

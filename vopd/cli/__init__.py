@@ -11,6 +11,7 @@ import click
 
 import vopd
 from vopd.cli.console import ReaderGone, at_the_boundary
+from vopd.findings import nearest_word
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -60,9 +61,7 @@ class Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         mistyped = args and args[0] not in COMMANDS and not args[0].startswith("-")
         if mistyped and not ctx.resilient_parsing:  # a shell that completes wants no message
-            from difflib import get_close_matches
-
-            near = get_close_matches(args[0], COMMANDS, 1)
+            near = nearest_word(args[0], COMMANDS)
             hint = f"Did you mean {near[0]!r}?" if near else f"There are: {', '.join(COMMANDS)}."
             ctx.fail(f"No such command {args[0]!r}. {hint}")
         return super().resolve_command(ctx, args)

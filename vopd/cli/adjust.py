@@ -263,9 +263,9 @@ def _draw(made: Adjustment, figure: str, suffix: str, quiet: bool) -> None:
     """Draw parameters and residuals before and after."""
     from vopd.figures.adjust import draw_adjusted
     from vopd.figures.style import save
-    from vopd.flight.adjust.table import changes, residual_sizes
+    from vopd.flight.parameters import before_and_after
 
-    drawn = draw_adjusted(made.result.flight.source, changes(made), *residual_sizes(made))
+    drawn = draw_adjusted(made.result.flight.source, *before_and_after(made.result.estimates))
     content = save(drawn, suffix, note=notes(quiet))
     with whole_file(figure) as file:
         file.write(content)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from difflib import get_close_matches
 from textwrap import fill
 
 import click
@@ -11,6 +10,7 @@ import click
 from vopd.cli.options import output_option, text_or_json_option
 from vopd.errata import VOPD_ERRATA, Erratum
 from vopd.files import whole_file
+from vopd.findings import nearest_word
 
 PARTS = ("where", "original", "fix", "evidence", "effect")
 
@@ -64,7 +64,7 @@ def chosen(names: tuple[str, ...], errata: tuple[Erratum, ...]) -> list[Erratum]
     known = {erratum.name: erratum for erratum in errata}
     for name in names:
         if name not in known:
-            near = get_close_matches(name, known, 1)
+            near = nearest_word(name, known)
             hint = f"Did you mean {near[0]!r}?" if near else f"There are: {', '.join(known)}."
             raise click.UsageError(f"No erratum is called {name!r}. {hint}")
     return [known[name] for name in names] if names else list(errata)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Mapping
-from difflib import get_close_matches
 from pathlib import Path
 
 import click
 
 import vopd
+from vopd.findings import nearest_word
 from vopd.screen import aligned
 
 PACKAGE = Path(vopd.__file__).parent
@@ -58,7 +58,7 @@ def command(page: str | None) -> None:
     name = page.removeprefix("docs/").removesuffix(".md")
     name = name if name in every else page_of(name, every) or name
     if name not in every:
-        near = get_close_matches(name, every, 1)
+        near = nearest_word(name, every)
         hint = f"did you mean {near[0]}?" if near else f"there are: {', '.join(every)}"
         raise click.UsageError(f"no page {page!r}; {hint}")
     text = every[name].read_text(encoding="utf-8")

@@ -17,8 +17,9 @@ from vopd.findings import VopdError, count_text
 from vopd.inputs import is_number
 
 if TYPE_CHECKING:
+    from vopd.flight.project.inspect import NewProject
     from vopd.flight.project.keys import KeyValues
-    from vopd.flight.project.new import Answer, NewProject
+    from vopd.flight.project.new import Answer
 
 _FILES = (
     ("--gcp", "gcp", "gcp_list.txt of OpenDroneMap: picks and landmarks in one."),
@@ -137,13 +138,8 @@ def command(
     would be written is there already; 2 wrong usage.
     """
     from vopd.flight.project.earlier import earlier_project
-    from vopd.flight.project.new import (
-        NAME,
-        Answer,
-        example_project,
-        lens_of_numbers,
-        project_of_files,
-    )
+    from vopd.flight.project.inspect import lens_of_numbers
+    from vopd.flight.project.new import NAME, Answer, example_project, project_of_files
 
     files = {key: name for _, key, _ in _FILES if (name := given[key]) is not None}
     answers = _answers(given, position, columns, keys)
@@ -190,9 +186,10 @@ def _answers(
     Raises:
         click.UsageError: where one is not a value of its key
     """
-    from vopd.flight.formats.files import did_you_mean
+    from vopd.findings import did_you_mean
+    from vopd.flight.project.inspect import GROUND
     from vopd.flight.project.keys import KEYS, ROWS
-    from vopd.flight.project.new import GROUND, Answer, answer_value
+    from vopd.flight.project.new import Answer, answer_value
 
     found = []
     try:

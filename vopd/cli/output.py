@@ -80,7 +80,7 @@ def _is_photograph(output: str, inputs: dict[str, list[str]]) -> bool:
     """
     if not os.path.isfile(output):  # noqa: PTH113
         return False
-    from vopd.flight.scene import image_file
+    from vopd.flight.formats.photographs import image_file
     from vopd.video import STILLS
 
     name = os.path.basename(os.path.realpath(output))  # noqa: PTH119

@@ -82,7 +82,8 @@ def command(
 
     Exit status: 0 the page is written; 1 a file could not be read; 2 wrong usage.
     """
-    from vopd.flight.formats.files import open_input, read_by_content
+    from vopd.flight.formats.by_content import read_by_content
+    from vopd.flight.formats.files import open_input
     from vopd.flight.formats.landmarks import LANDMARK_FORMATS
     from vopd.flight.formats.picks import CLICKS, HIDDEN, read_clicks, read_hidden
     from vopd.flight.project.directions import directions_of
@@ -192,7 +193,8 @@ class ProjectPicks(NamedTuple):
 def _picks_of(project: Project) -> ProjectPicks:
     """Read the picks that a project has already."""
     from vopd.flight.formats.picks import CLICKS, clicks_of, read_hidden
-    from vopd.flight.project.read import read_camera, read_pick_rows
+    from vopd.flight.project.camera import read_camera
+    from vopd.flight.project.read import read_pick_rows
     from vopd.flight.result import solve_flight
     from vopd.flight.solve.next_click import next_places
 

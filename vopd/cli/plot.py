@@ -146,7 +146,7 @@ def _with_half(angle: float, half: float | None) -> str:
 
 def _star_photograph(one: ReadSolution, about: StarCamera, images: str | None) -> tuple[Any, str]:
     """Read the photograph of a solution as a PIL image, or say why there is none."""
-    from vopd.flight.scene import image_file
+    from vopd.flight.formats.photographs import image_file
     from vopd.video import open_frames
 
     beside = Path(about.source).parent if images is None else Path(images)

@@ -16,12 +16,12 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
 from vopd.findings import VopdError, count_text
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
-from vopd.flight.formats.files import EXACT
 from vopd.flight.formats.lens import make_lens
 from vopd.flight.formats.picks import Names, PickRows
+from vopd.flight.formats.tables import EXACT
+from vopd.flight.project.inspect import NewProject
 from vopd.flight.project.keys import KeyValues, project_text, toml_numbers, toml_text
-from vopd.flight.project.new import NewProject
-from vopd.flight.project.read import join_picks
+from vopd.flight.project.picks import join_picks
 from vopd.geometry.earth import M_PER_KM, Geodetic, geodetic
 from vopd.geometry.ellipsoids import WGS84
 from vopd.geometry.film_lens import radial_factor

@@ -20,8 +20,9 @@ from vopd.cards.read import read_jobs
 from vopd.convert.deck_to_flight import M_PER_FT, deck_flight, landmark_positions_m
 from vopd.errata import Fixes
 from vopd.findings import VopdError
-from vopd.flight.adjust.adjustment import Adjustment, Parameter, adjust
+from vopd.flight.adjust.adjustment import Adjustment, adjust
 from vopd.flight.coordinates import coordinates_at
+from vopd.flight.parameters import Parameter
 from vopd.job import Job, Landmarks
 from vopd.program.ignored import kept
 

@@ -23,6 +23,7 @@ from vopd.findings import NeededError, VopdError
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.inputs import MOST_NUMBER
 
+M_PER_FT = 0.3048
 ELLIPSOIDAL = "EPSG:4979"  # longitude, latitude and height above the ellipsoid
 WGS84_NAMES = ("EPSG:4326", ELLIPSOIDAL, "WGS84", "WGS 84")
 GEOIDS = {"egm96": "EPSG:5773", "egm2008": "EPSG:3855", "navd88": "EPSG:5703"}
@@ -208,7 +209,7 @@ class AxisUnit(NamedTuple):
     @property
     def is_foot(self) -> bool:
         """Tell whether it is one of the feet, which differ by parts in a million."""
-        return abs(self.metres / 0.3048 - 1.0) < SAME_UNIT
+        return abs(self.metres / M_PER_FT - 1.0) < SAME_UNIT
 
 
 SAME_UNIT = 1e-4  # of it

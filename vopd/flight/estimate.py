@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.conventions import POSITION
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.estimate import (
     About,
@@ -25,95 +24,31 @@ from vopd.estimate import (
     Units,
     Words,
 )
-from vopd.findings import count_text
+from vopd.flight.angles import AttackAngles, attack_angles, camera_angles, vehicle_angles
 from vopd.flight.coordinates import map_grid
-from vopd.flight.flight import Flight, FrameSlots, Refraction
+from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.solve.errors import (
     ADJUSTED,
     HeldEffects,
-    covariance_of_common,
     errors_of_sums,
     held_effects,
     places_by_stated,
     stated_components,
     turns_by_errors,
 )
-from vopd.flight.solve.free import free_text
 from vopd.flight.solve.held import other_solutions_deg, position_ratio
 from vopd.flight.solve.joint import JointSolution
-from vopd.flight.solve.lines_of_sight import EARTH_RADIUS_M, sight_lines
-from vopd.flight.solve.rotations import (
-    IMAGE_FROM_CAMERA,
-    FlightBlocks,
-    FlightPart,
-    SolvedFlight,
-)
+from vopd.flight.solve.lines_of_sight import EARTH_RADIUS_M
+from vopd.flight.solve.rotations import IMAGE_FROM_CAMERA, FlightBlocks, FlightPart, SolvedFlight
+from vopd.flight.words import flight_words
 from vopd.geometry.earth import NED_FROM_ENU, geodetic, local_axes
 from vopd.geometry.lenses import Lenses, LensKind, Projection, project, ray_of_pixel
 from vopd.geometry.linear import FAR_FROM_SINGULAR, crossing, inverse
-from vopd.geometry.rotations import (
-    FORWARD,
-    angles_by_turns,
-    body_angles_by_turns,
-    body_angles_deg,
-    camera_angles_deg,
-    from_yaw_pitch_roll,
-    rotation_vectors_deg,
-    turns_by_angles,
-)
+from vopd.geometry.rotations import angles_by_turns, body_angles_by_turns, turns_by_angles
 from vopd.landmark_layout import LandmarkLayout
 
 if TYPE_CHECKING:
-    from vopd.scene import Change, JobScene
-
-# Angles of attack
-
-
-class AttackAngles(NamedTuple):
-    """Angles of attack of F frames; NaN where the velocity is not known."""
-
-    angle_deg: Floats  # (F, 3) alpha, beta, eta
-    airspeed_m_s: Floats  # (F,)
-    by_turns: Floats  # (F, 3, 3) by small turns about forward, right, down
-    by_time: Floats  # (F, 3) radians a second, by the change of the velocity
-    by_velocity: Floats  # (F, 3, 3) radians by north, east, down of the velocity, m/s
-
-
-@np.errstate(all="ignore")
-def angles_of_attack(
-    body_to_ned: Floats, velocity_m_s: Floats, acceleration_m_s2: Floats
-) -> AttackAngles:
-    """Find the angles of attack and their derivatives.
-
-    Alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), with forward, right
-    and down components u, v, w of the velocity relative to the air.
-
-    Args:
-        body_to_ned: forward, right, down as columns in north, east, down, (F, 3, 3)
-        velocity_m_s: north, east, down relative to the air, (F, 3)
-        acceleration_m_s2: its change a second, (F, 3)
-    """
-    to_body = body_to_ned.swapaxes(1, 2)
-    inside = (to_body @ velocity_m_s[..., None])[..., 0]
-    u, v, w = inside.T
-    across = np.hypot(v, w)
-    angles = np.stack([np.arctan2(w, u), np.arctan2(v, u), np.arctan2(across, u)], axis=1)
-    zero = np.zeros_like(u)
-    wu, vu, all2 = u**2 + w**2, u**2 + v**2, u**2 + across**2
-    rows = [
-        np.stack([-w / wu, zero, u / wu], axis=1),
-        np.stack([-v / vu, u / vu, zero], axis=1),
-        np.stack([-across / all2, u * v / (across * all2), u * w / (across * all2)], axis=1),
-    ]
-    by_velocity = np.stack(rows, axis=1)
-    angles[all2 == 0.0] = np.nan  # what does not move through the air has no direction in it
-    return AttackAngles(
-        np.degrees(angles),
-        np.sqrt(all2),
-        by_velocity @ crossing(inside),
-        (by_velocity @ to_body @ acceleration_m_s2[..., None])[..., 0],
-        by_velocity @ to_body,
-    )
+    from vopd.scene import Adjusted, JobScene
 
 
 # Derivatives of residuals by landmarks, position, focal length and time
@@ -180,202 +115,6 @@ def _vertical_by_position(solved: SolvedFlight) -> Floats:
     return turn
 
 
-# Comparison with the gimbal's angles, which are never used in a solve
-
-
-def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
-    """Describe the rotations from the gimbal's attitudes to the solved ones, in a sentence.
-
-    They are rotations about the camera's own axes: near nadir yaw and roll differ by tens of
-    degrees where the attitudes differ by one.
-
-    Args:
-        camera_deg: solved yaw, pitch, roll, (F, 3)
-        gimbal_deg: those of the gimbal, (F, 3); NaN where not known
-    """
-    known = np.isfinite(camera_deg).all(axis=1) & np.isfinite(gimbal_deg).all(axis=1)
-    if not known.any():
-        return "in the images' tags, and no frame with an attitude has them"
-    turn = rotation_vectors_deg(
-        from_yaw_pitch_roll(gimbal_deg[known]), from_yaw_pitch_roll(camera_deg[known])
-    )
-    middle, low, high = np.median(turn, axis=0), turn.min(axis=0), turn.max(axis=0)
-    parts = ", ".join(
-        f"{axis} {middle[k]:+.2f} ({low[k]:+.2f} to {high[k]:+.2f})"
-        for axis, k in (("right", 1), ("down", 2), ("forward", 0))
-    )
-    count = count_text(len(turn), "frame")
-    return (
-        "not used; rotation from the gimbal's attitude to the solved one about the camera's axes, "
-        f"degrees, median of {count} and range: {parts}"
-    )
-
-
-# Words of flights in tables, files, pictures and the report
-
-ATTACK = (
-    "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w the velocity "
-    "{against} in the body"
-)
-
-
-OWN_LEVEL = "as the landmarks' file counts heights"
-SIGMA_KEYS = {
-    "position": "[track] or [position] sigma_m",
-    "landmark": "[landmarks] sigma_m",
-    "focal": "[uncertainty] focal_rel",
-    "principal_point": "[uncertainty] principal_px",
-    "distortion": "[uncertainty] k1, k2, p1p2",
-    "refraction": "[atmosphere] sigma_k",
-    "time": "[track] sigma_t_s",
-    "readout": "[uncertainty] readout_ms",
-    "mount": "--mount-sigma",
-    "velocity": "[track] velocity_sigma_m_s",
-    "wind": "[wind] sigma_m_s",
-    "click": "[picks] tracked_from: tracks of another program share those of their clicks",
-}
-"""Where the standard deviation of each component of a flight's uncertainty is stated."""
-
-
-def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Words:
-    """Choose the words for one flight.
-
-    Args:
-        solved: its solution
-        joint: the same, with what was solved for besides the rotations
-    """
-    flight = solved.flight
-    altitude = OWN_LEVEL if flight.own_level else Words.altitude
-    conventions = {
-        "input": "; ".join(flight.about),
-        "solve": f"{_unknowns(solved).format(flight.options.loss)}; WGS 84; "
-        "residuals in pixels of the image as it was taken, x to the left, y up",
-        "pixels": "u right, v down, (0, 0) the centre of the first pixel",
-        "refraction": _refraction(flight.refraction, solved),
-        "angles of attack": _attack_words(flight),
-        "position": POSITION.format(altitude=altitude),
-        "time": _time(flight),
-    }
-    if flight.path.gimbal_deg is not None:
-        conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
-    if joint is not None and joint.model.clicks is not None:
-        from vopd.flight.misfits.click_tests import clicks_text  # of few flights
-
-        conventions["clicks"] = clicks_text(joint)
-    if joint is not None and joint.model.flight.options.free:
-        conventions["solved for"] = free_text(joint, covariance_of_common(joint))
-    fixes = flight.path.fixes
-    if solved.landmark_m is not None and fixes is not None and fixes.weight.shape[1] > 1:
-        conventions["mean"] = (
-            "frames between the same fixes of the track share their errors: a mean over frames has "
-            "the covariance that vopd attitude --mean states, not common + (all - common) / F"
-        )
-    if np.isfinite(flight.grid_convergence_deg):
-        conventions["grid azimuth"] = (
-            f"true azimuth less {flight.grid_convergence_deg:.4f} degree, the meridian "
-            "convergence of the landmarks' CRS at the first frame"
-        )
-    return Words(
-        source="project",
-        jobs=False,
-        landmark="its name",
-        reading="a pick's u or v",
-        attack=flight.path.wind_m_s is not None or not np.array_equal(flight.mount, FORWARD),
-        altitude=altitude,
-        columns={"altitude_m": altitude},
-        sigma_keys=_sigma_keys(solved),
-        flags={
-            "undetermined": (
-                "fewer than two landmarks in different directions, or no position: no angles; "
-                "what is not known is named",
-                "pick two landmarks at least, where two are in view; without a position, look at "
-                "the track's times",
-            ),
-            "outlier": (
-                "landmarks do not fit the others (chi-square test, F test where the reading sigma "
-                "is estimated, .001 a frame, four landmarks or more); they are named",
-                "look at its pick in that image and at its coordinates",
-            ),
-            "second_solution": (
-                "an attitude with the landmarks on the camera's other side fits as well, and the "
-                "solve has taken the one with the landmarks in front; or another position within "
-                "its standard deviations fits as well, and how far its attitude is turned is named",
-                "nothing where the view is beyond doubt; a fourth landmark decides between two "
-                "positions",
-            ),
-        },
-        conventions=conventions,
-    )
-
-
-def _unknowns(solved: SolvedFlight) -> str:
-    if solved.landmark_m is None:
-        return "rotation by {} with the camera's position given"
-    return "rotation by {}, with positions and landmarks under their standard deviations"
-
-
-def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
-    """Say where components of the uncertainty can be stated that the project does not call exact.
-
-    Refraction that is left out is one of them where it would raise lines of sight enough.
-    """
-    flight = solved.flight
-    keys = {name: key for name, key in SIGMA_KEYS.items() if name not in flight.options.exact}
-    if flight.shutter is None:
-        keys.pop("readout", None)
-    if flight.picks.followed is None or not flight.picks.followed.any():
-        del keys["click"]
-    if flight.refraction.k == 0.0 and "refraction" not in flight.options.parameter_sigma:
-        raised_deg = _standard_refraction_deg(solved)
-        keys.pop("refraction", None)
-        if raised_deg >= LEAST_RAISED_DEG:
-            keys["refraction"] = (
-                f"[atmosphere] refraction: the standard one raises lines of sight by "
-                f"{raised_deg:.2g} degree at most"
-            )
-    return keys
-
-
-LEAST_RAISED_DEG = 0.001  # by refraction that is left out: less is not named
-
-
-def _standard_refraction_deg(solved: SolvedFlight) -> float:
-    """Estimate how far standard refraction raises the longest line of sight, degrees."""
-    flight, picks = solved.flight, solved.flight.picks
-    mark_m = flight.landmarks.position_m[picks.landmark]
-    far = np.linalg.norm(mark_m - solved.camera_m[picks.frame], axis=1)
-    pick, one = int(np.nan_to_num(far).argmax()), np.zeros(1, np.int64)
-    camera_m = solved.camera_m[picks.frame[pick]]
-    lines = sight_lines(camera_m[None], mark_m[pick][None], one, one, Refraction())
-    return float(np.nan_to_num(np.degrees(lines.raised_rad[0])))
-
-
-def _refraction(refraction: Refraction, solved: SolvedFlight) -> str:
-    if refraction.k == 0.0:
-        return "off"
-    way = "decaying with height over 8 km" if refraction.decays else "constant"
-    raised_deg = np.degrees(solved.raised_most_rad)
-    most = ""
-    if np.isfinite(raised_deg):
-        most = f"; it raises lines of sight by {raised_deg:.5f} degree at most"
-    return f"coefficient {refraction.k:g} at the ground, {way}{most}"
-
-
-def _attack_words(flight: Flight) -> str:
-    if flight.path.velocity_m_s is None:
-        return "none: the velocity is not known"
-    known = flight.path.wind_m_s is not None
-    against = "relative to the air" if known else "against the ground, as no wind is given,"
-    return ATTACK.format(against=against)
-
-
-def _time(flight: Flight) -> str:
-    if flight.epoch is None:
-        return "seconds of the flight"
-    zero = flight.epoch.replace(tzinfo=None).isoformat(timespec="microseconds")
-    return f"seconds of the flight; zero is {zero}Z"
-
-
 # The estimate, in metres and pixels
 #
 # An estimate's image axes are those of 1974, seen from behind the camera: x to the
@@ -423,6 +162,8 @@ class FlightEstimates:
         self._outlier: Bools | None = None  # (P,)
         self._exchanged = np.zeros(0)  # (P,)
         self.doubt = ""  # as `About.doubt`
+        self.before_and_after: Callable[[FlightEstimates], Adjusted] | None = None
+        """Describes free parameters and residuals, as `JobScene.adjusted` does."""
 
     @property
     def flight(self) -> Flight:
@@ -443,16 +184,19 @@ class FlightEstimates:
 
         scene = FlightScene(self.solved).scene()
         freed = self.joint is not None and self.joint.model.flight.options.free
-        return replace(scene, adjusted=self._adjusted) if freed else scene
+        if self.before_and_after is None or not freed:
+            return scene
+        return replace(scene, adjusted=partial(self.before_and_after, self))
 
-    def _adjusted(self) -> tuple[Sequence[Change], Sequence[str], Floats]:
-        """Describe freed parameters and residuals before and after; it solves as stated, too."""
-        from vopd.flight.adjust.adjustment import adjustment_of
-        from vopd.flight.adjust.table import changes, residual_sizes
-        from vopd.flight.result import FlightResult
-
-        made = adjustment_of(FlightResult(self, ()))
-        return changes(made), *residual_sizes(made)
+    @property
+    def read(self) -> Flight:
+        """The flight with all parameters as they are stated."""
+        joint = self.joint
+        if joint is None or not (joint.model.flight.options.free or joint.model.clicks):
+            return self.flight
+        stated = joint.model.flight
+        picks = stated.picks.with_sigma(self.flight.picks.one_sigma_px)
+        return replace(stated, picks=picks)
 
     @cached_property
     def words(self) -> Words:
@@ -645,53 +389,6 @@ def lean_of_verticals_deg(camera_m: Floats) -> float:
 def _geocentric_latitude_deg(camera_m: Floats) -> Floats:
     x, y, z = camera_m.T
     return np.asarray(np.degrees(np.arctan2(z, np.hypot(x, y))))
-
-
-@np.errstate(all="ignore")
-def camera_angles(solved: SolvedFlight) -> Floats:
-    """Convert the rotations of all frames to camera yaw, pitch, roll (F, 3), degrees."""
-    return camera_angles_deg(IMAGE_FROM_CAMERA @ solved.attitudes.rotation)
-
-
-@np.errstate(all="ignore")
-def vehicle_angles(solved: SolvedFlight) -> Floats:
-    """Convert the rotations of all frames to vehicle yaw, pitch, roll (F, 3), degrees."""
-    return body_angles_deg(_body_to_ned(solved))
-
-
-@np.errstate(all="ignore")
-def turned_vehicle_deg(solved: SolvedFlight, frames: Ints, turn_rad: Floats) -> Floats:
-    """Convert small turns of frames to changes of vehicle yaw, pitch, roll (T, 3), degrees.
-
-    Args:
-        solved: the flight
-        frames: index of the frame of each, (T,); negative: NaN
-        turn_rad: about the camera's axes, (T, 3)
-    """
-    angles = vehicle_angles(solved)[frames]
-    by_turns = body_angles_by_turns(np.radians(angles))
-    changed = -np.einsum("tij,jk,tk->ti", by_turns, solved.flight.mount, turn_rad)
-    return np.where(frames[:, None] >= 0, np.degrees(changed), np.nan)
-
-
-def _body_to_ned(solved: SolvedFlight) -> Floats:
-    rotation = solved.attitudes.rotation.swapaxes(1, 2)
-    return np.asarray(NED_FROM_ENU @ rotation @ solved.flight.mount.T)
-
-
-@np.errstate(all="ignore")
-def attack_angles(solved: SolvedFlight) -> AttackAngles:
-    """Find the angles of attack of all frames; NaN if the velocity is not known."""
-    path, body_to_ned = solved.flight.path, _body_to_ned(solved)
-    if path.velocity_m_s is None:
-        unknown = np.full((len(body_to_ned), 3), np.nan)
-        return angles_of_attack(body_to_ned, unknown, unknown)
-    still = np.zeros((len(body_to_ned), 3))
-    wind = still.copy()
-    if path.wind_m_s is not None:
-        wind[:, :2] = path.wind_m_s
-    change = still if path.acceleration_m_s2 is None else path.acceleration_m_s2
-    return angles_of_attack(body_to_ned, path.velocity_m_s - wind, change)
 
 
 def input_errors(

@@ -542,3 +542,6 @@ class FrameSlots(NamedTuple):
         """Spread two values a pick (P, 2, ...) as (F, 2L, ...): all first ones, then the second."""
         pairs = np.moveaxis(self.spread(values), 2, 1)
         return pairs.reshape(self.frames, 2 * self.slots, *values.shape[2:])
+
+
+LEAPS = "are position and time right?"  # the end of a finding about a path that bends too much

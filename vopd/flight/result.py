@@ -13,19 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.attitude.long_history import sampled_reading_sigma
-from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import AS_SIGMAS, Sigmas
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError, count_text, first_of, refuse_other_kind
-from vopd.flight.estimate import (
-    FlightEstimates,
-    attack_angles,
-    camera_angles,
-    vehicle_angles,
-)
-from vopd.flight.flight import Flight, HeldParameters, frame_label, pick_label
+from vopd.flight.angles import attack_angles, camera_angles, vehicle_angles
+from vopd.flight.estimate import FlightEstimates
+from vopd.flight.flight import LEAPS, Flight, frame_label
 from vopd.flight.misfits.blunders import (
     NO_EXCHANGE,
     Blunders,
@@ -36,31 +30,25 @@ from vopd.flight.misfits.blunders import (
     gross_picks,
     suspected_frames,
 )
-from vopd.flight.misfits.misfit import OF_LANDMARK, SPEAK_FOR, flight_findings
-from vopd.flight.project.keys import Project, read_project
-from vopd.flight.project.read import NO_LANDMARK, flight_of, read_flight
-from vopd.flight.project.track import LEAPS
-from vopd.flight.solve.errors import SOLVED_WITH, priors_of, with_sigmas
-from vopd.flight.solve.free import (
-    MOUNT,
-    as_solved,
-    free_parameters,
-    not_held_findings,
-    without_parameter,
+from vopd.flight.misfits.input_errors import SPEAK_FOR
+from vopd.flight.misfits.misfit import flight_findings
+from vopd.flight.misfits.unsolved import (
+    frames_unsolved,
+    picks_outside,
+    picks_set_aside,
+    require_two_landmarks,
 )
-from vopd.flight.solve.held import least_held, solved_findings, undetermined
-from vopd.flight.solve.joint import JointSolution, ranges_m, solve_jointly, widened
+from vopd.flight.project.keys import Project, read_project
+from vopd.flight.project.read import flight_of, read_flight
+from vopd.flight.settled import settled, settled_as_held, with_named_picks
+from vopd.flight.solve.errors import SOLVED_WITH, with_sigmas
+from vopd.flight.solve.free import MOUNT, not_held_findings, without_parameter
+from vopd.flight.solve.held import least_held, solved_findings
+from vopd.flight.solve.joint import ranges_m
 from vopd.flight.solve.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.solve.readout import SETTLED as ROWS_SETTLED
 from vopd.flight.solve.readout import picks_at_frame_times, readout_findings
 from vopd.flight.solve.rotations import SolvedFlight, solve
-from vopd.flight.solve.sizes import (
-    lasting,
-    residual_freedom,
-    sigma_freedom,
-    size_of_residuals,
-)
-from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
 from vopd.shown import Shown
 
 if TYPE_CHECKING:
@@ -106,12 +94,7 @@ class FlightResult(Shown):
     @property
     def read(self) -> Flight:
         """The flight with all parameters as they are stated."""
-        joint = self.estimates.joint
-        if joint is None or not (joint.model.flight.options.free or joint.model.clicks):
-            return self.flight
-        stated = joint.model.flight
-        picks = stated.picks.with_sigma(self.flight.picks.one_sigma_px)
-        return replace(stated, picks=picks)
+        return self.estimates.read
 
     @cached_property
     def estimate(self) -> Estimate:
@@ -406,18 +389,16 @@ def solve_flight_read(
     estimates.mark_outliers((found.pick | swapped) & solved.used, swaps.chances(len(swapped)))
 
     def usual(named: bool) -> list[str]:
-        from vopd.flight.mistakes import usual_mistakes  # which takes results
+        from vopd.flight.misfits.mistakes import usual_mistakes  # which takes results
 
-        return (
-            [] if project is None else usual_mistakes(project(), FlightResult(without, ()), named)
-        )
+        return [] if project is None else usual_mistakes(project(), without, named)
 
     blunders = found.pick | swapped
     doubts = flight_findings(flight, without, apart, found.landmark, usual, blunders)
     estimates.contradict(doubts.sentence)
     if doubts.misfits:  # of a flight as a whole it is not said which frames are not searched
         swaps = swaps._replace(not_searched=0)
-        from vopd.flight.check import far_landmarks  # which takes results
+        from vopd.flight.misfits.far_landmarks import far_landmarks  # which takes results
 
         far = [Finding(one, flight.source, severity="warning") for one in far_landmarks(flight)]
         doubts = doubts._replace(findings=[*far, *doubts.findings])
@@ -437,6 +418,10 @@ def solve_flight_read(
     findings += readout_findings(flight)
     findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
     told = (*flight.findings, *outside, *of_clicks, *findings)
+    if read.options.free:
+        from vopd.flight.parameters import before_and_after  # of few flights
+
+        estimates.before_and_after = before_and_after
     return FlightResult(estimates, told, doubts.misfits)
 
 
@@ -491,236 +476,7 @@ def _two_left(flight: Flight, out: Bools) -> Bools:
     return np.asarray((count > 1)[flight.picks.frame])
 
 
-def settled_as_held(
-    flight: Flight, left_out: Bools, tell: Callable[[], object], first: SolvedFlight | None = None
-) -> tuple[Flight, FlightEstimates]:
-    """Solve a flight for those of its free parameters that the picks hold.
-
-    The one that is held least is kept as it is stated, and the flight solved again, until all that
-    are left are held.
-
-    Args:
-        flight: the flight
-        left_out: picks that take no part, (P,)
-        tell: is called before each solve
-        first: its rotations with everything as it is stated
-
-    Returns:
-        The flight with the parameters that are kept, and its solution.
-    """
-    if free_parameters(flight):
-        first = first or solve(widened(flight, priors_of(flight)), left_out)
-        while (lost := undetermined(flight, left_out, first)) is not None:
-            flight = without_parameter(flight, lost)
-    tell()
-    estimates = settled(flight, left_out, first=first)
-    while (worst := least_held(estimates.joint)) is not None:
-        flight = without_parameter(flight, worst)
-        tell()
-        estimates = settled(flight, left_out)
-    return flight, estimates
-
-
 FEW = 0.1  # of the picks: more that do not fit their frames are a mistake of the flight
-ROUNDS = 12  # of a solve with another reading sigma
-SETTLED = 1e-3  # relative change of the reading sigma that is none
-LEAST_FREEDOM = 0.1  # of a reading sigma of which the residuals say nothing
-REJECTED = 1.5  # times the stated reading sigma, from where on that is not believed
-
-
-def settled(
-    flight: Flight, left_out: Bools, before: JointSolution | None = None,
-    first: SolvedFlight | None = None,
-) -> FlightEstimates:  # fmt: skip
-    """Solve a flight, with its positions and landmarks as far as they are uncertain.
-
-    They have the more weight the larger the reading sigma is. One that is not stated is estimated
-    from the residuals, and the flight solved again until it no longer changes.
-
-    Args:
-        flight: the flight
-        left_out: picks that take no part, (P,)
-        before: the solution with fewer picks left out
-        first: its rotations with everything as it is stated
-    """
-    held = flight.options.held
-    if held is not None and flight.options.given.reading is None:
-        return _settled_before(flight, left_out, held, before)
-    priors, robust = priors_of(flight), flight.options.loss != "least-squares"
-    start = before.state if before is not None and before.passes else None
-    same = first
-    if before is not None and not before.passes:
-        same = solve(flight, left_out, before=before.solved)
-    begun = flight
-    unknown = flight.options.given.reading is None and not flight.picks.stated
-    if unknown and before is not None and before.passes:  # its sigma is nearer than any
-        begun = replace(
-            flight, picks=flight.picks.with_sigma(before.model.flight.picks.one_sigma_px)
-        )
-    joint = solve_jointly(begun, priors, ~left_out, start, first=same)
-    estimates = estimates_of(joint, flight)
-    reading = stated_reading(estimates)
-    if reading is None:
-        said: JobReadingSigma | None
-        tried, settles = np.zeros(0), True
-        for _ in range(ROUNDS):
-            said = reading
-            reading = residual_reading(estimates)
-            sigma = joint.model.flight.picks.one_sigma_px
-            weighs = joint.passes > 0 or robust
-            if not weighs or abs(reading.sigma / sigma - 1.0) < SETTLED:
-                break
-            if not (settles or joint.settles):  # nor will it with a third sigma
-                break
-            back = (np.abs(reading.sigma / tried - 1.0) < SETTLED).any()
-            if said is not None and back and reading.sigma < sigma:
-                reading = said  # one makes the other, back and forth: the larger stays
-                break
-            tried = np.append(tried, sigma)
-            start = joint.state if joint.passes else None
-            same = joint.solved if joint.passes and not robust else None
-            settles = joint.settles
-            scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))
-            joint = solve_jointly(scaled, priors, ~left_out, start, first=same)
-            estimates = estimates_of(joint, flight)
-    assert reading is not None  # there is one round at least
-    return estimates.with_reading(reading)
-
-
-def _settled_before(
-    flight: Flight, left_out: Bools, held: HeldParameters, before: JointSolution | None
-) -> FlightEstimates:
-    """Solve a flight with the reading sigma that `vopd adjust` found with what is held now.
-
-    The residuals are less than those of other picks would be: what is held was fitted to them.
-    """
-    start = before.state if before is not None and before.passes else None
-    scaled = replace(flight, picks=flight.picks.with_sigma(held.sigma_px))
-    estimates = estimates_of(solve_jointly(scaled, priors_of(flight), ~left_out, start), flight)
-    sigmas = Sigmas(reading=held.sigma_px)
-    found = sampled_reading_sigma(estimates.layout, estimates.of, sigmas)
-    reading = replace(found, sigma=held.reading_sigma_px, freedom=held.freedom, source=held.source)
-    return estimates.with_reading(reading)
-
-
-def estimates_of(joint: JointSolution, flight: Flight) -> FlightEstimates:
-    """Estimate a flight, whose picks are not scaled, from its solution."""
-    return FlightEstimates(replace(joint.solved, flight=as_solved(flight, joint)), joint)
-
-
-def with_named_picks(
-    flight: Flight, clean: FlightEstimates, earlier: FlightEstimates
-) -> FlightEstimates:
-    """Take blunders that are named and used back into their own frames' rotations.
-
-    A pick that is a thousand pixels off would carry away the positions and landmarks of the whole
-    flight: what its frames have in common is solved without it, and stays.
-
-    Args:
-        flight: the flight
-        clean: solved without the blunders
-        earlier: solved before that, without gross picks
-    """
-    joint = clean.joint
-    assert joint is not None and clean.reading is not None
-    if not joint.passes:
-        every = flight.landmarks.takes_part[flight.picks.landmark]
-        for known in (clean, earlier):
-            if np.array_equal(known.solved.used, every):
-                return known
-        return settled(flight, np.zeros(len(every), bool), joint)
-    scaled, places, marks = joint.model.flight, flight.path, flight.landmarks
-    path = replace(places, position_m=clean.solved.camera_m, lever_arm_m=None)
-    if clean.solved.landmark_m is not None:
-        marks = replace(marks, position_m=clean.solved.landmark_m)
-    own = replace(as_solved(scaled, joint), path=path, landmarks=marks)
-    found, first = solve(own, before=clean.solved), clean.solved.attitudes
-    lost = np.isfinite(first.rotation[:, 0, 0]) & ~first.converged  # its place is no solution
-    converged = found.attitudes.converged & ~lost
-    found = replace(found, attitudes=found.attitudes._replace(converged=converged))
-    changed = np.zeros(len(flight.frame), bool)
-    changed[flight.picks.frame[found.used != clean.solved.used]] = True
-    if not changed.any():
-        return clean
-    estimates = estimates_of(joint.with_rotations(found, scaled), flight)
-    tested = sampled_reading_sigma(
-        estimates.layout, estimates.of, Sigmas(reading=clean.reading.test_sigma)
-    )
-    chance = np.where(changed, tested.chance, clean.reading.chance)
-    return estimates.with_reading(replace(clean.reading, chance=chance))
-
-
-def stated_reading(estimates: FlightEstimates) -> JobReadingSigma | None:
-    """Take the reading sigma that is given or stated; None where there is none, or it is rejected.
-
-    It is rejected where the residuals of all frames together are larger than what is stated
-    allows, which happens by chance once in a thousand flights, and those of the frames that agree
-    with each other speak for more than `REJECTED` times as much.
-
-    Args:
-        estimates: of a flight solved with it
-    """
-    flight, joint = estimates.flight, estimates.joint
-    assert joint is not None
-    given, stated = flight.options.given.reading, flight.picks.one_sigma_px
-    if given is None and not flight.picks.stated:
-        return None
-    sigmas = Sigmas(reading=stated if given is None else given)
-    found = sampled_reading_sigma(estimates.layout, estimates.of, sigmas)
-    if given is not None:
-        return found
-    _, chance = size_of_residuals(joint, np.ones(len(found.chance), bool))
-    if chance < SIGNIFICANCE and residual_reading(estimates).sigma > REJECTED * stated:
-        return None
-    return replace(found, source="stated")
-
-
-def residual_reading(estimates: FlightEstimates) -> JobReadingSigma:
-    """Estimate the reading sigma from the residuals of all frames."""
-    joint = estimates.joint
-    assert joint is not None
-    if joint.model.clicks is not None:
-        return _with_clicks(joint, estimates)
-    found = sampled_reading_sigma(estimates.layout, estimates.of, Sigmas())
-    if found.source == "repeated":
-        return found
-    freedom = max(sigma_freedom(joint), LEAST_FREEDOM)
-    return replace(found, freedom=min(found.freedom, freedom))
-
-
-def _with_clicks(joint: JointSolution, estimates: FlightEstimates) -> JobReadingSigma:
-    """Estimate the sigma of a match from the residuals, the errors of clicks being solved for.
-
-    It is as much larger than they are as they last from frame to frame.
-    """
-    picks, (freedom, _) = joint.model.flight.picks, residual_freedom(joint)
-    ratio = float((joint.normal.residual**2).sum()) / max(freedom, LEAST_FREEDOM)
-    ratio *= lasting(joint)
-    sigma = max(picks.one_sigma_px * float(np.sqrt(ratio)), picks.least_sigma_px)
-    found = sampled_reading_sigma(estimates.layout, estimates.of, Sigmas(reading=sigma))
-    known = max(sigma_freedom(joint), LEAST_FREEDOM)
-    return replace(found, sigma=sigma, freedom=known, source="residuals")
-
-
-def require_two_landmarks(flight: Flight) -> None:
-    """Refuse a flight in which no frame has two landmarks."""
-    used = flight.landmarks.takes_part
-    takes_part = used[flight.picks.landmark]
-    count = np.bincount(flight.picks.frame[takes_part], minlength=len(flight.frame))
-    if count.max(initial=0) < 2:
-        unknown = [f.message for f in flight.findings if f.message.startswith(NO_LANDMARK)]
-        if unknown:
-            more = f"; {len(unknown) - 3} more like these" if len(unknown) > 3 else ""
-            raise VopdError(
-                f"{flight.source}: no frame has two landmarks that the project knows: "
-                f"{'; '.join(unknown[:3])}{more}"
-            )
-        raise VopdError(
-            f"{flight.source}: no frame has two landmarks (frames: {len(count)}, one at most in "
-            "each). One landmark gives the direction of its line of sight alone: the turn about "
-            "it stays free, so that of three angles two are tied together and none is known by "
-            "itself. Pick a second landmark in each image, the farther from the first the better."
-        )
 
 
 def freed_beside_blunders(flight: Flight, found: Blunders, apart: Bools) -> list[Finding]:
@@ -743,71 +499,3 @@ def freed_beside_blunders(flight: Flight, found: Blunders, apart: Bools) -> list
             "is wrong"
         )
     return [Finding(told, flight.source, severity="warning")]
-
-
-def picks_outside(flight: Flight) -> list[Finding]:
-    """Count the picks that lie outside their images, and name the first."""
-    picks = flight.picks
-    width, height = flight.lens.of(picks.frame).by_rows("size_px").T
-    u, v = picks.pixel.T
-    outside = (u < -0.5) | (u > width - 0.5) | (v < -0.5) | (v > height - 0.5)
-    if not outside.any():
-        return []
-    first = int(np.flatnonzero(outside)[0])
-    wide, high = (int(np.broadcast_to(one, u.shape)[first]) for one in (width, height))
-    hint = '; does v point up? then give [picks] v = "up"' if (v < 0).mean() > 0.5 else ""
-    text = (
-        f"{count_text(int(outside.sum()), 'pick')} outside the image of {wide} x {high}, the first "
-        f"{flight.landmarks.name[picks.landmark[first]]} in "
-        f"{frame_label(flight, int(picks.frame[first]))} at {u[first]:g}, {v[first]:g}{hint}"
-    )
-    return [Finding(text, flight.source, severity="warning")]
-
-
-def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
-    """Name picks whose landmark has no image; a landmark that has none in all its frames once."""
-    aside, landmark, texts = solved.attitudes.set_aside, flight.picks.landmark, []
-    if not aside.any():
-        return []
-    known, first, own, count = np.unique(
-        landmark, return_index=True, return_inverse=True, return_counts=True
-    )
-    alike = np.bincount(own[aside == aside[first][own]], minlength=len(known)) == count
-    for k in np.flatnonzero(aside).tolist():
-        why, one = UNSEEN_MEANING[Unseen(int(aside[k]))], own[k]
-        if count[one] == 1 or not alike[one]:
-            texts.append(
-                f"{pick_label(flight, k)} {why} as the others have it; its pick is not used"
-            )
-        elif k == first[one]:
-            name = flight.landmarks.name[landmark[k]]
-            texts.append(
-                f"{name} {why} in all {count[one]} frames that show it, as the others have it, and "
-                "is not used" + f": {OF_LANDMARK}" * bool(aside[k] == Unseen.BEHIND_CAMERA)
-            )
-    return [Finding(text, flight.source, severity="warning") for text in texts]
-
-
-NOT_CONVERGED = (
-    "the solve did not converge, and the angles are those of its last step; look at the positions, "
-    "the picks and their stated standard deviations"
-)
-
-
-def frames_unsolved(flight: Flight, solved: SolvedFlight) -> list[Finding]:
-    """List frames without an attitude, by reason, and those that did not converge."""
-    unknown = np.isnan(solved.attitudes.rotation[:, 0, 0])
-    lost = unknown & np.isfinite(flight.path.position_m[:, 0])
-    picked = np.bincount(flight.picks.frame, minlength=len(flight.frame))
-    reasons = (
-        (lost & (picked < 2), "fewer than two landmarks: two of three angles at most, no attitude"),
-        (lost & (picked >= 2), "its landmarks lie on one line of sight, or too few can be used"),
-        (~unknown & ~solved.attitudes.converged, NOT_CONVERGED),
-    )
-    tell = []
-    for which, why in reasons:
-        labels = [frame_label(flight, int(k)) for k in np.flatnonzero(which)]
-        if labels:
-            told = f"{first_of(labels, 5)}: {why}"
-            tell.append(Finding(told, flight.source, severity="warning"))
-    return tell

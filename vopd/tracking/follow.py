@@ -17,28 +17,22 @@ from vopd.files import whole_file
 from vopd.findings import Finding, VopdError, count_text, first_of
 from vopd.flight.flight import CameraPath, Flight
 from vopd.flight.formats.picks import Names
-from vopd.flight.formats.tracked import (
-    STATUSES,
-    TrackedRows,
-    track_digests,
-    tracked_lines,
-)
+from vopd.flight.formats.tracked import STATUSES, TrackedRows, tracked_lines
 from vopd.flight.misfits.exchanged import exchanged_places
-from vopd.flight.misfits.misfit import MISFITS, SPEAK_FOR, TYPICAL
-from vopd.flight.mistakes import usual_mistakes
+from vopd.flight.misfits.input_errors import SPEAK_FOR, TYPICAL
+from vopd.flight.misfits.misfit import MISFITS
+from vopd.flight.misfits.mistakes import usual_mistakes
+from vopd.flight.misfits.unsolved import require_two_landmarks
+from vopd.flight.project.camera import read_camera
 from vopd.flight.project.covariance import with_stated_offset
 from vopd.flight.project.keys import Project
-from vopd.flight.project.read import (
-    NO_LANDMARK,
-    NONE_USED,
-    flight_of,
-    read_camera,
-    read_pick_rows,
-    require_clicks,
-)
+from vopd.flight.project.picks import NO_LANDMARK, NONE_USED
+from vopd.flight.project.read import flight_of, read_pick_rows, require_clicks
 from vopd.flight.project.terrain import read_terrain, relief_text
-from vopd.flight.project.track import frames_of, read_path
-from vopd.flight.result import require_two_landmarks, solve_flight_read
+from vopd.flight.project.times import frames_of
+from vopd.flight.project.track import read_path
+from vopd.flight.project.tracked_picks import track_digests
+from vopd.flight.result import solve_flight_read
 from vopd.geometry.lenses import Lens
 from vopd.tracking.journal import AT_ONCE, ATTITUDE, ROW, Journal
 from vopd.tracking.patches import LEAST_CORRELATION, PATCH_PX
@@ -390,7 +384,7 @@ def _misfit_of_clicks(footage: Footage) -> list[Finding]:
         return unused
     words, name = (MISFITS, SPEAK_FOR, TYPICAL), footage.project.name
     found = [one for one in solved.findings if any(some in one.message for some in words)]
-    more = [] if solved.misfits or found else usual_mistakes(footage.project, solved)
+    more = [] if solved.misfits or found else usual_mistakes(footage.project, solved.estimates)
     return [*unused, *found, *(Finding(text, name, severity="warning") for text in more)]
 
 

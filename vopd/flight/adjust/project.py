@@ -16,17 +16,14 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.findings import VopdError, count_text
 from vopd.flight.adjust.adjustment import Adjustment
-from vopd.flight.coordinates import (
-    STEPS,
-    coordinates_at,
-    earth_centred_positions,
-    units_of_grid,
-)
-from vopd.flight.formats.files import coordinate_columns, read_by_content
+from vopd.flight.coordinates import STEPS, coordinates_at, earth_centred_positions, units_of_grid
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.columns import coordinate_columns
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
 from vopd.flight.project.covariance import CovarianceFile, digests, files_spoken_of
+from vopd.flight.project.inspect import NewProject
 from vopd.flight.project.keys import Project, project_text, toml_text
-from vopd.flight.project.new import NAME, NewProject
+from vopd.flight.project.new import NAME
 from vopd.flight.project.read import landmark_crs
 from vopd.flight.project.track import height_datum
 from vopd.flight.solve.equations import LENS_COEFFICIENTS, SHIFT

@@ -22,16 +22,9 @@ from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight
 from vopd.flight.misfits.blunders import gross_picks
 from vopd.flight.misfits.exchanged import exchanges
-from vopd.flight.misfits.leave_out import (
-    FIX,
-    LANDMARK,
-    PICK,
-    TIME,
-    LeftOut,
-    judge,
-    leave_out,
-)
-from vopd.flight.result import FlightResult, settled
+from vopd.flight.misfits.leave_out import FIX, LANDMARK, PICK, TIME, LeftOut, judge, leave_out
+from vopd.flight.result import FlightResult
+from vopd.flight.settled import settled
 from vopd.flight.solve.joint import JointSolution, solve_jointly
 from vopd.flight.solve.rotations import solve
 from vopd.flight.solve.sizes import fix_covariances

@@ -12,18 +12,9 @@ from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.export.tables import not_a_formula
 from vopd.findings import count_text
 from vopd.flight.adjust.tested import Named, Prediction, TestedFlight
-from vopd.flight.estimate import turned_vehicle_deg
+from vopd.flight.angles import turned_vehicle_deg
 from vopd.flight.flight import Flight, frame_label, pick_label
-from vopd.flight.misfits.leave_out import (
-    FIX,
-    FRAME,
-    KINDS,
-    LANDMARK,
-    PICK,
-    POSITION,
-    TIME,
-    LeftOut,
-)
+from vopd.flight.misfits.leave_out import FIX, FRAME, KINDS, LANDMARK, PICK, POSITION, TIME, LeftOut
 from vopd.geometry.linear import norm
 from vopd.screen import aligned
 

@@ -15,21 +15,11 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import count_text
-from vopd.flight.coordinates import crs_is_geographic, crs_name, units_of_grid
-from vopd.flight.formats.files import (
-    GEODETIC,
-    HEIGHTS,
-    M_PER_FT,
-    PLANE,
-    UNEXPECTED,
-    UNKNOWN,
-    CsvTable,
-    InputFile,
-    InputFormat,
-    coordinate_columns,
-    has_columns,
-    read_csv,
-)
+from vopd.flight.coordinates import M_PER_FT, crs_is_geographic, crs_name, units_of_grid
+from vopd.flight.formats.by_content import InputFormat
+from vopd.flight.formats.columns import GEODETIC, HEIGHTS, PLANE, coordinate_columns
+from vopd.flight.formats.files import UNEXPECTED, InputFile
+from vopd.flight.formats.tables import UNKNOWN, CsvTable, has_columns, read_csv
 from vopd.inputs import is_number, parse_json, parse_xml, plain_number
 
 # Landmarks as read

@@ -11,15 +11,10 @@ from xml.etree import ElementTree
 import numpy as np
 
 from vopd.files import optional_package, reason
-from vopd.findings import count_text, first_of
-from vopd.flight.formats.files import (
-    UNEXPECTED,
-    InputFile,
-    InputFormat,
-    has_columns,
-    read_csv,
-    shown,
-)
+from vopd.findings import count_text, first_of, shown
+from vopd.flight.formats.by_content import InputFormat
+from vopd.flight.formats.files import UNEXPECTED, InputFile
+from vopd.flight.formats.tables import has_columns, read_csv
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.inputs import (
     MOST_SETTINGS,

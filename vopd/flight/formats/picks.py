@@ -15,23 +15,9 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.files import reason
-from vopd.findings import VopdError, count_text
-from vopd.flight.formats.files import (
-    UNEXPECTED,
-    CsvTable,
-    InputFile,
-    InputFormat,
-    csv_blocks,
-    frames_of_column,
-    has_columns,
-    header_names,
-    no_frame,
-    open_input,
-    read_by_content,
-    read_csv,
-    shown,
-    whole_numbers,
-)
+from vopd.findings import VopdError, count_text, shown
+from vopd.flight.formats.by_content import InputFormat, read_by_content
+from vopd.flight.formats.files import UNEXPECTED, InputFile, open_input
 from vopd.flight.formats.landmarks import (
     control_points,
     is_gcp_list,
@@ -41,6 +27,16 @@ from vopd.flight.formats.landmarks import (
     recognises_markers,
 )
 from vopd.flight.formats.lens import GRID_TO_CENTRE, whole_size
+from vopd.flight.formats.tables import (
+    CsvTable,
+    csv_blocks,
+    frames_of_column,
+    has_columns,
+    header_names,
+    no_frame,
+    read_csv,
+    whole_numbers,
+)
 from vopd.inputs import is_number, parse_json, parse_xml, plain_number, whole_number
 
 if TYPE_CHECKING:

@@ -12,19 +12,11 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import reason
-from vopd.findings import count_text
+from vopd.findings import count_text, shown
 from vopd.flight.coordinates import crs_is_geographic
-from vopd.flight.formats.files import (
-    GEODETIC,
-    PLANE,
-    TIME,
-    InputFile,
-    InputFormat,
-    coordinate_columns,
-    has_columns,
-    read_csv,
-    shown,
-)
+from vopd.flight.formats.by_content import InputFormat
+from vopd.flight.formats.columns import GEODETIC, PLANE, TIME, coordinate_columns
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_tags import (
     DILUTION_SAID,
     USUAL_SIGMA_M,
@@ -47,6 +39,7 @@ from vopd.flight.formats.landmarks import (
     sigma_columns,
 )
 from vopd.flight.formats.lens import read_shots, recognises_reconstruction
+from vopd.flight.formats.tables import has_columns, read_csv
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices
 from vopd.inputs import LEAP_SECOND, leap_second, parse_json, plain_number, whole_number

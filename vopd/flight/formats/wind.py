@@ -8,14 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.flight.formats.files import (
-    UNKNOWN,
-    InputFile,
-    InputFormat,
-    has_columns,
-    header_names,
-    read_csv,
-)
+from vopd.flight.formats.by_content import InputFormat
+from vopd.flight.formats.files import InputFile
+from vopd.flight.formats.tables import UNKNOWN, has_columns, header_names, read_csv
 from vopd.inputs import plain_number
 
 # Soundings as read

@@ -19,10 +19,9 @@ from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.findings import Finding, VopdError, count_text, first_of
 from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.misfits.exchanged import exchanged_places
+from vopd.flight.misfits.input_errors import REJECTED, significant_errors
 from vopd.flight.misfits.leave_out import FRAME, PICK, leave_out_picks
-from vopd.flight.misfits.misfit import REJECTED, significant_errors
 from vopd.flight.misfits.stabilised import shifts_of_frames
-from vopd.flight.solve.clicks import ClickEquations
 from vopd.flight.solve.equations import Model
 from vopd.flight.solve.errors import every_prior, priors_of
 from vopd.flight.solve.joint import JointSolution, solve_jointly
@@ -455,26 +454,3 @@ def without_readings(flight: Flight, out: Bools) -> Flight:
         clicks=left,
     )
     return replace(flight, picks=fewer)
-
-
-# What is said of the clicks of a flight
-
-
-def clicks_text(joint: JointSolution) -> str:
-    """Describe the clicks of a flight, and how far they are off as the solve finds.
-
-    Args:
-        joint: the solution of a flight with clicks
-    """
-    model, clicks = joint.model, joint.model.flight.picks.clicks
-    assert clicks is not None and isinstance(model.clicks, ClickEquations)
-    error = joint.state.click_px[model.clicked]
-    if not len(error):
-        return "no click is of a frame that could be solved"
-    left = np.diag(joint.factored.common)[model.of_clicks]
-    count = count_text(len(error), "click")
-    stated_px = float(np.sqrt((clicks.sigma_px[model.clicked] ** 2).mean()))
-    return (
-        f"{count}, off by {np.sqrt((error**2).mean()):.2f} px rms of u and v "
-        f"({stated_px:.2g} stated), known to {np.sqrt(left.mean()):.2f} px"
-    )

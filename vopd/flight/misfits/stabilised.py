@@ -16,7 +16,7 @@ from scipy.special import fdtrc
 
 from vopd.arrays import Floats, Ints
 from vopd.attitude.residuals import SIGNIFICANCE
-from vopd.flight.misfits.misfit import (
+from vopd.flight.misfits.input_errors import (
     ALIKE,
     LEAST_FREEDOM,
     NOTHING_SHOWS,

@@ -20,9 +20,9 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.reading_sigma import SOURCES
 from vopd.files import reason
-from vopd.findings import count_text
+from vopd.findings import count_text, did_you_mean, shown
 from vopd.flight.flight import CameraPath, Flight, HeldParameters
-from vopd.flight.formats.files import InputFile, did_you_mean, shown
+from vopd.flight.formats.files import InputFile
 from vopd.flight.project.keys import Project, Section
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor

@@ -13,19 +13,12 @@ from typing import Any, NamedTuple, TypeVar
 
 from vopd.attitude.sigmas import HALF_A_TURN_DEG
 from vopd.files import not_utf8, reason
-from vopd.findings import NeededError, VopdError
+from vopd.findings import NeededError, VopdError, did_you_mean, shown
 from vopd.flight.coordinates import GIVE_METRES, HEIGHTS
-from vopd.flight.formats.files import (
-    EXACT,
-    Columns,
-    InputFile,
-    InputFormat,
-    did_you_mean,
-    open_input,
-    read_by_content,
-    shown,
-)
+from vopd.flight.formats.by_content import InputFormat, read_by_content
+from vopd.flight.formats.files import Columns, InputFile, open_input
 from vopd.flight.formats.lens import GRID_TO_CENTRE, MODELS_OPENCV
+from vopd.flight.formats.tables import EXACT
 from vopd.flight.solve.rotations import LOSSES
 from vopd.geometry.lenses import LensKind
 from vopd.inputs import (

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints, in_four_bytes
+from vopd.arrays import Floats
 from vopd.estimate import MapGrid
-from vopd.files import reason
-from vopd.findings import Finding, NeededError, count_text, first_of
+from vopd.findings import Finding, NeededError, count_text, did_you_mean, first_of, shown
 from vopd.flight.coordinates import (
     crs_name,
     doubt_of_heights,
@@ -25,27 +23,19 @@ from vopd.flight.flight import (
     CameraPath,
     Flight,
     LandmarkSet,
-    Picks,
     Refraction,
     Shutter,
     VehicleAttitudes,
 )
-from vopd.flight.formats.files import InputFile, did_you_mean, read_by_content, shown
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
-from vopd.flight.formats.lens import (
-    GRID_TO_CENTRE,
-    IMAGE_LENS_FORMATS,
-    LENS_FORMATS,
-    LensQuestion,
-    LensRead,
-    coefficients_said,
-    image_centre,
-    make_lens,
-)
 from vopd.flight.formats.picks import LEAST_PX, PICK_FORMATS, SMALL_SIGMA, Names, PickRows
 from vopd.flight.formats.wind import WIND_FORMATS
+from vopd.flight.project.camera import CameraLens, doubts_of_lens, read_camera
 from vopd.flight.project.covariance import with_held, with_stated_offset
 from vopd.flight.project.keys import ROWS, Project, Section, read_project
+from vopd.flight.project.picks import COPIED_PX, join_picks, sizes_px
 from vopd.flight.project.stated import (
     Notes,
     RowSigmas,
@@ -54,287 +44,20 @@ from vopd.flight.project.stated import (
     refuse_missing,
     row_sigmas,
 )
-from vopd.flight.project.track import (
-    FrameTimes,
-    covering_text,
-    frames_of,
-    height_datum,
-    number_frames,
-    read_path,
-)
+from vopd.flight.project.times import FrameTimes, frames_of, number_frames
+from vopd.flight.project.track import covering_text, height_datum, read_path
 from vopd.flight.project.unused import unused_keys
 from vopd.flight.solve.free import check_free
 from vopd.geometry.earth import geodetic
-from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 from vopd.inputs import LONGEST_NAME, MOST_NUMBER, beyond_sigmas
 
-COPIED_PX = 1e-9  # between picks of one landmark in one frame
 COPIED = (
     "picks of one landmark in one frame are the same to the last digit: if these are copies, "
     "remove them, for they make the angles look surer than they are"
 )
 NO_POSITION = "the track has no position for"
 LONGEST_READOUT = 1.1  # of a rolling shutter, in the time from a frame to the next
-
-# The lens: an inline table, or a file
-
-
-def read_lens(project: Project) -> LensRead:
-    """Read the lens of a project.
-
-    Raises:
-        VopdError: where it is missing, or its image size is not that of the project
-    """
-    section = project.section("camera")
-    if section.has("camera") and isinstance(section.values.get("lens"), dict):
-        raise section.error("camera", "is of a file with several cameras, and lens is a table")
-    size = section.size("image_size_px")
-    made_of = section.size("lens_size_px")
-    if made_of is None:
-        return _lens_of(project, section, size)
-    if size is None:
-        raise section.error("image_size_px", "is needed with lens_size_px")
-    return _scaled(section, _lens_of(project, section, made_of), size)
-
-
-def _one_shape(one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Tell whether two sizes are those of one picture, but for rounding to whole pixels."""
-    ratio = one[0] / other[0]
-    return abs(one[1] - other[1] * ratio) <= 0.6 * max(1.0, ratio)
-
-
-def _scaled(section: Section, read: LensRead, size: tuple[int, int]) -> LensRead:
-    """Scale a lens to images of another size: the distortion is of angles and stays."""
-    lens = read.lens
-    ratio = size[0] / lens.size_px[0]
-    if not _one_shape(size, lens.size_px):
-        (w, h), (width, height) = lens.size_px, size
-        message = f"{w} x {h} is no larger or smaller picture of {width} x {height}: it was cropped"
-        raise section.error("lens_size_px", message)
-    scaled = replace(
-        lens,
-        size_px=size,
-        focal_px=lens.focal_px * ratio,
-        centre_px=(lens.centre_px + 0.5) * ratio - 0.5,
-        skew_px=lens.skew_px * ratio,
-        table=None if lens.table is None else lens.table * ratio,
-    )
-    in_px = ("focal", "centre_u", "centre_v")
-    sigma = {name: one * (ratio if name in in_px else 1.0) for name, one in read.sigma.items()}
-    w, h = lens.size_px
-    said = f"{read.said}; a calibration of {w} x {h}, scaled by {ratio:.6g}"
-    return LensRead(scaled, said, sigma)
-
-
-def _lens_of(project: Project, section: Section, size: tuple[int, int] | None) -> LensRead:
-    """Read a lens as it was calibrated, for images of this size."""
-    model = section.text("model") if section.has("model") else None
-    if isinstance(section.values.get("lens"), dict):
-        inline = _inline(section, section.section("lens"), size)
-        return _of_model(section, inline, model, "[camera] lens")
-    file = project.open("camera", "lens")
-    name = file.name
-    camera = section.text("camera") if section.has("camera") else None
-    found = read_by_content(LENS_FORMATS, file, LensQuestion(model, camera, size))
-    if size is not None and found.lens.size_px != size:
-        w, h = found.lens.size_px
-        turned = " (turned by 90 degrees)" if (h, w) == size else ""
-        key = "lens_size_px" if section.has("lens_size_px") else "image_size_px"
-        scale = ""
-        if key == "image_size_px" and size[0] != w and _one_shape(size, (w, h)):
-            scale = f"; if yours are the same pictures in another size, lens_size_px = [{w}, {h}]"
-        raise section.error(
-            key,
-            f"{size[0]} x {size[1]}, but {name} is a calibration for {w} x {h}{turned}; "
-            f"a calibration serves the pictures that it was made of{scale}",
-        )
-    return _of_model(section, found, model, name)
-
-
-def _of_model(section: Section, found: LensRead, model: str | None, name: str) -> LensRead:
-    """Refuse a lens that says itself that it is of another model than is stated."""
-    own = found.lens.kind.value
-    if model not in (None, own):
-        raise section.error("model", f"{model}, but {name} says {own} itself: leave this key out")
-    return found
-
-
-def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> LensRead:
-    if size is None:
-        raise section.error("image_size_px", "is needed with an inline lens")
-    model = table.text("model")
-    focal, assumed = _focal(table, size)
-    middle = image_centre(size)
-    centre = middle
-    if table.has("cx_px") or table.has("cy_px"):
-        grid = section.text("pixel_grid")
-        shift = GRID_TO_CENTRE[grid]
-        centre = table.number("cx_px") + shift, table.number("cy_px") + shift
-        assumed += f", {grid} grid"
-    else:
-        assumed += ", principal point in the image's middle as none is given"
-    by_table = model == LensKind.RADIAL_TABLE.value
-    found = _radial_table(table, size, focal, centre) if by_table else None
-    for key in ("k", "skew_px") if by_table else ("table_px",):
-        if table.has(key) and table.values[key] != []:
-            raise table.error(key, f"a lens of the model {model} has none: leave it out")
-    if found is not None:
-        return LensRead(found, f"lens: radial table{assumed}")
-    k = table.numbers("k") if table.has("k") and table.values["k"] != [] else ()
-    counts = MODELS[LensKind(model)].counts
-    if len(k) not in counts:
-        raise table.error(
-            "k", f"{count_text(len(k), 'coefficient')}; {', '.join(map(str, counts))} are known"
-        )
-    skew = table.number("skew_px")
-    lens = make_lens(model, size, focal, centre, k, skew)
-    return LensRead(lens, f"lens: {coefficients_said(k, model)}{assumed}")
-
-
-def _focal(table: Section, size: tuple[int, int]) -> tuple[tuple[float, float], str]:
-    if table.has("focal_mm"):
-        width, height = table.numbers("sensor_mm")
-        if min(width, height) <= 0.0:
-            raise table.error("sensor_mm", "is the sensor's width and height, both above 0")
-        for key in [one for one in ("fx_px", "fy_px") if table.has(one)]:
-            raise table.error("focal_mm", f"{key} is there too: give one of them")
-        f = table.number("focal_mm")
-        return (f * size[0] / width, f * size[1] / height), ", focal length by the sensor's size"
-    if not table.has("fx_px"):
-        raise table.error("fx_px", "is needed, or focal_mm and sensor_mm")
-    if table.has("sensor_mm"):
-        raise table.error("sensor_mm", "is for focal_mm, and fx_px is in its place: leave it out")
-    fx = table.number("fx_px")
-    return (fx, table.number("fy_px", fx)), ""
-
-
-def _radial_table(
-    table: Section, size: tuple[int, int], focal: tuple[float, float], centre: tuple[float, float]
-) -> Lens:
-    """Read the table of radius and what is added to it; it begins at the centre with nothing."""
-    rows = table.values.get("table_px")
-    if (
-        not isinstance(rows, list)
-        or len(rows) < 2
-        or not all(isinstance(row, list) and len(row) == 2 for row in rows)
-    ):
-        raise table.error("table_px", "is a list of [radius, what is added to it], two at least")
-    try:
-        values = np.array(rows, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise table.error(
-            "table_px", f"has something that is not a number: {reason(error)}"
-        ) from error
-    if not np.isfinite(values).all():
-        raise table.error("table_px", "has a number that is not finite")
-    if values[0, 0] > 0.0:
-        values = np.vstack([[0.0, 0.0], values])
-    if focal[0] != focal[1]:
-        raise table.error("fy_px", "a radial table has one focal length: leave fy_px out")
-    grow = np.diff(values, axis=0)
-    if values[0].any() or not (grow[:, 0] > 0.0).all() or not (grow.sum(axis=1) > 0.0).all():
-        raise table.error(
-            "table_px", "begins with nothing at radius 0, and both radius and what comes out grow"
-        )
-    return Lens(
-        LensKind.RADIAL_TABLE, size, np.array(focal), np.array(centre), np.zeros(0), 0.0, values
-    )
-
-
-# Images of several cameras
-
-
-class CameraLens(NamedTuple):
-    """The lens of a flight, or those of its images."""
-
-    read: LensRead  # of all images, or the first of several
-    table: InputFile | None = None  # which lens each image has; None: no table says it
-    lenses: tuple[Lens, ...] = ()  # of the table
-    of_image: Mapping[str, int] = {}  # which of them
-
-    @property
-    def several(self) -> bool:
-        """Whether not all images have the same lens."""
-        return len(self.lenses) > 1
-
-    def of_names(self, names: Sequence[str]) -> Lens:
-        """Look up the lenses of images.
-
-        Args:
-            names: of images, or numbers of frames
-
-        Raises:
-            VopdError: where the table does not have one
-        """
-        if self.table is None:
-            return self.read.lens
-        missing = [name for name in names if name not in self.of_image]
-        if missing:
-            more = f" and {len(missing) - 1} more of the picks' images" if missing[1:] else ""
-            first = f"frame {missing[0]}" if missing[0].isdigit() else missing[0]
-            of_all = "" if self.several else ", or give [camera] lens, which is of all images"
-            raise self.table.error(f"no row for {first}{more}: add its name and its lens{of_all}")
-        if not self.several:
-            return self.read.lens
-        return Lenses.join(self.lenses, np.array([self.of_image[name] for name in names], np.int64))
-
-
-def read_camera(project: Project) -> CameraLens:
-    """Read the lens of a project, or the lenses of its images.
-
-    Raises:
-        VopdError: where one is missing, or its image size is not that of the project
-    """
-    section = project.section("camera")
-    if not section.has("of_images"):
-        return CameraLens(read_lens(project))
-    if project.section("solve").text("frames") == "one":
-        raise section.error(
-            "of_images", 'several cameras: [solve] frames = "one" is of one; leave it out'
-        )
-    table = project.open("camera", "of_images")
-    rows = read_by_content(IMAGE_LENS_FORMATS, table)
-    found: dict[tuple[str, str], LensRead] = {}
-    of_image: dict[str, int] = {}
-    for image, file, camera in zip(rows.image, rows.file, rows.camera, strict=True):
-        own = file, camera
-        if own not in found:
-            if not file and not section.has("lens"):
-                raise table.error(f"{shown(image)} has no file in lens, nor has [camera] lens one")
-            lens = (Path(table.name).parent / file).as_posix() if file else ""
-            of_this = project
-            for key, one in (("lens", lens), ("camera", camera)):
-                of_this = of_this.changed("camera", key, one) if one else of_this
-            found[own] = read_lens(of_this)
-        if of_image.setdefault(image, [*found].index(own)) != [*found].index(own):
-            raise table.error(f"{shown(image)} has two lenses")
-    if not found:
-        raise table.error("no image is in the file")
-    first = next(iter(found.values()))
-    said = f"{table.name}: {rows.said}, {count_text(len(of_image), 'image')}, " + (
-        f"{count_text(len(found), 'lens', 'lenses')}; the first: {first.said}"
-    )
-    sigma = {
-        name: max(_by_first(one, first).get(name, 0.0) for one in found.values())
-        for name in dict.fromkeys(name for one in found.values() for name in one.sigma)
-    }
-    read = LensRead(first.lens, said, sigma)
-    return CameraLens(read, table, tuple(one.lens for one in found.values()), of_image)
-
-
-def _by_first(read: LensRead, first: LensRead) -> dict[str, float]:
-    """Write standard deviations of a lens for the first one: focal lengths in proportion."""
-    ratio = float(first.lens.focal_px.mean() / read.lens.focal_px.mean())
-    return {name: one * (ratio if name == "focal" else 1.0) for name, one in read.sigma.items()}
-
-
-# Picks: on one grid, and each landmark once a frame
-
-APART = 20.0  # standard deviations between picks of one point that cannot both be right
-
-
-POINTS_AT_ONCE = 100_000
 ONLY_CLICKS = (
     "only the frames with clicks are solved; vopd track follows the clicks through the video"
 )
@@ -378,7 +101,7 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     if (far > MOST_NUMBER).any():
         k = int(np.argmax(far))
         raise file.error(f"{rows.landmark[k]} in {rows.frame[k]}: {far[k]:g} px is too large")
-    size_px = _sizes_px(section, file, rows, camera)
+    size_px = sizes_px(section, file, rows, camera)
     if rows.by_size:
         long = size_px.max(axis=-1, keepdims=True)
         rows = replace(rows, pixel=rows.pixel * long + (size_px - 1.0) / 2.0)
@@ -412,194 +135,6 @@ def require_clicks(project: Project) -> None:
             f"{clicks} is not there: vopd pick {project.name} -o pick.html makes the page to click "
             f"on, and your browser saves {clicks} among its downloads: move it to {project.folder}",
         )
-
-
-def _sizes_px(section: Section, file: InputFile, rows: PickRows, camera: CameraLens) -> Floats:
-    """Look up the size of the picks' image by its lens, (2,), or of each pick's (P, 2).
-
-    Raises:
-        VopdError: where an image has another size than its lens
-    """
-    if not camera.several:
-        if isinstance(rows.size_px, dict):
-            message = "the images are not all of one size: name the lens of each image in "
-            raise file.error(f"{message}[camera] of_images")
-        own, size = rows.size_px, camera.read.lens.size_px
-        _check_size(section, own or size, size, f"{file.name} has images of")
-        return camera.read.lens.by_rows("size_px")
-    names = rows.frame if isinstance(rows.frame, Names) else Names(map(str, rows.frame.tolist()))
-    every = camera.of_names(names.known).by_rows("size_px")
-    for name, (width, height) in zip(names.known, every.astype(int).tolist(), strict=True):
-        own = rows.size_px.get(name) if isinstance(rows.size_px, dict) else rows.size_px
-        _check_size(section, own or (width, height), (width, height), f"{file.name}: {name} has")
-    return np.asarray(every[names.which])
-
-
-def _check_size(section: Section, own: tuple[int, int], size: tuple[int, int], where: str) -> None:
-    """Compare the size of an image with that of its lens."""
-    (w, h), (width, height) = own, size
-    turned = ": they were turned when they were picked" if (w, h) == (height, width) else ""
-    if own != size:
-        message = f"{where} {w} x {h}, the lens is for {width} x {height}{turned}"
-        raise section.error("file", message)
-
-
-def join_picks(
-    read: PickRows,
-    frame_label: Callable[[int], str],
-    landmarks: tuple[str, ...],
-    project: str,
-) -> tuple[Picks, list[Finding]]:
-    """Join the picks by landmark, several of one point in one frame averaged.
-
-    Picks of a landmark that the project does not have, and picks of one point that
-    contradict each other, take no part and are told.
-
-    Args:
-        read: the picks, `frame` the index of its frame for each
-        frame_label: what to call a frame, by its index
-        landmarks: the names of the landmarks
-        project: the project's name, for findings
-    """
-    frame, names = np.asarray(read.frame), read.landmark
-    own_of, findings = known_landmarks(names, landmarks, project)
-    rows, first = by_point(frame, own_of[names.which])
-    count = np.diff(first)
-    mean, sigma = _means(read, rows, first)
-    own, frame = own_of[names.which[rows[first[:-1]]]], frame[rows[first[:-1]]]
-    several = np.flatnonzero(count > 1)  # points picked several times
-    again = rows[np.repeat(count > 1, count)]
-    inverse = np.repeat(np.arange(len(several)), count[several])
-    away = read.centred_px(again) - mean[several][inverse]
-    expected = read.sigma_px[again]
-    by_spread = not read.stated and 2 * len(several) > len(count)  # most points tell it
-    if by_spread:
-        variance = np.bincount(inverse, (away**2).sum(axis=1)) / (2.0 * (count[several] - 1))
-        expected = np.maximum(expected, np.sqrt(np.median(variance)))
-    contrary = _contrary(away, expected, inverse, len(several))
-    for k in np.flatnonzero(contrary):
-        point = several[k]
-        label, name = frame_label(int(frame[point])), landmarks[own[point]]
-        apart = 2.0 * np.hypot(*away[inverse == k].T).max()
-        message = (
-            f"{label}: {name} is picked {count[point]} times, up to {apart:.0f} px apart; "
-            f"{NONE_USED}"
-        )
-        findings.append(Finding(message, project, severity="warning"))
-    freedom = 2.0 * (count[several[~contrary]] - 1).sum()
-    squares = (away[~contrary[inverse]] ** 2).sum()
-    repeatability = float(np.sqrt(squares / freedom)) if freedom else float("nan")
-    usual = _usual(read)
-    if by_spread and repeatability > LARGE_SPREAD_PX:
-        message = (
-            f"picks of one landmark in one frame differ by {repeatability:.0f} px, root mean "
-            "square: are several frames under one name, or has the camera turned between them?"
-        )
-        findings.append(Finding(message, project, severity="warning"))
-    if by_spread and repeatability > 0.0:
-        sigma *= repeatability / usual["one_sigma_px"]
-        usual["one_sigma_px"] = repeatability
-    followed = None
-    if read.interpolated is not None:
-        followed = np.logical_or.reduceat(read.interpolated[rows], first[:-1])
-    absurd = np.flatnonzero((np.abs(mean) > MOST_PX).any(axis=1))
-    for point in absurd:
-        label, (u, v) = frame_label(int(frame[point])), mean[point]
-        message = f"{label}: {landmarks[own[point]]} at {u:g}, {v:g} is in no image; not used"
-        findings.append(Finding(message, project, severity="warning"))
-    kept = np.ones(len(count), bool)
-    kept[several[contrary]] = kept[absurd] = False
-    picks = Picks(
-        frame=frame[kept],
-        landmark=own[kept],
-        pixel=mean[kept],
-        sigma_px=sigma[kept],
-        repeatability_px=repeatability,
-        v_up=read.up_from is not None,
-        followed=None if followed is None else followed[kept],
-        unused=frozenset({*own.tolist()} - {*own[kept].tolist()}),
-        **usual,
-    )
-    return picks, findings
-
-
-def known_landmarks(
-    names: Names, landmarks: tuple[str, ...], project: str
-) -> tuple[Ints, list[Finding]]:
-    """Look up the landmarks that are picked, and warn of those that the project does not have.
-
-    Args:
-        names: of the picks
-        landmarks: the names of the project's
-        project: the project's name, for findings
-
-    Returns:
-        The index of each of `names.known`, -1 for one that is not known, and the warnings.
-    """
-    index = {name: k for k, name in enumerate(landmarks)}
-    picked_of, findings = np.bincount(names.which).tolist(), []
-    for name, picked in sorted(zip(names.known, picked_of, strict=True)):
-        if name not in index:
-            many = count_text(picked, "pick")
-            message = f"{NO_LANDMARK} {name} ({many}){did_you_mean(name, landmarks[:20])}"
-            findings.append(Finding(message, project, severity="warning"))
-    return in_four_bytes(np.array([index.get(name, -1) for name in names.known])), findings
-
-
-LARGE_SPREAD_PX = 10.0  # of picks of one landmark in one frame: no hand is so unsure
-NONE_USED = "none of these picks is used"
-MOST_PX = 1e6  # from the image's middle: squares of such a pick would hide all others
-
-NO_LANDMARK = "no landmark"
-"""How a warning about picks of an unknown landmark begins."""
-
-
-def by_point(frame: Ints, own: Ints) -> tuple[Ints, Ints]:
-    """Sort the picks of known landmarks by frame and landmark, those of one point together.
-
-    Args:
-        frame: index of each pick's frame, (P,)
-        own: index of each pick's landmark, -1 where it is not known, (P,)
-
-    Returns:
-        The indices of the picks, and where in them each point begins, and the last one ends.
-    """
-    rows = np.lexsort((own, frame))
-    rows = in_four_bytes(rows)
-    if own.min(initial=0) < 0:
-        rows = rows[own[rows] >= 0]
-    new = np.ones(len(rows) + 1, bool)
-    new[1:-1] = (np.diff(frame[rows]) != 0) | (np.diff(own[rows]) != 0)
-    return rows, in_four_bytes(np.flatnonzero(new))
-
-
-def _means(read: PickRows, rows: Ints, first: Ints) -> tuple[Floats, Floats]:
-    """Average the picks of each point by weight, (points, 2), with their sigmas (points,)."""
-    points = len(first) - 1
-    mean, sigma = np.empty((points, 2)), np.empty(points)
-    for k in range(0, points, POINTS_AT_ONCE):
-        end = min(k + POINTS_AT_ONCE, points)
-        some, start = rows[first[k] : first[end]], first[k:end] - first[k]
-        weight = read.sigma_px[some] ** -2.0
-        total = np.add.reduceat(weight, start)
-        weighted = np.add.reduceat(weight[:, None] * read.centred_px(some), start)
-        mean[k:end] = weighted / total[:, None]
-        sigma[k:end] = total**-0.5
-    return mean, sigma
-
-
-def _usual(read: PickRows) -> dict[str, Any]:
-    """Estimate the usual sigma of one pick; a smaller one than stated is not believed."""
-    usual = float(np.median(read.sigma_px)) if len(read.sigma_px) else 1.0
-    return {"one_sigma_px": usual} | (
-        {"least_sigma_px": usual, "stated": True} if read.stated else {}
-    )
-
-
-def _contrary(away: Floats, sigma: Floats, inverse: Ints, points: int) -> Bools:
-    """Find points with a pick that is too far from the mean of its picks, (points,)."""
-    far = np.hypot(*away.T) > APART / 2.0 * sigma
-    return np.asarray(np.bincount(inverse[far], minlength=points) > 0)
 
 
 # The flight of a project file
@@ -795,25 +330,6 @@ def _all_as_one(project: Project) -> bool:
     return one
 
 
-SHORT = 0.1  # of the longer side: an image without the distortion of a fisheye is 157 degrees wide
-
-
-def doubts_of_lens(lens: Lens) -> Iterator[str]:
-    """Doubt a principal point at pixel 0, 0, and a focal length as short as one in millimetres."""
-    if (np.abs(lens.centre_px) <= 1.0).all():
-        yield (
-            "[camera] lens: the principal point {:g}, {:g} is in the corner of the image: was it "
-            "set? Without cx_px and cy_px a table's is the image's middle"
-        ).format(*lens.centre_px)
-    fx_px, side_px = float(lens.focal_px[0]), max(lens.size_px)
-    if lens.kind is LensKind.BROWN and fx_px < SHORT * side_px:
-        wide = np.rad2deg(2.0 * np.arctan(side_px / 2.0 / fx_px))
-        yield (
-            f"[camera] lens: fx_px = {fx_px:g}: the image would be {wide:.0f} degrees wide; is "
-            "that millimetres? focal_mm and sensor_mm take those"
-        )
-
-
 def _first(times: FrameTimes) -> FrameTimes:
     return times._replace(time_s=times.time_s[:1], image=times.image[:1])
 
@@ -972,7 +488,7 @@ def _vehicle(project: Project, offset_s: float) -> VehicleAttitudes | None:
     """Read the vehicle's attitudes, as far as a file of them is named."""
     if not project.section("vehicle").has("attitude"):
         return None
-    from vopd.flight.mounting import read_vehicle
+    from vopd.flight.project.vehicle import read_vehicle
 
     return read_vehicle(project, offset_s)
 

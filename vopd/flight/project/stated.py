@@ -14,6 +14,7 @@ from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refractio
 from vopd.flight.formats.lens import LensRead
 from vopd.flight.project.keys import ROWS, WIDTH, Project, Section, with_common_error
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS
+from vopd.flight.solve.free import COMMON
 from vopd.geometry.lenses import LensKind
 from vopd.inputs import LEAST_SIGMA, MOST_SIGMA, beyond_sigmas
 
@@ -97,19 +98,6 @@ def key_sigma(section: Section, key: str, why: str, notes: Notes) -> tuple[float
 
 # What is common to a flight: lens, clock, readout, refraction
 
-
-COMMON = {
-    ("uncertainty", "focal_rel"): ("focal",),
-    ("uncertainty", "principal_px"): ("centre_u", "centre_v"),
-    ("uncertainty", "k1"): ("k1",),
-    ("uncertainty", "k2"): ("k2",),
-    ("uncertainty", "p1p2"): ("p1", "p2"),
-    ("track", "sigma_t_s"): ("clock",),
-    ("uncertainty", "clock_rate_ppm"): ("clock_rate",),
-    ("uncertainty", "readout_ms"): ("readout",),
-    ("atmosphere", "sigma_k"): ("refraction",),
-}
-"""Parameters whose standard deviations a key states, by section and key."""
 UNITS = {"clock_rate_ppm": 1e-6, "readout_ms": 1e-3}  # of such keys; 1 for the others
 HALF = 0.5  # of the coefficient of refraction is its standard deviation if none is stated
 

@@ -7,25 +7,31 @@ many frames are not as many picks.
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.findings import Finding, count_text
+from vopd.files import size_and_ends
+from vopd.findings import Finding, count_text, shown
 from vopd.flight.flight import Clicks, Flight, Picks
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows, read_hidden
 from vopd.flight.formats.tracked import (
     AGAIN,
     CLICKED,
     TRACKED,
     TrackedRows,
+    digest_of_rows,
     read_tracked,
     recognises_tracked,
-    refuse_stale,
 )
-from vopd.flight.project.keys import Project
-from vopd.flight.project.read import by_point, known_landmarks
+from vopd.flight.project.keys import ROWS, Project
+from vopd.flight.project.picks import by_point, known_landmarks
 from vopd.flight.solve.joint import JointSolution
 
 MOST_SIZES = 10.0  # of the image, from its first pixel to a tracked one
@@ -198,3 +204,102 @@ def correlation_of_neighbours(joint: JointSolution) -> float:
     before, after = residual[:-1][near], residual[1:][near]
     square = float((before**2).sum() * (after**2).sum())
     return float((before * after).sum() / np.sqrt(square)) if square > 0.0 else float("nan")
+
+
+# Digests of what was tracked
+
+SEEN_BY = {
+    "camera": (),
+    "landmarks": (),
+    "track": (),
+    "position": (),
+    "atmosphere": (),
+    "picks": ("times", "frame_rate_hz", "first_frame_t_s"),
+}
+"""Sections, and keys of them if not all count, on which the prediction of landmarks depends."""
+
+
+def track_digests(project: Project) -> dict[str, str]:
+    """Digest what `vopd track` follows: `clicks`, `video` and `project`.
+
+    Of a video its size and both ends count; of the project what predicts where landmarks are, with
+    the files that it names. Standard deviations do not count.
+
+    Args:
+        project: the project; what it does not name, or is not there, has no digest
+    """
+    section = project.section("picks")
+    found = {}
+    if section.has("file"):
+        found["clicks"] = _of_files([project.folder / section.text("file")])
+    video = section.values.get("video")
+    names = video if isinstance(video, list) else [video] if video else []
+    found["video"] = _of_files([project.folder / str(name) for name in names])
+    found["project"] = _of_project(project)
+    return {name: one for name, one in found.items() if one}
+
+
+def _of_files(paths: list[Path]) -> str:
+    """Digest files by their sizes and ends, a folder by its files; empty if one is not there."""
+    digest = sha256()
+    for path in paths:
+        inside = sorted(path.iterdir()) if path.is_dir() else [path]
+        for one in inside:
+            if not one.is_file():
+                if one == path:
+                    return ""
+                continue
+            digest.update(f"{one.name if path.is_dir() else ''}\0".encode())
+            for part in size_and_ends(one):
+                digest.update(part)
+    return digest.hexdigest() if paths else ""
+
+
+def _of_project(project: Project) -> str:
+    """Digest the keys of a project that predict where landmarks are, and their files."""
+    digest = sha256()
+    for name, only in SEEN_BY.items():
+        values = project.section(name).values
+        for key in sorted(only or values):
+            if key in values and ROWS[name, key].kind != "sigma":
+                value: Any = values[key]
+                if project.names_file(name, key):
+                    value = _of_files([project.folder / value])
+                digest.update(json.dumps([name, key, value], default=str).encode())
+    return digest.hexdigest()
+
+
+def refuse_stale(file: InputFile, rows: TrackedRows, project: Project) -> list[str]:
+    """Compare the digests of a tracked file with what its project names now.
+
+    Returns:
+        Sentences on what has changed without harm to the picks.
+
+    Raises:
+        VopdError: where the clicks or the video are others
+    """
+    now = track_digests(project)
+    section = project.section("picks")
+    for name, key in (("clicks", "file"), ("video", "video")):
+        if name in now and name not in rows.digest:
+            raise section.error(
+                "tracked", f"{file.name} does not say which {name} it was made of, in a line "
+                f"# {name}: ... above its header: {AGAIN}"
+            )  # fmt: skip
+        if name in now and rows.digest.get(name) != now[name]:
+            raise section.error(
+                "tracked", f"{file.name} was made of {key} = {shown(section.values[key])} as it "
+                f"was before: {AGAIN}"
+            )  # fmt: skip
+    told = []
+    if "rows" in rows.digest and rows.digest["rows"] != digest_of_rows(file.path):
+        told.append(
+            f"{file.name}: edited since vopd track wrote it: what is said of clicks may come from "
+            f"that; {AGAIN}"
+        )
+    if rows.digest.get("project") != now["project"]:
+        told.append(
+            f"{file.name}: lens, landmarks or positions have changed since: the picks serve, and "
+            f"their patches were predicted by others; {AGAIN}"
+        )
+    return told

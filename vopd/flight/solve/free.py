@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, did_you_mean
 from vopd.flight.flight import Flight, NotHeld
-from vopd.flight.formats.files import did_you_mean
-from vopd.flight.project.stated import COMMON
 from vopd.flight.solve.equations import LENS_COEFFICIENTS, SHIFT, with_parameters
 from vopd.flight.solve.readout import row_shifts_px
 from vopd.geometry.lenses import Lenses
@@ -42,6 +40,18 @@ Landmarks are no rows: they are solved for in any case, and only reported.
 OF_A_LENS = ("focal", "aspect", "centre", "k1", "k2", "p1p2")  # those of them that are of the lens
 SHOWN_NAME = {"clock_rate": "clock-rate"} | {axis: f"track-offset {axis}" for axis in SHIFT}
 """Parameters that a table names otherwise."""
+COMMON = {
+    ("uncertainty", "focal_rel"): ("focal",),
+    ("uncertainty", "principal_px"): ("centre_u", "centre_v"),
+    ("uncertainty", "k1"): ("k1",),
+    ("uncertainty", "k2"): ("k2",),
+    ("uncertainty", "p1p2"): ("p1", "p2"),
+    ("track", "sigma_t_s"): ("clock",),
+    ("uncertainty", "clock_rate_ppm"): ("clock_rate",),
+    ("uncertainty", "readout_ms"): ("readout",),
+    ("atmosphere", "sigma_k"): ("refraction",),
+}
+"""Parameters whose standard deviations a key states, by section and key."""
 UNIT = {
     **dict.fromkeys(("focal", "centre_u", "centre_v"), "px"),
     **{"clock": "s", "clock_rate": "ppm", "readout": "ms"},

@@ -18,8 +18,7 @@ import numpy as np
 from vopd.arrays import Array, Bools, Floats
 from vopd.estimate import COMMON_PART
 from vopd.findings import VopdError
-from vopd.flight.flight import Flight
-from vopd.flight.project.track import LEAPS
+from vopd.flight.flight import LEAPS, Flight
 from vopd.flight.solve.equations import SHIFT, Model, Priors, Readout, State
 from vopd.flight.solve.free import free_parameters
 from vopd.flight.solve.normal import NARROW, Factored, Normal, RightSide, frames_by_block, pairs

@@ -11,10 +11,10 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
-from vopd.flight.estimate import flight_estimate
+from vopd.flight.coordinates import M_PER_FT
+from vopd.flight.estimate import FlightEstimates, flight_estimate
 from vopd.flight.flight import Flight
-from vopd.flight.formats.files import M_PER_FT
-from vopd.flight.misfits.misfit import (
+from vopd.flight.misfits.input_errors import (
     BEYOND,
     OF_LANDMARK,
     TYPICAL,
@@ -25,7 +25,6 @@ from vopd.flight.misfits.misfit import (
 from vopd.flight.project.keys import Project
 from vopd.flight.project.read import flight_of
 from vopd.flight.project.track import height_datum
-from vopd.flight.result import FlightResult
 from vopd.flight.solve.rotations import FlightBlocks, solve
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
@@ -54,20 +53,21 @@ SMALL = (
 )
 
 
-def usual_mistakes(project: Project, result: FlightResult, named: bool = False) -> list[str]:
+def usual_mistakes(project: Project, estimates: FlightEstimates, named: bool = False) -> list[str]:
     """Name the mistake that explains large residuals best.
 
     Args:
         project: the project, which is read anew with another clock
-        result: its solution
+        estimates: its solution
         named: whether an error of its inputs is named already; one of `UNIT_MISTAKES` is then
             named in its place if it explains all residuals
     """
-    sigma = float(np.median(result.flight.picks.sigma_px))
-    flight, joint = some_frames(result.flight), result.estimates.joint
+    sigma = float(np.median(estimates.flight.picks.sigma_px))
+    flight, joint = some_frames(estimates.flight), estimates.joint
     moved_m, stated_m = (0.0, 0.0) if joint is None else moved_places_m(joint)
     far = moved_m > BEYOND * stated_m > 0.0
-    estimate = result.estimate if flight is result.flight and not far else solved_trial(flight)
+    known = flight is estimates.flight and not far
+    estimate = estimates.whole() if known else solved_trial(flight)
     before = typical_px(flight, estimate)
     if before > DOUBTED * sigma and freedom(estimate) >= LEAST_FREEDOM:
         tables = ((), UNIT_MISTAKES) if named else (AXES_MISTAKES, USUAL_MISTAKES)

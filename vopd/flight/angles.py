@@ -1,0 +1,107 @@
+"""Angles of a solved flight: the camera's, the vehicle's, and the angles of attack."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vopd.arrays import Floats, Ints
+from vopd.flight.solve.rotations import IMAGE_FROM_CAMERA, SolvedFlight
+from vopd.geometry.earth import NED_FROM_ENU
+from vopd.geometry.linear import crossing
+from vopd.geometry.rotations import body_angles_by_turns, body_angles_deg, camera_angles_deg
+
+
+class AttackAngles(NamedTuple):
+    """Angles of attack of F frames; NaN where the velocity is not known."""
+
+    angle_deg: Floats  # (F, 3) alpha, beta, eta
+    airspeed_m_s: Floats  # (F,)
+    by_turns: Floats  # (F, 3, 3) by small turns about forward, right, down
+    by_time: Floats  # (F, 3) radians a second, by the change of the velocity
+    by_velocity: Floats  # (F, 3, 3) radians by north, east, down of the velocity, m/s
+
+
+@np.errstate(all="ignore")
+def angles_of_attack(
+    body_to_ned: Floats, velocity_m_s: Floats, acceleration_m_s2: Floats
+) -> AttackAngles:
+    """Find the angles of attack and their derivatives.
+
+    Alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), with forward, right
+    and down components u, v, w of the velocity relative to the air.
+
+    Args:
+        body_to_ned: forward, right, down as columns in north, east, down, (F, 3, 3)
+        velocity_m_s: north, east, down relative to the air, (F, 3)
+        acceleration_m_s2: its change a second, (F, 3)
+    """
+    to_body = body_to_ned.swapaxes(1, 2)
+    inside = (to_body @ velocity_m_s[..., None])[..., 0]
+    u, v, w = inside.T
+    across = np.hypot(v, w)
+    angles = np.stack([np.arctan2(w, u), np.arctan2(v, u), np.arctan2(across, u)], axis=1)
+    zero = np.zeros_like(u)
+    wu, vu, all2 = u**2 + w**2, u**2 + v**2, u**2 + across**2
+    rows = [
+        np.stack([-w / wu, zero, u / wu], axis=1),
+        np.stack([-v / vu, u / vu, zero], axis=1),
+        np.stack([-across / all2, u * v / (across * all2), u * w / (across * all2)], axis=1),
+    ]
+    by_velocity = np.stack(rows, axis=1)
+    angles[all2 == 0.0] = np.nan  # what does not move through the air has no direction in it
+    return AttackAngles(
+        np.degrees(angles),
+        np.sqrt(all2),
+        by_velocity @ crossing(inside),
+        (by_velocity @ to_body @ acceleration_m_s2[..., None])[..., 0],
+        by_velocity @ to_body,
+    )
+
+
+@np.errstate(all="ignore")
+def camera_angles(solved: SolvedFlight) -> Floats:
+    """Convert the rotations of all frames to camera yaw, pitch, roll (F, 3), degrees."""
+    return camera_angles_deg(IMAGE_FROM_CAMERA @ solved.attitudes.rotation)
+
+
+@np.errstate(all="ignore")
+def vehicle_angles(solved: SolvedFlight) -> Floats:
+    """Convert the rotations of all frames to vehicle yaw, pitch, roll (F, 3), degrees."""
+    return body_angles_deg(_body_to_ned(solved))
+
+
+@np.errstate(all="ignore")
+def turned_vehicle_deg(solved: SolvedFlight, frames: Ints, turn_rad: Floats) -> Floats:
+    """Convert small turns of frames to changes of vehicle yaw, pitch, roll (T, 3), degrees.
+
+    Args:
+        solved: the flight
+        frames: index of the frame of each, (T,); negative: NaN
+        turn_rad: about the camera's axes, (T, 3)
+    """
+    angles = vehicle_angles(solved)[frames]
+    by_turns = body_angles_by_turns(np.radians(angles))
+    changed = -np.einsum("tij,jk,tk->ti", by_turns, solved.flight.mount, turn_rad)
+    return np.where(frames[:, None] >= 0, np.degrees(changed), np.nan)
+
+
+def _body_to_ned(solved: SolvedFlight) -> Floats:
+    rotation = solved.attitudes.rotation.swapaxes(1, 2)
+    return np.asarray(NED_FROM_ENU @ rotation @ solved.flight.mount.T)
+
+
+@np.errstate(all="ignore")
+def attack_angles(solved: SolvedFlight) -> AttackAngles:
+    """Find the angles of attack of all frames; NaN if the velocity is not known."""
+    path, body_to_ned = solved.flight.path, _body_to_ned(solved)
+    if path.velocity_m_s is None:
+        unknown = np.full((len(body_to_ned), 3), np.nan)
+        return angles_of_attack(body_to_ned, unknown, unknown)
+    still = np.zeros((len(body_to_ned), 3))
+    wind = still.copy()
+    if path.wind_m_s is not None:
+        wind[:, :2] = path.wind_m_s
+    change = still if path.acceleration_m_s2 is None else path.acceleration_m_s2
+    return angles_of_attack(body_to_ned, path.velocity_m_s - wind, change)

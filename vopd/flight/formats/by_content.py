@@ -1,0 +1,92 @@
+"""Formats of files, told by their content: the first that recognises a file reads it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from vopd.files import names_stars, reason
+from vopd.findings import MANY_NAMED
+from vopd.flight.formats.columns import OF_STARS, SYNONYMS, TIME, mapped
+from vopd.flight.formats.files import UNEXPECTED, InputFile
+from vopd.flight.formats.tables import header_names
+from vopd.inputs import is_number
+
+R = TypeVar("R")
+
+
+class InputFormat(NamedTuple, Generic[R]):
+    """A format of a file: one row of a table of formats."""
+
+    name: str
+    recognises: Callable[[InputFile], bool]  # by content
+    read: Callable[..., R]
+
+
+NMEA = re.compile(r"\s*\$[A-Z]{4,6}\d*,")
+"""The first sentence of a receiver's output, such as $GPGGA."""
+
+
+def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: Any) -> R:
+    """Read a file by the first format that recognises it.
+
+    Args:
+        formats: the formats that are looked for
+        file: the file
+        more: further arguments of the formats' readers
+
+    Raises:
+        VopdError: where none does
+    """
+    if NMEA.match(file.head):  # its rows have commas, as those of a CSV
+        how = "gpsbabel -i nmea -f FILE -o gpx -F track.gpx makes GPX of it"
+        raise file.error(f"is NMEA of a receiver, which is not read: {how}")
+    for one in formats:
+        if one.recognises(file):
+            if file.columns and not one.name.startswith("CSV"):
+                raise file.error(f"columns are of a CSV, and the file is {one.name}")
+            try:
+                return one.read(file, *more)
+            except UNEXPECTED as error:  # a value of another kind than the format has there
+                raise file.error(f"not as {one.name} should be: {reason(error)}") from error
+    if file.is_video:
+        raise file.error("is a video: vopd new DIR --video FILE makes a project of it")
+    known = ", ".join(one.name for one in formats)
+    if not any("folder" in one.name for one in formats):
+        file.refuse_folder()
+    what = "is a folder that" if file.given is None and file.path.is_dir() else "the format"
+    hint = _unnamed(file) if any(one.name.startswith("CSV") for one in formats) else ""
+    raise file.error(f"{what} is not recognised; known are {known}{hint}")
+
+
+TIE_POINTS = "OPENSFM_TRACKS_VERSION"
+OF_TIE_POINTS = (
+    ": the tie points of OpenSfM's tracks.csv have coordinates by the images alone, and no "
+    "landmark; clicks of surveyed ones are in ground_control_points.json or gcp_list.txt"
+)
+
+
+def _unnamed(file: InputFile) -> str:
+    """Say what to do where the columns of a table are not known; empty if it is no table."""
+    if file.head.lstrip()[:1] in ("{", "[", "<"):
+        return ""  # JSON or XML
+    if file.head.lower().startswith("sep="):
+        return "; its first line, sep=, is a spreadsheet's: remove that line"
+    header = header_names(file)
+    if header and header[0].startswith(TIE_POINTS):
+        return OF_TIE_POINTS
+    if len(header) < 2:
+        given = isinstance(file.columns, list)
+        return f"; columns names {', '.join(header)} alone: name all of its columns" * given
+    if any(map(is_number, header)):
+        return (
+            '; a CSV without a header needs columns = ["...", "..."], the names of all of them '
+            "(vopd new --columns picks:NAME,NAME,...)"
+        )
+    if not {*header} - {*SYNONYMS, *TIME}:
+        return ""  # a table of another kind
+    if names_stars(header):
+        return OF_STARS
+    names = ", ".join(header[:MANY_NAMED])
+    return f"; its columns are {names}: rename them, or map them, {mapped('...', '...')}"

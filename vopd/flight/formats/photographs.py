@@ -1,0 +1,100 @@
+"""Photographs of frames: the images that picks name, where they are, and which are missing."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vopd.findings import VopdError, first_of
+from vopd.flight.flight import Flight
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+
+def photograph(flight: Flight, number: int, name: str) -> Image:
+    """Read the photograph of a frame of a flight: its image, or a frame of its video.
+
+    Args:
+        flight: whose project says where they are
+        number: of the frame
+        name: of its image; empty for the frame of a video
+
+    Raises:
+        VopdError: if there is none, or it cannot be read
+    """
+    from vopd.video import open_frames
+
+    if not name:
+        frames = open_frames([str(one) for one in flight.video])
+        (picture,) = frames.pictures([frames.place(number, name)])
+        return picture
+    assert flight.folder is not None
+    of_video = [one if one.is_dir() or not one.suffix else one.parent for one in flight.video]
+    beside = (image_file(one, name) for one in (*of_video, flight.folder))
+    found = next(filter(None, beside), None)
+    if found is None:
+        places = dict.fromkeys(os.path.normpath(one) for one in of_video)
+        where = " or ".join([*places, "the project's folder"])
+        others = other_images(of_video)
+        cure = "[picks] video, or --images of vopd plot, names its folder"
+        if others:
+            cure = f"{others} there: the picks name an image as its file is named"
+        raise VopdError(f"{name} is not in {where}; {cure}")
+    (picture,) = open_frames([str(found)]).pictures([0])
+    return picture
+
+
+def other_images(folders: Iterable[Path]) -> str:
+    """Name the first images of some folders, and say whether they are one or several."""
+    from vopd.video import stills_in
+
+    return _are([one.name for folder in folders for one in stills_in(folder)])
+
+
+def lost_images(names: Iterable[str], folders: Iterable[Path]) -> str:
+    """Name the first images that are in none of some folders; empty if there is none."""
+    places = list(folders)
+    return _are([name for name in names if not any(image_file(one, name) for one in places)])
+
+
+def _are(names: list[str]) -> str:
+    return f"{first_of(names, MOST_NAMED)} {'is' if len(names) == 1 else 'are'}" if names else ""
+
+
+MOST_NAMED = 3
+
+
+def missing_images(flight: Flight) -> str:
+    """Say which picked images are not where the project has its photographs; empty if all are.
+
+    Args:
+        flight: whose project may name them by `[picks] video`
+    """
+    if not flight.image_name or not flight.video or flight.folder is None:
+        return ""
+    folders = [one if one.is_dir() else one.parent for one in flight.video]
+    lost = lost_images(dict.fromkeys(flight.image_name), (*folders, flight.folder))
+    others = other_images(folders)
+    if not lost or not others:
+        return ""
+    return (
+        f"[picks] video: {lost} picked and not among the images, where {others}: the picks name an "
+        "image as its file is named, or there is no photograph of it"
+    )
+
+
+def image_file(folder: Path, name: str) -> Path | None:
+    """Find an image in a folder, or in a folder within it.
+
+    Args:
+        folder: of the project, or of the images
+        name: of the image's file, as the picks have it
+    """
+    try:
+        beside = [folder, *sorted(one for one in folder.iterdir() if one.is_dir())]
+        return next((one / name for one in beside if (one / name).is_file()), None)
+    except (OSError, ValueError):  # a name that no file can have
+        return None

@@ -1,0 +1,60 @@
+"""Attitudes of the vehicle, read from the file that a project names."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.flight.flight import VehicleAttitudes
+from vopd.flight.formats.tables import frames_of_column, read_csv
+from vopd.flight.project.keys import Project
+from vopd.geometry.rotations import FORWARD, mount_by_angles
+
+
+def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes:
+    """Read the attitudes of the vehicle from the file that a project names.
+
+    Args:
+        project: its sections
+        offset_s: added to the file's times, as to the track's
+
+    Raises:
+        VopdError: where the file does not say when each attitude is, or how well it is known
+    """
+    section, file = project.section("vehicle"), project.open("vehicle", "attitude")
+    table = read_csv(file)
+    by = next((one for one in ("frame", "image", "t_s") if table.has(one)), None)
+    if by is None:
+        raise file.error(
+            "does not say when each attitude is: it needs a column frame, image or t_s, seconds "
+            "on the clock of the track, beside yaw_deg, pitch_deg and roll_deg"
+        )
+    angles = np.stack([table.numbers(f"{one}_deg") for one in ("yaw", "pitch", "roll")], axis=1)
+    body_to_ned = np.array([mount_by_angles(one) @ FORWARD.T for one in angles])
+    of_all = section.sigma("attitude_sigma_deg")
+    sigma_deg = np.full(len(angles), np.nan if of_all is None else of_all[0])
+    if table.has("sigma_deg"):
+        own = table.sigmas("sigma_deg")
+        sigma_deg = np.where(np.isnan(own), sigma_deg, own)
+    if not (sigma_deg > 0.0).all():
+        raise section.error(
+            "attitude_sigma_deg",
+            f"is needed, above 0: {file.name} does not say in a column sigma_deg how well each "
+            "attitude is known, degrees about each axis, as 0.2 of a small inertial sensor",
+        )
+    if not len(angles):
+        raise file.error("no attitude is in the file")
+    keys = table.column(by)
+    time_s = np.full(len(angles), np.nan)
+    if by == "t_s":
+        time_s = table.numbers(by) + offset_s
+        back = np.flatnonzero(~(np.diff(time_s) > 0.0))
+        if len(back):
+            raise table.error("its time is not after the one before", int(back[0]) + 1, by)
+    elif by == "frame":
+        keys = list(map(str, np.asarray(frames_of_column(table)).tolist()))
+    first = dict[str, int]()
+    for row, key in enumerate(keys):
+        if first.setdefault(key, row) != row:
+            earlier = f"it is in line {table.line[first[key]]} already"
+            raise table.error(f"{key} has two attitudes, {earlier}: remove one", row, by)
+    return VehicleAttitudes(file.name, by, tuple(keys), time_s, body_to_ned, np.radians(sigma_deg))

@@ -1,0 +1,233 @@
+"""Words of a flight: what its tables, files, pictures and report say of how it was solved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vopd.arrays import Floats
+from vopd.attitude.conventions import POSITION
+from vopd.estimate import Words
+from vopd.findings import count_text
+from vopd.flight.angles import camera_angles
+from vopd.flight.flight import Flight, Refraction
+from vopd.flight.solve.clicks import ClickEquations
+from vopd.flight.solve.errors import covariance_of_common
+from vopd.flight.solve.free import free_text
+from vopd.flight.solve.joint import JointSolution
+from vopd.flight.solve.lines_of_sight import sight_lines
+from vopd.flight.solve.rotations import SolvedFlight
+from vopd.geometry.rotations import FORWARD, from_yaw_pitch_roll, rotation_vectors_deg
+
+# Comparison with the gimbal's angles, which are never used in a solve
+
+
+def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
+    """Describe the rotations from the gimbal's attitudes to the solved ones, in a sentence.
+
+    They are rotations about the camera's own axes: near nadir yaw and roll differ by tens of
+    degrees where the attitudes differ by one.
+
+    Args:
+        camera_deg: solved yaw, pitch, roll, (F, 3)
+        gimbal_deg: those of the gimbal, (F, 3); NaN where not known
+    """
+    known = np.isfinite(camera_deg).all(axis=1) & np.isfinite(gimbal_deg).all(axis=1)
+    if not known.any():
+        return "in the images' tags, and no frame with an attitude has them"
+    turn = rotation_vectors_deg(
+        from_yaw_pitch_roll(gimbal_deg[known]), from_yaw_pitch_roll(camera_deg[known])
+    )
+    middle, low, high = np.median(turn, axis=0), turn.min(axis=0), turn.max(axis=0)
+    parts = ", ".join(
+        f"{axis} {middle[k]:+.2f} ({low[k]:+.2f} to {high[k]:+.2f})"
+        for axis, k in (("right", 1), ("down", 2), ("forward", 0))
+    )
+    count = count_text(len(turn), "frame")
+    return (
+        "not used; rotation from the gimbal's attitude to the solved one about the camera's axes, "
+        f"degrees, median of {count} and range: {parts}"
+    )
+
+
+ATTACK = (
+    "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w the velocity "
+    "{against} in the body"
+)
+
+
+OWN_LEVEL = "as the landmarks' file counts heights"
+SIGMA_KEYS = {
+    "position": "[track] or [position] sigma_m",
+    "landmark": "[landmarks] sigma_m",
+    "focal": "[uncertainty] focal_rel",
+    "principal_point": "[uncertainty] principal_px",
+    "distortion": "[uncertainty] k1, k2, p1p2",
+    "refraction": "[atmosphere] sigma_k",
+    "time": "[track] sigma_t_s",
+    "readout": "[uncertainty] readout_ms",
+    "mount": "--mount-sigma",
+    "velocity": "[track] velocity_sigma_m_s",
+    "wind": "[wind] sigma_m_s",
+    "click": "[picks] tracked_from: tracks of another program share those of their clicks",
+}
+"""Where the standard deviation of each component of a flight's uncertainty is stated."""
+
+
+def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Words:
+    """Choose the words for one flight.
+
+    Args:
+        solved: its solution
+        joint: the same, with what was solved for besides the rotations
+    """
+    flight = solved.flight
+    altitude = OWN_LEVEL if flight.own_level else Words.altitude
+    conventions = {
+        "input": "; ".join(flight.about),
+        "solve": f"{_unknowns(solved).format(flight.options.loss)}; WGS 84; "
+        "residuals in pixels of the image as it was taken, x to the left, y up",
+        "pixels": "u right, v down, (0, 0) the centre of the first pixel",
+        "refraction": _refraction(flight.refraction, solved),
+        "angles of attack": _attack_words(flight),
+        "position": POSITION.format(altitude=altitude),
+        "time": _time(flight),
+    }
+    if flight.path.gimbal_deg is not None:
+        conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
+    if joint is not None and joint.model.clicks is not None:
+        conventions["clicks"] = clicks_text(joint)
+    if joint is not None and joint.model.flight.options.free:
+        conventions["solved for"] = free_text(joint, covariance_of_common(joint))
+    fixes = flight.path.fixes
+    if solved.landmark_m is not None and fixes is not None and fixes.weight.shape[1] > 1:
+        conventions["mean"] = (
+            "frames between the same fixes of the track share their errors: a mean over frames has "
+            "the covariance that vopd attitude --mean states, not common + (all - common) / F"
+        )
+    if np.isfinite(flight.grid_convergence_deg):
+        conventions["grid azimuth"] = (
+            f"true azimuth less {flight.grid_convergence_deg:.4f} degree, the meridian "
+            "convergence of the landmarks' CRS at the first frame"
+        )
+    return Words(
+        source="project",
+        jobs=False,
+        landmark="its name",
+        reading="a pick's u or v",
+        attack=flight.path.wind_m_s is not None or not np.array_equal(flight.mount, FORWARD),
+        altitude=altitude,
+        columns={"altitude_m": altitude},
+        sigma_keys=_sigma_keys(solved),
+        flags={
+            "undetermined": (
+                "fewer than two landmarks in different directions, or no position: no angles; "
+                "what is not known is named",
+                "pick two landmarks at least, where two are in view; without a position, look at "
+                "the track's times",
+            ),
+            "outlier": (
+                "landmarks do not fit the others (chi-square test, F test where the reading sigma "
+                "is estimated, .001 a frame, four landmarks or more); they are named",
+                "look at its pick in that image and at its coordinates",
+            ),
+            "second_solution": (
+                "an attitude with the landmarks on the camera's other side fits as well, and the "
+                "solve has taken the one with the landmarks in front; or another position within "
+                "its standard deviations fits as well, and how far its attitude is turned is named",
+                "nothing where the view is beyond doubt; a fourth landmark decides between two "
+                "positions",
+            ),
+        },
+        conventions=conventions,
+    )
+
+
+def _unknowns(solved: SolvedFlight) -> str:
+    if solved.landmark_m is None:
+        return "rotation by {} with the camera's position given"
+    return "rotation by {}, with positions and landmarks under their standard deviations"
+
+
+def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
+    """Say where components of the uncertainty can be stated that the project does not call exact.
+
+    Refraction that is left out is one of them where it would raise lines of sight enough.
+    """
+    flight = solved.flight
+    keys = {name: key for name, key in SIGMA_KEYS.items() if name not in flight.options.exact}
+    if flight.shutter is None:
+        keys.pop("readout", None)
+    if flight.picks.followed is None or not flight.picks.followed.any():
+        del keys["click"]
+    if flight.refraction.k == 0.0 and "refraction" not in flight.options.parameter_sigma:
+        raised_deg = _standard_refraction_deg(solved)
+        keys.pop("refraction", None)
+        if raised_deg >= LEAST_RAISED_DEG:
+            keys["refraction"] = (
+                f"[atmosphere] refraction: the standard one raises lines of sight by "
+                f"{raised_deg:.2g} degree at most"
+            )
+    return keys
+
+
+LEAST_RAISED_DEG = 0.001  # by refraction that is left out: less is not named
+
+
+def _standard_refraction_deg(solved: SolvedFlight) -> float:
+    """Estimate how far standard refraction raises the longest line of sight, degrees."""
+    flight, picks = solved.flight, solved.flight.picks
+    mark_m = flight.landmarks.position_m[picks.landmark]
+    far = np.linalg.norm(mark_m - solved.camera_m[picks.frame], axis=1)
+    pick, one = int(np.nan_to_num(far).argmax()), np.zeros(1, np.int64)
+    camera_m = solved.camera_m[picks.frame[pick]]
+    lines = sight_lines(camera_m[None], mark_m[pick][None], one, one, Refraction())
+    return float(np.nan_to_num(np.degrees(lines.raised_rad[0])))
+
+
+def _refraction(refraction: Refraction, solved: SolvedFlight) -> str:
+    if refraction.k == 0.0:
+        return "off"
+    way = "decaying with height over 8 km" if refraction.decays else "constant"
+    raised_deg = np.degrees(solved.raised_most_rad)
+    most = ""
+    if np.isfinite(raised_deg):
+        most = f"; it raises lines of sight by {raised_deg:.5f} degree at most"
+    return f"coefficient {refraction.k:g} at the ground, {way}{most}"
+
+
+def _attack_words(flight: Flight) -> str:
+    if flight.path.velocity_m_s is None:
+        return "none: the velocity is not known"
+    known = flight.path.wind_m_s is not None
+    against = "relative to the air" if known else "against the ground, as no wind is given,"
+    return ATTACK.format(against=against)
+
+
+def _time(flight: Flight) -> str:
+    if flight.epoch is None:
+        return "seconds of the flight"
+    zero = flight.epoch.replace(tzinfo=None).isoformat(timespec="microseconds")
+    return f"seconds of the flight; zero is {zero}Z"
+
+
+# Clicks
+
+
+def clicks_text(joint: JointSolution) -> str:
+    """Describe the clicks of a flight, and how far they are off as the solve finds.
+
+    Args:
+        joint: the solution of a flight with clicks
+    """
+    model, clicks = joint.model, joint.model.flight.picks.clicks
+    assert clicks is not None and isinstance(model.clicks, ClickEquations)
+    error = joint.state.click_px[model.clicked]
+    if not len(error):
+        return "no click is of a frame that could be solved"
+    left = np.diag(joint.factored.common)[model.of_clicks]
+    count = count_text(len(error), "click")
+    stated_px = float(np.sqrt((clicks.sigma_px[model.clicked] ** 2).mean()))
+    return (
+        f"{count}, off by {np.sqrt((error**2).mean()):.2f} px rms of u and v "
+        f"({stated_px:.2g} stated), known to {np.sqrt(left.mean()):.2f} px"
+    )
