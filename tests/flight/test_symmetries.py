@@ -19,8 +19,10 @@ import pytest
 
 import vopd
 from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
-from tests.tolerances import within
+from tests.tolerances import assert_close, within
 from vopd.attitude.table import table
+from vopd.flight.adjust.adjustment import adjust
+from vopd.flight.project.read import read_flight
 
 SIZE = (1920, 1080)
 EVERYTHING = Plan(
@@ -199,3 +201,23 @@ def test_the_answer_is_the_same(
         assert (np.isnan(found) == np.isnan(values)).all(), column
         size = np.maximum(np.abs(np.nan_to_num(values)), 1.0)
         assert np.abs(np.nan_to_num(away) / size).max() < within("symmetric flight"), column
+
+
+def test_what_is_solved_for_is_mirrored(base: Path, tmp_path: Path) -> None:
+    """The east of landmarks and p2 have the other sign, and so have their covariances."""
+    shutil.copytree(drawn("everything", base), tmp_path / "everything")
+    mirrored(tmp_path / "everything")
+    free = ("focal", "aspect", "k1", "p1p2", "landmarks")
+    one, other = (
+        adjust(read_flight(str(folder / "flight.toml")), free)
+        for folder in (drawn("everything", base), tmp_path / "everything")
+    )
+    names = [each.name for each in one.parameters]
+    assert names == [each.name for each in other.parameters] and any(p.held for p in one.parameters)
+    sign = np.array([-1.0 if name == "p2" or name.endswith(" east") else 1.0 for name in names])
+    size = np.sqrt(np.diag(one.covariance))
+    after = np.array([[each.after for each in both.parameters] for both in (one, other)])
+    assert_close("part of a sigma", (after[1] - sign * after[0]) / size, 0.0)
+    gap = other.covariance - one.covariance * sign * sign[:, None]
+    assert_close("part of a sigma", gap / size / size[:, None], 0.0)
+    assert [each.held for each in one.parameters] == [each.held for each in other.parameters]
