@@ -328,15 +328,15 @@ def test_the_wind_is_that_of_the_frames_upward(tmp_path: Path) -> None:
 
 
 def test_landmarks_are_in_degrees_minutes_and_feet(tmp_path: Path) -> None:
-    """West and south are whole degrees downward and minutes from there: -16.4 is -17 and 36."""
+    """West and south have the sign in both, as cards have it: -16.4 is -16 and -24."""
     path = write_project(tmp_path, PLAIN.split("[track]")[0] + STILL.replace("16.4759", "-16.4"))
     rows = [f"{name},47.65,-16.4,{400 + 10 * k}" for k, name in enumerate(MARKS)]
     (tmp_path / "landmarks.csv").write_text("\n".join(["landmark,lat_deg,lon_deg,h_m", *rows]))
     flight = read_flight(str(path))
     marks = card_landmarks(flight, np.array([1, 3]), np.array([0, 7, 0, 9, 0, 0]))
     assert marks.number.tolist() == [7, 9]
-    assert marks.longitude_deg.tolist() == [-17, -17] and marks.latitude_deg.tolist() == [47, 47]
-    assert_close("cards of a flight", marks.longitude_min, 36.0)
+    assert marks.longitude_deg.tolist() == [-16, -16] and marks.latitude_deg.tolist() == [47, 47]
+    assert_close("cards of a flight", marks.longitude_min, -24.0)
     assert_close("cards of a flight", marks.latitude_min, 39.0)
     assert_close("cards of a flight", marks.altitude_ft, np.array([410.0, 430.0]) * FT)
 

@@ -337,7 +337,7 @@ def card_landmarks(flight: Flight, seen: Ints, number: Ints) -> Landmarks:
     where = geodetic(flight.landmarks.position_m[seen])
     degrees, minutes = [], []
     for angle in (where.longitude_deg, where.latitude_deg):
-        whole = np.floor(angle)
+        whole = np.trunc(angle)  # minutes have the sign of the degrees, as on the cards of 1974
         degrees.append(whole)
         minutes.append(to_ten_columns((angle - whole) * 60.0))
     return Landmarks(
