@@ -254,3 +254,19 @@ def test_a_size_that_nobody_means_is_refused(size: float) -> None:
         chosen(own, sigma_m=1)
     with refused():
         chosen(OWN, sigma_m=size)
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "most", "beyond"),
+    [
+        ("uncertainty", "focal_rel", 0.5, 5.0), ("uncertainty", "clock_rate_ppm", 5e5, 1e6),
+        ("atmosphere", "sigma_k", 5.0, 13.0),
+    ],
+)  # fmt: skip
+def test_standard_deviations_of_another_unit(
+    section: str, key: str, most: float, beyond: float
+) -> None:
+    """Percents in the place of a part made intervals of 30 degrees, and nothing said why."""
+    assert Section("p.toml", section, {key: most}).sigma(key) == (most,)
+    with refused(VopdError):
+        Section("p.toml", section, {key: beyond}).sigma(key)

@@ -73,7 +73,7 @@ class Key(NamedTuple):
         default: what counts without the key; None if there is no such value
         choices: the texts that are known; empty for any
         above: the limit that a number exceeds
-        within: the largest size of a number, above and below 0
+        within: the largest size of a number, above and below 0, or of a standard deviation
         size: how many numbers there are, 0 for any; one standard deviation stands for all
         option: the option of `vopd new` that gives it; empty for `--set SECTION.NAME=VALUE`
     """
@@ -279,7 +279,7 @@ KEYS: tuple[Key, ...] = (
         "of the lines of sight, see below", default="standard", choices=("standard", "off")),
     Key("atmosphere.refraction", "k", "number", "", "a constant coefficient: `{ k = 0.13 }`"),
     Key("atmosphere", "sigma_k", "sigma", "0.065", "of the coefficient of refraction",
-        "standard deviation of the coefficient; half of the coefficient if not given"),
+        "standard deviation of the coefficient; half of the coefficient if not given", within=5.0),
     Key("solve", "loss", "text", '"least-squares"', "least-squares, huber or cauchy",
         "how residuals count", default="least-squares", choices=tuple(LOSSES)),
     Key("solve", "blunders", "text", '"name"', "name (tell and keep) or drop",
@@ -299,7 +299,7 @@ KEYS: tuple[Key, ...] = (
         "parameters that all frames are solved for together, by the names of "
         "[`vopd adjust`](adjust.md): `[\"focal\", \"clock\"]`"),
     Key("uncertainty", "focal_rel", "sigma", "0.001", "of the focal length, as a part of it",
-        "standard deviation of the focal length, as a part of it"),
+        "standard deviation of the focal length, as a part of it: 0.01 is 1 %", within=0.5),
     Key("uncertainty", "principal_px", "sigma", "[1.0, 1.0]", "of the principal point",
         "standard deviations of the principal point, x and y", size=2),
     Key("uncertainty", "k1", "sigma", "0.001", "of the lens's k1", _OF_K.format("k1")),
@@ -307,7 +307,7 @@ KEYS: tuple[Key, ...] = (
     Key("uncertainty", "p1p2", "sigma", "0.0001", "of the lens's p1 and p2",
         "standard deviation of the coefficients `p1` and `p2`"),
     Key("uncertainty", "clock_rate_ppm", "sigma", "20.0", "of the frame rate, parts per million",
-        "standard deviation of the rate of the frames' clock, parts per million"),
+        "standard deviation of the rate of the frames' clock, parts per million", within=5e5),
     Key("uncertainty", "readout_ms", "sigma", "1.0", "of a rolling shutter's readout",
         "standard deviation of the readout of a rolling shutter, milliseconds"),
     Key("uncertainty", "covariance", "file", '"covariance.json"', "what vopd adjust -o has written",
@@ -426,6 +426,8 @@ class Section:
             raise self.error(key, f"{min(found):g}: a standard deviation is not below 0")
         if beyond := beyond_sigmas(found):
             raise self.error(key, f"{beyond}, or 0")
+        if max(found) > row.within:
+            raise self.error(key, f"{max(found):g}: {row.within:g} at most, {row.about}")
         if key.endswith("_deg") and max(found) > HALF_A_TURN_DEG:
             raise self.error(
                 key, f"{max(found):g} degrees: {HALF_A_TURN_DEG:g} at most, half a turn"

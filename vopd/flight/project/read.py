@@ -58,6 +58,7 @@ COPIED = (
 )
 NO_POSITION = "the track has no position for"
 LONGEST_READOUT = 1.1  # of a rolling shutter, in the time from a frame to the next
+SHORTEST_READOUT_S = 0.0005  # of a rolling shutter: less is a second in the place of a millisecond
 ONLY_CLICKS = (
     "only the frames with clicks are solved; vopd track follows the clicks through the video"
 )
@@ -245,6 +246,11 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
             f"[camera] readout_ms: {1e3 * shutter.readout_s:g} is longer than {frame}: write the "
             "milliseconds from the first row to the last, 10 to 30 of most cameras, or the frames' "
             "own [picks] frame_rate_hz"
+        )
+    if shutter is not None and shutter.readout_s < SHORTEST_READOUT_S:
+        doubts.append(
+            f"[camera] readout_ms: {1e3 * shutter.readout_s:g} ms are less than any rolling "
+            "shutter takes: is it in seconds? Of most cameras it is 10 to 30"
         )
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, times, label)
