@@ -21,6 +21,7 @@ TOLERANCES = {
         "deg", 1e-10, "sums of 8000 degrees; 22 times the twelfth decimal"
     ),
     "grey of a reduced frame": Tolerance("1", 0.005, "means of 9,000 in 32 bits, 5E-4"),
+    "sigma of a place": Tolerance("1", 0.03, "a clock is solved by velocities of a time before"),
     "symmetric stars": Tolerance("1", 1e-7, "deg, mm, seconds of arc; roundings, steps of 1E-8"),
     "symmetric flight": Tolerance(
         "1", 1e-6, "deg, m, px, or a part: solves end at 1E-8 sigma; decimals of a file are 1E-7 m"

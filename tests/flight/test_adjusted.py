@@ -126,18 +126,24 @@ def test_a_drone(drone: Both) -> None:
     [
         (LOOSE, ("focal", "aspect", "centre", "k1", "clock", "clock-rate", "track-offset"), ""),
         (FISHEYE, ("focal", "k1", "clock"), ""),
+        (LOOSE, ("focal", "clock"), ""),
         (TRIPOD, ("focal", "k1"), ""),
         (EXACT, ("focal", "k1"), ""),
         (DRONE, ("focal", "clock"), '[solve]\nloss = "huber"\n'),
         (DRONE, ("focal", "clock"), '[solve]\nposition = "fixed"\n'),
         (DRONE._replace(sigma_px=True), ("k1",), ""),
     ],
-    ids=["all", "fisheye", "tripod", "exact", "huber", "fixed", "stated"],
+    ids=["all", "fisheye", "some", "tripod", "exact", "huber", "fixed", "stated"],
 )
 def test_angles_and_sigmas_are_those_of_the_joint_solution(
     tmp_path: Path, plan: Plan, free: tuple[str, ...], more: str
 ) -> None:
-    assert_alike(adjusted(tmp_path, plan, *free, more=more))
+    both = adjusted(tmp_path, plan, *free, more=more)
+    assert_alike(both)
+    one, other = (r.history().estimate for r in (both.joint.result, both.again))
+    if plan is not EXACT and "fixed" not in more:  # where a clock alone moves the places
+        assert one.position_sigma is not None and other.position_sigma is not None
+        assert_close("sigma of a place", other.position_sigma / one.position_sigma, 1.0)
 
 
 def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ from vopd.findings import VopdError
 from vopd.flight.flight import Flight, FlightOptions, TrackFixes
 from vopd.flight.misfits.misfit import log_likelihood, size_spoken_for
 from vopd.flight.solve.equations import Priors
+from vopd.flight.solve.errors import places_by_stated
 from vopd.flight.solve.joint import (
     JointSolution,
     covariance,
@@ -165,6 +166,25 @@ def test_what_stated_errors_explain_is_taken_from_the_cost() -> None:
     freedom = len(dense.residual) - 3 * dense.frames
     assert explained_by > 1.0
     assert_close("joint cost", size**2 * freedom, solution.normal.cost - explained_by)
+
+
+@pytest.mark.parametrize("width", [0, 2, 3])
+def test_stated_errors_move_the_places_that_are_solved_for(width: int) -> None:
+    """By a step of all unknowns; a clock that is late moves the cameras along their way besides."""
+    flight, priors, _ = random_problem(np.random.default_rng(width), width, "huber", False)
+    parameter = {name: one for name, one in priors.parameter.items() if "clock" not in name}
+    stated = {"k2": 0.05, "clock": 0.05, "clock_rate": 1e-3}
+    options = FlightOptions("huber", parameter_sigma=stated)
+    solution = solve_jointly(replace(flight, options=options), replace(priors, parameter=parameter))
+    dense = Dense(solution)
+    change = solution.stated[1].reshape(-1, len(stated))
+    step = -dense.inverse @ (dense.rows.T @ (dense.weight[:, None] * change))
+    place = dense.place @ step
+    velocity = np.array([3.0, 4.0, 0.5])  # of random problems
+    since_s = (np.arange(dense.frames) - (dense.frames - 1) / 2.0) / 30.0
+    place[:, :, 1] += 0.05 * velocity
+    place[:, :, 2] += 1e-3 * since_s[:, None] * velocity
+    scaled_close("joint algebra", places_by_stated(solution), place @ place.swapaxes(1, 2))
 
 
 @pytest.mark.parametrize("width", [0, 1, 2, 3])
