@@ -121,6 +121,8 @@ def test_frames_without_an_attitude_have_no_rows_where_rows_are_few(
     (shown,) = frames_of([one_part(replace(history, estimate=replace(
         history.estimate, vehicle_deg=vehicle_deg, frame=np.arange(100, 100 + frames)
     )))])  # fmt: skip
+    told = [one for one in summary.doubt_lines(shown) if one.endswith(" without an attitude")]
+    assert told == ([f"{without} frames without an attitude"] if without else [])
     table = columns(shown)
     label = next(one.cells for one in table if one.name in ("frame", "image"))
     first = 100 + without if frames > 20 > without else 100

@@ -58,6 +58,27 @@ def test_the_mount_is_within_its_standard_deviations(tmp_path: Path, keys: str) 
     assert (np.abs(off) < 4.0 * sigma).all()
 
 
+def test_attitudes_are_on_the_clock_of_the_track(tmp_path: Path) -> None:
+    """Of a track and attitudes that begin 7 s later by their clock, which the project says."""
+    (tmp_path / "own").mkdir()
+    (tmp_path / "late").mkdir()
+    found = solved(tmp_path / "own", 1, "row,t_s").parameters
+    write(tmp_path / "late", [1.0, -2.0, 3.0], "row,t_s", np.random.default_rng(1))
+    for name, column in (("track.csv", 0), ("ins.csv", 1)):
+        head, *lines = (tmp_path / "late" / name).read_text(encoding="utf-8").splitlines()
+        assert head.split(",")[column] == "t_s"
+        rows = [line.split(",") for line in lines]
+        for row in rows:
+            row[column] = repr(float(row[column]) + 7.0)
+        text = "\n".join([head, *map(",".join, rows), ""])
+        (tmp_path / "late" / name).write_text(text, encoding="utf-8")
+    project = tmp_path / "late" / "flight.toml"
+    text = project.read_text(encoding="utf-8").replace("[track]", "[track]\noffset_s = -7.0")
+    project.write_text(text, encoding="utf-8")
+    late = adjust(project, ["mount"]).parameters
+    assert_close("mount", [one.after for one in late], [one.after for one in found])
+
+
 @pytest.mark.parametrize(("sigma_deg", "said"), [(0.12, False), (0.05, True)])
 def test_attitudes_that_are_not_one_mount_apart_are_told(
     sigma_deg: float, said: bool, tmp_path: Path
