@@ -330,6 +330,14 @@ def test_knots_may_be_kn(tmp_path: Path) -> None:
     assert_close("ratio", read(tmp_path, "wind", text).toward_m_s[0, 0], 10.0 * 1852.0 / 3600.0)
 
 
+@pytest.mark.parametrize("nowhere", ["0,0", "-1,-1.0"])
+def test_landmarks_that_a_tracker_has_not_seen_are_no_picks(nowhere: str, tmp_path: Path) -> None:
+    """Of a frame with two landmarks such a pick turned the camera, and nothing told."""
+    text = f"frame,landmark,u,v\n0,a,5,0\n0,b,0,5\n1,a,{nowhere}\n1,b,3,4\n"
+    assert_approved(told_of(tmp_path, "picks", text))
+    assert len(read(tmp_path, "picks", text.replace(nowhere, "0,1")).landmark) == 4
+
+
 def test_the_line_that_names_a_separator_is_to_be_removed(tmp_path: Path) -> None:
     assert_approved(
         told_of(tmp_path, "landmarks", "sep=,\nlandmark,lat_deg,lon_deg,h_m\na,2,3,4\n")

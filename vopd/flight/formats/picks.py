@@ -168,6 +168,9 @@ def recognises_csv_picks(file: InputFile) -> bool:
     return is_pix4d(file) or has_columns(file, COLUMNS, ("landmark",), ("u_px",), ("v_px",))
 
 
+UNSEEN = (0, -1)  # u and v of a landmark that is not in the image, as trackers write them
+
+
 def read_csv_picks(file: InputFile) -> PickRows:
     """Read the picks of a CSV, by blocks. Frames are whole numbers from 0, or names of images;
     without either column all are of one image.
@@ -193,6 +196,10 @@ def read_csv_picks(file: InputFile) -> PickRows:
             named = numbers is None
             frame.frombytes(b"" if numbers is None else numbers.tobytes())
         both = np.stack([block.numbers("u_px"), block.numbers("v_px")], axis=1)
+        for nowhere in UNSEEN:
+            for row in np.flatnonzero((both == nowhere).all(axis=1))[:1].tolist():
+                message = f"{nowhere}, {nowhere}: programs write that where a landmark is not seen"
+                raise block.error(f"{message}: remove all such lines", row, "u_px")
         pixel.frombytes(both.tobytes())
         if block.has("sigma_px"):
             own = block.sigmas("sigma_px")
