@@ -21,7 +21,7 @@ from tests.kit.histories import table_text
 from vopd.cards.write import write_deck
 from vopd.cli import attitude, batch, plot, report, run
 from vopd.export import FORMATS
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make
 
@@ -326,12 +326,14 @@ def test_the_epoch_is_that_of_the_option_or_of_all_sources(
         )
         for k, one in enumerate(own)
     ]
+    said = list[Finding]()
     if given:
-        assert attitude._with_epoch(FORMATS[form], request, jobs).epoch == other
+        assert attitude._with_epoch(FORMATS[form], request, jobs, said.append).epoch == other
+        assert len(said) == len([one for one in own if one is not None])
     elif own == (EPOCH, EPOCH):
-        assert attitude._with_epoch(FORMATS[form], request, jobs).epoch == EPOCH
+        assert attitude._with_epoch(FORMATS[form], request, jobs, said.append).epoch == EPOCH
     elif form in ("csv", "kml"):
-        assert attitude._with_epoch(FORMATS[form], request, jobs).epoch is None
+        assert attitude._with_epoch(FORMATS[form], request, jobs, said.append).epoch is None
     else:
         with refused(VopdError, parts=[form]):
-            attitude._with_epoch(FORMATS[form], request, jobs)
+            attitude._with_epoch(FORMATS[form], request, jobs, said.append)

@@ -315,7 +315,7 @@ TABLE = (
     Hostile("gcp system", other("landmarks", "g.txt", "+proj=utm +zone=33 " + "+x " * 50_000
             + "\n1 2 3 4 5 a.jpg n\n")),
     Hostile("gcp grids", other("landmarks", "g.txt", "+proj=utm +zone=33 +nadgrids=/etc/passwd\n"
-            "500000 5300000 3 4 5 a.jpg n\n"), others_after="nadgrids=/etc/passwd':"),
+            "500000 5300000 3 4 5 a.jpg n\n"), others_after="(PROJ:"),
     Hostile("kml places in each other", other("landmarks", "l.kml", "<kml>"
             + "<Placemark><Point/>" * 9_000 + "</Placemark>" * 9_000 + "</kml>")),
     Hostile("kml name", other("landmarks", "l.kml", KML.format("a" * 100_000))),
