@@ -18,7 +18,7 @@ from vopd.flight.coordinates import (
 from vopd.flight.flight import Flight
 from vopd.geometry.earth import earth_centred_m, geodetic
 
-FAR_M = 300e3
+FAR_M = 300e3  # from the camera: beyond it no landmark is seen
 
 
 def far_landmarks(flight: Flight) -> Iterator[str]:

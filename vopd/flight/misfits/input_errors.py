@@ -1,4 +1,10 @@
-"""Errors of a flight's inputs: which of them its residuals speak for, how large, by what chance."""
+"""Errors of a flight's inputs: which of them its residuals speak for, how large, by what chance.
+
+An error of an input that changes the images by d a unit has the estimate d'Wr / d'Wd with the
+variance 1 / d'Wd: W weighs the residuals r as all that is stated does, once everything else is
+fitted. That takes no other solve. Where one is significant, the flight is solved again with each
+error unknown, and these solutions are compared.
+"""
 
 from __future__ import annotations
 

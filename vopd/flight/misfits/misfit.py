@@ -1,11 +1,7 @@
-"""Misfits of a flight, and errors of its inputs that its residuals speak for.
+"""Misfits of a flight: whether its residuals are larger than what is stated, and what explains it.
 
 A flight misfits where its residuals, on the covariance of all that is stated, are larger than the
 stated standard deviation of the picks by chance once in `SIGNIFICANCE` and by more than a ratio.
-An error of an input that changes the images by d a unit has the estimate d'Wr / d'Wd with the
-variance 1 / d'Wd: W weighs the residuals r as all that is stated does, once everything else is
-fitted. Neither takes another solve. Where one is significant, the flight is solved again with each
-error unknown, and these solutions are compared.
 """
 
 from __future__ import annotations
@@ -52,8 +48,6 @@ USUAL_PX = 3.0  # of a pick whose standard deviation is not stated
 MISFITS = "the flight misfits"
 UNTRIED = "what explains them is not known: with the errors that were tried there is no solution"
 
-
-# A flight that misfits
 
 KNOWN = ("stated", "given")  # reading sigmas that residuals are measured by
 

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -24,7 +24,6 @@ from vopd.flight.project.inspect import (
     OF_CLICKS,
     TRACKED,
     NewProject,
-    R,
     ask_sigma,
     has_positions,
     is_film,
@@ -56,8 +55,7 @@ from vopd.flight.project.track import not_in_metres
 from vopd.inputs import is_number, no_date
 from vopd.video import open_frames, stills_in
 
-# New projects: from files, or the example
-
+R = TypeVar("R")
 NAME = "flight.toml"
 EXAMPLE = (
     "flight.mp4", CLICKS, "landmarks.csv", "track.csv", "lens.json", "wind.csv", "truth.csv",
