@@ -12,15 +12,17 @@ import pytest
 
 from tests.approved.texts import assert_approved
 from tests.kit.flight_project import EAST_NORTH_UP, FRAMES, MARKS, truth_deg, write_project
+from tests.kit.joint_flights import drone, flight_of
 from tests.tolerances import assert_close, within
 from vopd.arrays import Bools
 from vopd.attitude.residuals import equations_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
-from vopd.flight.misfits.blunders import _together, find_blunders, gross_picks
+from vopd.flight.misfits.blunders import WRONG, _together, find_blunders, gross_picks
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
 from vopd.flight.settled import settled
+from vopd.flight.solve.equations import Priors
 from vopd.flight.solve.rotations import solve
 
 COUNT = len(MARKS)  # picks of a frame; pick COUNT * f + n is of frame f and landmark n
@@ -159,6 +161,16 @@ def test_a_small_shift_of_all_frames_is_seen_over_all_of_them(flight: Flight) ->
     assert outliers(result) == [""] * FRAMES
     of_the_flight, own = messages(result)
     assert own.startswith("tower") and "tower" not in of_the_flight
+
+
+@pytest.mark.parametrize("seed", [1, 4, 5, 6, 7, 8])
+def test_rough_picks_make_no_landmark_wrong(seed: int) -> None:
+    """Of 2 px, where nothing is stated: the residuals say so, and are those of what is tested."""
+    rng = np.random.default_rng(seed)
+    drawn = flight_of(rng, drone(rng, 12, 6), 2.0, Priors())
+    picks = replace(drawn.picks, sigma_px=np.ones(len(drawn.picks.frame)))
+    result = solve_flight_read(replace(drawn, picks=picks))
+    assert not any(WRONG in one for one in messages(result))
 
 
 def test_a_gross_pick_of_one_frame_is_no_wrong_coordinate(flight: Flight) -> None:

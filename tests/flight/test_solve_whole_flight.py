@@ -65,6 +65,20 @@ def test_picks_that_are_left_out_and_all_picks_of_a_flight_in_blocks(
     assert {args[9] for args in given} == {12} and len(given) > 1
 
 
+def test_frames_without_picks_have_no_attitude_and_cost_no_other() -> None:
+    """In the middle, and the last, which no pick has the index of."""
+    flight = three_frames()
+    every = solve(flight).attitudes.rotation
+    for frames in ([1, 2], [2], [0]):
+        kept, own = ~np.isin(flight.picks.frame, frames), flight.picks
+        columns = ("frame", "landmark", "pixel", "sigma_px")
+        picks = replace(own, **{name: getattr(own, name)[kept] for name in columns})
+        found = solve(replace(flight, picks=picks)).attitudes.rotation
+        assert np.isnan(found[frames]).all()
+        left = np.setdiff1d(np.arange(3), frames)
+        assert np.array_equal(found[left], every[left])
+
+
 def test_frames_with_other_picks_are_solved_anew_and_the_record_before_stays(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
