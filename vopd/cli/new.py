@@ -210,7 +210,7 @@ def _answers(
             key = section, last
             if key not in ROWS:
                 near = did_you_mean(name.strip(), [f"{a}.{b}" for a, b in ROWS if "." not in a])
-                if "lens" in section.split("."):
+                if "lens" in section.split(".") or ("camera.lens", last) in ROWS:
                     near = "; numbers of a lens: --lens FX,FY,CX,CY,K1,K2"
                 raise click.UsageError(f"--set: there is no key {name}{near}")
             value = answer_value("--set", key, text)
