@@ -47,13 +47,27 @@ class Journal:
         self._begun = path.is_file() and self._first_line() == self._head
         if self._begun:
             self._cut()
+        self._size = self._size_now()
+
+    def _size_now(self) -> int:
+        """Measure the file, bytes; -1 where there is none."""
+        return self.path.stat().st_size if self.path.is_file() else -1
 
     def _first_line(self) -> bytes:
         with self.path.open("rb") as file:
             return file.readline()
 
     def add(self, kind: str, block: Block) -> None:
-        """Append a block; an empty one ends its kind."""
+        """Append a block; an empty one ends its kind.
+
+        Raises:
+            VopdError: where it cannot be written, or another run writes the file
+        """
+        if self._size_now() != self._size:
+            raise VopdError(
+                f"{self.path}: another run of vopd track writes this file: wait until it ends, and "
+                "repeat the command if its tracks are not there then"
+            )
         name = kind.encode().ljust(8)
         size = len(block).to_bytes(8, "little")
         head = b"" if self._begun else self._head
@@ -63,6 +77,7 @@ class Journal:
         except OSError as error:
             raise VopdError(f"{self.path}: cannot be written: {error.strerror}") from error
         self._begun = True
+        self._size = self._size_now()
 
     def blocks(self, kind: str) -> Iterator[Block]:
         """Read the blocks of one kind, the one that ends it included."""
