@@ -15,6 +15,7 @@ from tests.kit.command import vopd as command
 from tests.kit.dense_minimum import NAMES, dense_minimum, drawn, freed_problem
 from tests.kit.flight_project import write_project
 from tests.kit.joint_flights import FOCAL, Dense, drone, flight_of
+from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.adjust.adjustment import Adjustment, adjust
@@ -339,3 +340,19 @@ def test_the_command_counts_the_warnings_that_it_does_not_show(tmp_path: Path) -
     with (tmp_path / "picks.csv").open("a") as file:
         file.writelines(f"0,{k},900,500\n" for k in range(4))
     assert_approved(command("adjust", path, "--free", "focal").stderr)
+
+
+@pytest.mark.parametrize("position", ["solve", "fixed"])
+def test_a_stated_offset_of_a_track_holds_it_as_well_as_that(position: str, tmp_path: Path) -> None:
+    """Half a metre by the picks, and a millimetre as stated."""
+    plan = Plan(Errors(landmark_m=(0.1,), bias_m=(0.5, 0.5, 0.5)), frames=6, landmarks=6)
+    write_flight(tmp_path, plan, np.random.default_rng(1))
+    project = tmp_path / "flight.toml"
+    text = project.read_text(encoding="utf-8") + f'[solve]\nposition = "{position}"\n'
+    for stated_m, least, most in ((0.5, 0.1, 0.8), (0.001, 0.0, 0.004)):
+        stated = text.replace("sigma_bias_m = 0.5", f"sigma_bias_m = {stated_m}")
+        project.write_text(stated, encoding="utf-8")
+        found = adjust(project, ["track-offset"]).parameters
+        assert [one.sigma_before for one in found] == [stated_m] * 3
+        assert all(one.sigma_after <= stated_m * (1.0 + 1e-9) for one in found)
+        assert least <= max(abs(one.after) for one in found) < most
