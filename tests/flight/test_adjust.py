@@ -21,7 +21,7 @@ from vopd.findings import VopdError
 from vopd.flight.adjust.adjustment import Adjustment, adjust
 from vopd.flight.adjust.table import as_text
 from vopd.flight.flight import CameraPath, Flight, FlightOptions
-from vopd.flight.parameters import Parameter
+from vopd.flight.parameters import Parameter, residual_sizes
 from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.equations import Priors
 from vopd.flight.solve.free import names_of
@@ -356,3 +356,16 @@ def test_a_stated_offset_of_a_track_holds_it_as_well_as_that(position: str, tmp_
         assert [one.sigma_before for one in found] == [stated_m] * 3
         assert all(one.sigma_after <= stated_m * (1.0 + 1e-9) for one in found)
         assert least <= max(abs(one.after) for one in found) < most
+
+
+def test_a_last_landmark_that_is_never_picked_has_no_residual(tmp_path: Path) -> None:
+    project = write_project(tmp_path, noise_px=0.3)
+    made = adjust(project, ["focal"])
+    sizes = residual_sizes(made.result.estimates, made.parameters)
+    marks = tmp_path / "landmarks.csv"
+    last = marks.read_text(encoding="utf-8").splitlines()[-1].partition(",")[2]
+    marks.write_text(f"{marks.read_text(encoding='utf-8').rstrip()}\nzz,{last}\n", "utf-8")
+    more = adjust(project, ["focal"])
+    found = residual_sizes(more.result.estimates, more.parameters)
+    assert np.isnan(found[-2]).all() and len(found) == len(sizes) + 1
+    assert_close("table value", np.delete(found, -2, axis=0), sizes)
