@@ -48,7 +48,7 @@ def test_each_landmark_is_looked_up_once(tmp_path: Path, monkeypatch: pytest.Mon
         rows = csv_landmarks.read_csv_landmarks(file)
         return replace(rows, name=[CountedName(name) for name in rows.name])
 
-    formats = (InputFormat("CSV", csv_landmarks.recognises_csv_landmarks, counted),)
+    formats = (InputFormat("CSV", csv_landmarks.recognises_csv_landmarks, counted, True),)
     monkeypatch.setattr(reader, "LANDMARK_FORMATS", formats)
     assert len(reader.read_flight(str(project)).landmarks.name) > 2000
     assert CountedName.compared < 20_000

@@ -116,12 +116,12 @@ def collect_jobs(
             if isinstance(one, SolvedJob):
                 made = one_part(next(of_jobs))
             else:
+                from vopd.flight.result import unused_options  # decks need not wait for it
+
                 found = found._replace(
                     misfits=found.misfits or one.misfits, mistaken=found.mistaken + one.mistaken
                 )
                 found = found._replace(clicks=(*found.clicks, *one.next_clicks))
-                from vopd.flight.result import unused_options  # decks need not wait for it
-
                 for finding in unused_options(one, options.history):
                     messages(finding)
                 made = one.history_parts(options.history)

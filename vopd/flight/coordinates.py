@@ -233,16 +233,16 @@ def units_of_grid(crs: str | None, where: str) -> list[AxisUnit]:
     ]
 
 
-def doubt_of_heights(section: str, said: str, crs: str | None) -> list[str]:
+def doubt_of_heights(section: str, named: bool, crs: str | None) -> list[str]:
     """Doubt heights in metres beside x and y in feet, where no column says their unit.
 
     Args:
         section: of the file
-        said: its format, as it is said
+        named: whether a column of the file names the unit of its heights
         crs: of its coordinates
     """
     units = units_of_grid(crs, section)
-    if said.startswith("CSV") or len(units) != 2 or units[0].is_metre:
+    if named or len(units) != 2 or units[0].is_metre:
         return []
     return [
         f"[{section}] file: x and y are {units[0].name}, by the grid {crs}, and heights are taken "

@@ -22,6 +22,7 @@ class InputFormat(NamedTuple, Generic[R]):
     name: str
     recognises: Callable[[InputFile], bool]  # by content
     read: Callable[..., R]
+    has_columns: bool = False  # which a project may map: a CSV
 
 
 NMEA = re.compile(r"\s*\$[A-Z]{4,6}\d*,")
@@ -44,7 +45,7 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
         raise file.error(f"is NMEA of a receiver, which is not read: {how}")
     for one in formats:
         if one.recognises(file):
-            if file.columns and not one.name.startswith("CSV"):
+            if file.columns and not one.has_columns:
                 raise file.error(f"columns are of a CSV, and the file is {one.name}")
             try:
                 return one.read(file, *more)
@@ -56,7 +57,7 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
     if not any("folder" in one.name for one in formats):
         file.refuse_folder()
     what = "is a folder that" if file.given is None and file.path.is_dir() else "the format"
-    hint = _unnamed(file) if any(one.name.startswith("CSV") for one in formats) else ""
+    hint = _unnamed(file) if any(one.has_columns for one in formats) else ""
     raise file.error(f"{what} is not recognised; known are {known}{hint}")
 
 

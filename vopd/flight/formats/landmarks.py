@@ -37,6 +37,7 @@ class LandmarkRows:
     line: Sequence[int]
     said: str
     sigma_by: str = ""  # the columns of `sigma_m`
+    names_units: bool = False  # of heights, by their column
     patch_px: Floats | None = None  # (N,) side of the patch of `vopd track`; NaN where not given
 
 
@@ -180,7 +181,8 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
         table.line,
         f"CSV{table.read_as}",
         sigma_columns(table),
-        _patches(table),
+        names_units=True,
+        patch_px=_patches(table),
     )
 
 
@@ -512,5 +514,6 @@ LANDMARK_FORMATS: tuple[InputFormat[LandmarkRows], ...] = (
         "CSV (landmark,lat_deg,lon_deg,h_m or landmark,x_m,y_m,z_m)",
         recognises_csv_landmarks,
         read_csv_landmarks,
+        has_columns=True,
     ),
 )

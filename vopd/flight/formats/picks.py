@@ -503,7 +503,7 @@ PICK_FORMATS: tuple[InputFormat[PickRows], ...] = (
     InputFormat("OpenSfM ground_control_points.json", recognises_control, read_control_picks),
     InputFormat("Metashape XML of markers", recognises_markers, read_marker_picks),
     InputFormat("MATLAB file of CIRN's clicks", recognises_cirn_picks, read_cirn_picks),
-    InputFormat("CSV (frame,landmark,u_px,v_px)", recognises_csv_picks, read_csv_picks),
+    InputFormat("CSV (frame,landmark,u_px,v_px)", recognises_csv_picks, read_csv_picks, True),
 )
 
 

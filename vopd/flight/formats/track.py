@@ -79,6 +79,7 @@ class TrackRows:
     from_ground: str = ""  # the heights, for a sentence, where they count from the ground
     whole_seconds: bool = False  # times without parts of a second, though a camera took them
     image_key: Callable[[str], str] = str  # what stands in `image` for the name of an image
+    names_units: bool = False  # of heights, by their column
     by_video: bool = False  # seconds after the first frame of the video that it came with
 
     @property
@@ -154,6 +155,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
         sigma_by=sigma_columns(table),
         velocity_sigma_m_s=velocity_sigma,
         from_ground=table.from_ground,
+        names_units=True,
     )
 
 
@@ -480,6 +482,7 @@ TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
         "CSV (t_s or t_utc or image, lat_deg,lon_deg,h_m or x_m,y_m,z_m)",
         recognises_csv_track,
         read_csv_track,
+        has_columns=True,
     ),
     InputFormat("MRK of a drone", recognises_mrk, read_mrk),
     InputFormat("OpenSfM reconstruction.json", recognises_reconstruction, read_reconstruction),

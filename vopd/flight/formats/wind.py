@@ -183,5 +183,5 @@ def _named(header: list[str], kind: str) -> str:
 WIND_FORMATS: tuple[InputFormat[WindRows], ...] = (
     InputFormat("Wyoming CSV", recognises_csv, read_csv_list),
     InputFormat("Wyoming text list", recognises_text, read_text),
-    InputFormat("CSV (h_m,from_deg,speed_m_s)", recognises, read),
+    InputFormat("CSV (h_m,from_deg,speed_m_s)", recognises, read, True),
 )

@@ -234,7 +234,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     outside = outside_area(crs, landmarks.position_m)
     doubts = [*picks.doubts, *times.doubts, *path.doubts, *wind_doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
-    doubts += doubt_of_heights("landmarks", rows.said, crs)
+    doubts += doubt_of_heights("landmarks", rows.names_units, crs)
     if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
     if camera_lens.table is None:

@@ -331,7 +331,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         rows.coordinate, rows.geodetic, crs, track_height(section, rows, landmarks), where
     )
     notes = Notes([f"{file.name}: {rows.said}{_above_ground(section)}"], {})
-    doubts = doubt_of_heights("track", rows.said, crs)
+    doubts = doubt_of_heights("track", rows.names_units, crs)
     if rows.image and (times.image or rows.time_s is None):
         times, time_s = times_of_track(section, rows, times)
         path = path_by_image(section, rows, position, times, time_s, notes)
