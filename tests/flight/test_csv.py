@@ -305,6 +305,7 @@ UNITS = {
     "landmarks": ["lat_deg,lon_deg,h_mm", "lat_rad,lon_rad,alt_km", "Lat[E7],lon_deg,z",
                   "lat_deg,lon_deg,gps_alt (cm)", "lat_deg,lon_deg,reach_cm"],
     "track": ["t_us,lat_deg,lon_deg,h_m", "TimeUS,lat_deg,lon_deg,h_m", "time (min),lat,lon,h"],
+    "wind": ["h_km,from_deg,speed_m_s,rh"],
 }  # fmt: skip
 
 

@@ -8,7 +8,14 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from vopd.files import names_stars, reason
 from vopd.findings import MANY_NAMED
-from vopd.flight.formats.columns import OF_STARS, SYNONYMS, TIME, mapped
+from vopd.flight.formats.columns import (
+    GEODETIC,
+    OF_STARS,
+    SYNONYMS,
+    TIME,
+    mapped,
+    other_unit,
+)
 from vopd.flight.formats.files import UNEXPECTED, InputFile
 from vopd.flight.formats.tables import header_names
 from vopd.inputs import is_number
@@ -89,5 +96,8 @@ def _unnamed(file: InputFile) -> str:
         return ""  # a table of another kind
     if names_stars(header):
         return OF_STARS
+    some = (other_unit(one, name) for one in header for name in (TIME[0], *GEODETIC))
+    if units := [*filter(None, some)]:
+        return f"; {'; '.join(units)}"
     names = ", ".join(header[:MANY_NAMED])
     return f"; its columns are {names}: rename them, or map them, {mapped('...', '...')}"
