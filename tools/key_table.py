@@ -45,7 +45,9 @@ def value(key: Key) -> str:
         text = f"{text} or list of {key.size}"
     if key.above is not None:
         text = f"{text} above {key.above:g}"
-    if key.within < MOST_NUMBER:
+    if key.within < MOST_NUMBER and key.kind == "sigma":
+        text = text.replace("from 0", f"from 0 to {key.within:g}")
+    elif key.within < MOST_NUMBER:
         text = f"{text}, {-key.within:g} to {key.within:g}"
     return text + _table(key) + (f"; default {default}" if default else "")
 
