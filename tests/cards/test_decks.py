@@ -583,3 +583,14 @@ def test_a_deck_that_cannot_be_read_on_is_named() -> None:
 
     with refused(VopdError):
         [*read_jobs(Failing(CASE_1.read_bytes()), "deck", lambda _: None)]
+
+
+def test_a_long_line_of_letters_is_no_record() -> None:
+    """Records of a deck begin with numbers: group 1, twice."""
+    for text in (
+        "a" * 400,
+        f"{'        0.        0.':80}{'a' * 320}",
+        f"{'a' * 80}{1.0:20}{1.0:300}",
+    ):
+        with pytest.raises(VopdError, match=r"this line is longer"):
+            jobs(text)

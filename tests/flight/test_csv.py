@@ -376,6 +376,25 @@ def test_all_missing_columns_are_named_at_once(kind: str, text: str, tmp_path: P
     assert_approved(told_of(tmp_path, kind, text))
 
 
+def test_a_height_that_is_missing_may_be_one_that_is_like_it(tmp_path: Path) -> None:
+    """And not the first column without a use."""
+    told = told_of(tmp_path, "track", "t_s,lat_deg,lon_deg,foo,bar_alt_x\n1,2,3,4,5\n")
+    assert "rename bar_alt_x to h_m" in told
+    told = told_of(tmp_path, "track", "t_s,lat_deg,lon_deg,foo,bar\n1,2,3,4,5\n")
+    assert "rename one of foo, bar to h_m" in told
+
+
+def test_a_column_in_feet_is_read_where_none_is_in_metres(tmp_path: Path) -> None:
+    """Of columns that the project names."""
+    for columns, height_m in (
+        (["landmark", "lat_deg", "lon_deg", "h_ft", "other"], 304.8),
+        (["landmark", "lat_deg", "lon_deg", "h_ft", "h_m"], 7.0),
+    ):
+        file = InputFile("t", Path(), "a,1,2,1000,7\n", columns=columns)
+        (own,) = read_by_content(LANDMARK_FORMATS, file).coordinate[:, 2].tolist()
+        assert_close("table value", own, height_m)
+
+
 @pytest.mark.parametrize("key", ["landmark", "name", "Name", "NAME", "label", "id"])
 def test_names_in_geojson(key: str, tmp_path: Path) -> None:
     """A property of these names, the first of them; or the feature's own id."""
