@@ -137,7 +137,9 @@ def test_a_stated_mount_counts_by_its_standard_deviation(tmp_path: Path) -> None
 def test_the_adjusted_project_has_the_mount(tmp_path: Path) -> None:
     joint = solved(tmp_path, 1)
     project, new = read_project(str(tmp_path / "flight.toml")), tmp_path / "new"
-    write_project(new, adjusted_project(project, joint, new))
+    made = adjusted_project(project, joint, new)
+    assert_approved([one for one in made.said if "[vehicle]" in one])
+    write_project(new, made)
     again, before = solve_flight(new / "flight.toml").history(), joint.result.history()
     assert_close("mount", again.estimate.vehicle_deg, before.estimate.vehicle_deg)
     assert_close("mount", again.uncertainty.total, before.uncertainty.total)

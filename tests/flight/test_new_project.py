@@ -517,6 +517,19 @@ def test_a_value_of_set_may_have_an_equals_sign(tmp_path: Path) -> None:
     assert values["landmarks"]["crs"] == crs
 
 
+@pytest.mark.parametrize(
+    "value", ["track.height={ undulation = 4 }", "track.height={ undulation_m = 'x' }"]
+)
+def test_a_wrong_table_of_set_is_refused_before_anything_is_written(
+    value: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_project(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    ran = run("new", "new", "--track", "track.csv", "--set", value)
+    assert ran.status != 0 and not Path("new").exists()
+    assert_approved(ran.stderr.splitlines()[-1])
+
+
 @pytest.mark.parametrize("metres", [".5", "-.5", "48"])
 def test_a_height_in_metres_is_the_geoid_s(metres: str, tmp_path: Path) -> None:
     write_project(tmp_path)
