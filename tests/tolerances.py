@@ -272,6 +272,9 @@ TOLERANCES = {
         "deg", 0.15, "picks of .3 to .5 px; yaw and roll near straight down, four deviations"
     ),
     "shipped number": Tolerance("1", 1e-6, "pixels of nine and angles of twelve decimals"),
+    "height of a pad": Tolerance(
+        "m", 1.0, "whole metres, and a parabola of three trials 10 m apart"
+    ),
     "height of another level": Tolerance(
         "m", 0.5, "30 picks of .3 px at 300 to 600 m and 1,500 px: .1 m each, and to whole metres"
     ),

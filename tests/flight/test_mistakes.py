@@ -16,6 +16,7 @@ from tests.kit.flight_project import TOML, long_track, uneven_flight, write_proj
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
 from vopd.findings import VopdError
+from vopd.flight.check import check_flight
 from vopd.flight.flight import Flight, FlightOptions, LandmarkSet
 from vopd.flight.misfits import mistakes
 from vopd.flight.misfits.mistakes import (
@@ -259,6 +260,25 @@ def test_heights_in_feet_are_turned_about_their_own_level(
             place = geodetic(position[0])
             assert_close("flight height", place.height_m, geoid + (304.8 if low else 1000.0))
             assert_close("ratio", place.latitude_deg, 47.0)
+
+
+@pytest.mark.parametrize(("above_m", "named"), [(-95.0, True), (95.0, True), (105.0, False)])
+def test_heights_that_count_from_the_pad_are_named_with_its_height(
+    above_m: float, named: bool, tmp_path: Path
+) -> None:
+    """A pad within 100 m of the landmarks' median height; one farther off is no pad there."""
+    project = write_project(tmp_path, noise_px=0.3)
+    marks = (tmp_path / "landmarks.csv").read_text(encoding="utf-8").splitlines()[1:]
+    pad_m = above_m + float(np.median([float(line.split(",")[3]) for line in marks]))
+    head, *lines = (tmp_path / "track.csv").read_text(encoding="utf-8").splitlines()
+    cells = [line.rpartition(",") for line in lines]
+    rows = [f"{rest},{float(height) - pad_m:.6f}" for rest, _, height in cells]
+    (tmp_path / "track.csv").write_text("\n".join([head, *rows, ""]), encoding="utf-8")
+    said = " ".join(one.message for one in check_flight(str(project)))
+    assert ("ground_m = " in said) == named
+    if named:
+        found_m = float(said.partition("ground_m = ")[2].split()[0])
+        assert abs(found_m - pad_m) < within("height of a pad")
 
 
 def test_a_camera_s_height_in_feet_is_found_also_where_it_does_not_move(tmp_path: Path) -> None:
