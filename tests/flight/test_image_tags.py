@@ -27,6 +27,7 @@ from vopd.flight.formats import image_tags
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_tags import (
+    ImageTags,
     clock_of_tags,
     exif_position,
     images_in,
@@ -36,7 +37,7 @@ from vopd.flight.formats.image_tags import (
     zone_of_tags,
 )
 from vopd.flight.formats.picks import CLICKS
-from vopd.flight.formats.track import TRACK_FORMATS
+from vopd.flight.formats.track import TRACK_FORMATS, damage_text
 from vopd.flight.project.inspect import NewProject, has_positions, look_at_focal, take_size
 from vopd.flight.project.keys import Section
 from vopd.flight.project.new import project_of_files
@@ -704,3 +705,14 @@ def test_tags_of_more_pixels_than_are_decoded(
     Image.new("L", size).save(tmp_path / "a.png")
     with refused(VopdError):
         read_tags(tmp_path / "a.png")
+
+
+def test_the_first_of_several_images_that_cannot_be_read_is_named() -> None:
+    """Whatever its position is of one that is damaged elsewhere."""
+    nan, size_px = (np.nan,) * 3, (64, 48)
+    placed = ImageTags((15.0, 47.0, 400.0), nan, size_px, 0.0, 0.0, False, damage="placed")
+    odd = placed._replace(position=nan, damage="odd")
+    every = {Path("a.jpg"): placed, Path("b.jpg"): odd, Path("c.jpg"): odd}
+    assert damage_text(every, []) == " (b.jpg: odd)"
+    assert damage_text(every, ["x.jpg: none", "y.jpg: none"]) == " (x.jpg: none)"
+    assert damage_text({Path("a.jpg"): placed}, []) == ""
