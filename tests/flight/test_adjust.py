@@ -92,6 +92,20 @@ def test_the_lens_and_the_residuals_are_as_solved() -> None:
     assert_close("table value", joint.moved_m, own_m)
 
 
+@pytest.mark.parametrize("fix_m", [0.0, 0.3])
+def test_errors_that_are_not_freed_leave_the_flight_as_stated(fix_m: float) -> None:
+    """The offset of the track is solved for beside the focal length, and told by no table."""
+    flight = drawn(2, ("focal",), {}, fix_m=fix_m)
+    path = replace(flight.path, bias_sigma_m=np.full(3, 0.5))
+    made = adjust(replace(flight, path=path), ["focal"])
+    joint = made.result.estimates.joint
+    assert joint is not None and joint.model.names == ("focal", "east", "north", "up")
+    assert (joint.state.parameter[1:] != 0.0).all()
+    found = made.result.flight.path
+    assert np.array_equal(found.position_m, path.position_m)
+    assert np.array_equal(found.bias_sigma_m, path.bias_sigma_m)
+
+
 def test_the_flight_as_read_has_the_picks_as_stated() -> None:
     """Where they are four times worse than stated, and all was solved again with that."""
     flight = drawn(2, ("focal",), {"clock": 0.08})
