@@ -267,6 +267,16 @@ def test_the_architecture_page_has_every_room_and_only_files_that_exist() -> Non
         assert (PACKAGE / file).exists(), file
 
 
+def test_pages_name_files_that_exist() -> None:
+    folders = "vopd|tests|tools|docs|examples|decks|golden_outputs"
+    path = re.compile(rf"(?<![\w./-])((?:{folders})/[\w./-]+\.\w+)")
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+    named = {(page.name, one) for page in pages for one in path.findall(page.read_text("utf-8"))}
+    assert len(named) > 40
+    missing = {one for one in named if not (ROOT / one[1]).exists()}
+    assert missing == {("CONTRIBUTING.md", "tests/approved/texts/ROOM/MODULE.txt")}
+
+
 def test_no_two_classes_share_a_name() -> None:
     homes: dict[str, list[str]] = {}
     for path in MODULES:
