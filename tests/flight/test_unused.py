@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -102,9 +103,21 @@ def test_a_camera_of_a_table(tmp_path: Path) -> None:
 
 def test_heights_beside_a_grid_in_feet() -> None:
     """They are metres in files without columns, which nothing said."""
-    assert_approved(doubt_of_heights("landmarks", "GeoJSON", "EPSG:2229"))
-    for said, crs in (("CSV", "EPSG:2229"), ("GeoJSON", "EPSG:32633"), ("GeoJSON", None)):
-        assert doubt_of_heights("track", said, crs) == []
+    assert_approved(doubt_of_heights("landmarks", False, "EPSG:2229"))
+    for named, crs in ((True, "EPSG:2229"), (False, "EPSG:32633"), (False, None)):
+        assert doubt_of_heights("track", named, crs) == []
+
+
+@pytest.mark.parametrize(
+    ("formats", "text", "named"),
+    [
+        (LANDMARK_FORMATS, "landmark,x_m,y_m,z_m\na,1,2,3\n", True),
+        (LANDMARK_FORMATS, "EPSG:2229\n500000 5300000 300 4 5 a.jpg n\n", False),
+        (TRACK_FORMATS, "t_s,x_m,y_m,z_m\n1,1,2,3\n2,1,2,3\n", True),
+    ],
+)
+def test_a_csv_names_the_unit_of_its_heights(formats: Any, text: str, named: bool) -> None:
+    assert read_text(formats, "f", text).names_units == named
 
 
 # Options
