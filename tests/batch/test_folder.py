@@ -290,6 +290,18 @@ def test_beginning_waits_for_another_that_begins_or_ends(
     assert naps == [0.05] * 3
 
 
+def test_a_shard_that_waits_in_vain_for_another_does_not_work_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(folder_lock, "WAIT_S", 0.0)
+    me = f"process {os.getpid()} on {socket.gethostname()}"
+    with held(tmp_path, "lock"):
+        said = refusal(tmp_path, (1, 2))
+    assert me in said
+    assert_approved(said.replace(me, "(its owner)"))
+    assert begin(tmp_path, (1, 2)) == {}  # and leaves nothing that keeps it out later
+
+
 # Locks
 
 Locks = tuple[FolderLock, FolderLock]

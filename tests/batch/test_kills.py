@@ -282,6 +282,30 @@ def test_every_chunk_has_one_result(
     assert sorted(found) == sorted(map(shout, chunks)) and pools == [2, 1, 2]
 
 
+def test_a_chunk_that_a_broken_pool_does_not_take_is_not_lost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A process may end between two chunks; nothing more is given to the pool after that."""
+    refused: list[str] = []
+
+    class Broken(MadeUpPool):
+        def submit(self, work: Callable[[str], str], chunk: str) -> Future[str]:
+            if chunk == "b" or refused:
+                refused.append(chunk)
+                raise BrokenProcessPool
+            return super().submit(work, chunk)
+
+    pools = iter((Broken({}), MadeUpPool({}), MadeUpPool({})))
+
+    @contextmanager
+    def pool(_: int) -> Iterator[MadeUpPool]:
+        yield next(pools)
+
+    monkeypatch.setattr(processes, "_pool", pool)
+    found = list(in_processes(shout, list("abcde"), 2, lambda one: [one], lambda one: f"no {one}"))
+    assert sorted(found) == list("ABCDE") and refused == ["b"]
+
+
 def test_a_chunk_that_ends_its_process_twice_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     """And a chunk of two is split: the one at fault is given up alone."""
 

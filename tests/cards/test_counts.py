@@ -163,6 +163,22 @@ def test_fewer_landmarks_are_counted_than_there_are() -> None:
     assert_frame_error(edited((31, 21, "    2")), 83)
 
 
+@pytest.mark.parametrize(
+    ("card", "spoiled", "named"),
+    [(59, (), 60), (60, (), 61), (61, (), 62), (61, (59, 60), 62), (44, (), 45), (50, (), 51),
+     (55, (), 56)],
+)  # fmt: skip
+def test_a_reading_that_is_there_twice_is_named(
+    card: int, spoiled: tuple[int, ...], named: int
+) -> None:
+    """Of landmark 66, and of the fiducials; the copy follows its card, wherever that stands."""
+    cards = edited(*((one, 41, f"0102{one}") for one in spoiled))
+    cards.insert(card, cards[card - 1])
+    found = [one for one in said(cards) if one.severity == "error"]
+    assert [one.card for one in found] == [named]
+    assert_approved(found[0].message, parts=[f"card {card};"])
+
+
 MORE = {  # what is punched into a further card of landmark 67: whether it is one
     "as it is": ((1, " "), True),
     "a fiducial": ((9, "00"), False),

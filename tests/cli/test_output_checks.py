@@ -126,6 +126,33 @@ def test_a_file_without_permission_to_write_is_read_only(
         refuse_to_overwrite((), "out")
 
 
+def test_a_folder_of_images_that_cannot_be_listed_is_left_to_its_reader(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What it holds is not known, and that is no reason against an output elsewhere."""
+
+    def listed(self: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "iterdir", listed)
+    refuse_to_overwrite(("folder",), "new")
+    with pytest.raises(OutputError):
+        refuse_to_overwrite(("folder", "in"), "in")
+
+
+def test_a_photograph_of_the_second_input_is_needed_where_the_first_has_another() -> None:
+    """The first names a file of the same name that is elsewhere, or nowhere."""
+    for folder in ("a", "b", "c"):
+        Path(folder).mkdir()
+        Path(folder, "stars.json").write_text('[{"image": "f0.png"}]')
+    for folder in ("a", "b"):
+        Path(folder, "f0.png").touch()
+    for inputs in (("a/stars.json", "b/stars.json"), ("c/stars.json", "b/stars.json")):
+        with refused(OutputError):
+            refuse_to_overwrite(inputs, "b/f0.png")
+    refuse_to_overwrite(("a/stars.json", "c/stars.json"), "b/f0.png")
+
+
 def test_a_folder_without_permission_to_write(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing new can be made in it, and no file replaced; a device is written as it is."""
     folder = os.path.realpath("folder")

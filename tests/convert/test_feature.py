@@ -19,6 +19,7 @@ from tests.kit.command import vopd as vopd_run
 from tests.kit.simulated_films import SPHERE_1974, WGS84, Earth, Errors, Plan, job_of, simulate
 from tests.tolerances import within
 from vopd.arrays import Floats
+from vopd.convert import feature_trials
 from vopd.convert.feature import (
     STEP,
     coordinates_of,
@@ -164,6 +165,41 @@ def test_what_keeps_trials_from_an_end_is_said() -> None:
     far = with_coordinates(job, 13, coordinates_of(job, 13) + np.array([5.0, 5.0, 0.0]))
     with refused(VopdError):
         search_feature(far, 13, NO_FIXES, "deck")
+
+
+def test_trials_that_do_not_come_to_rest_are_told_with_status_3(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The table has what there is; the sentence says what to do instead."""
+    monkeypatch.setattr(feature_trials, "MOST_ROUNDS", 1)
+    feature = ROOT / "tests" / "approved" / "inputs" / "feature.dat"
+    monkeypatch.chdir(feature.parent)
+    options = ("adjust", "feature.dat", "--free", "landmark:13", "--trials", "--format", "json")
+    ran = vopd_run(*options)
+    assert ran.status == 3 and json.loads(ran.stdout)["stands"] is False
+    assert_approved(ran.stderr)
+
+
+@pytest.mark.parametrize(("part", "held"), [(0.03, True), (0.001, False)])
+def test_a_camera_that_hardly_moves_does_not_locate_a_landmark(
+    part: float, held: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It flies 920 ft, or 31, and the landmark is 132,000 ft away.
+
+    A reading, .003 in on the film reader or .0021 mm before 10.4 mm, is 27 ft there. Along the
+    line that is 27 times 132,000 by what is flown: 3,900 ft, or 115,000, more than half of the way.
+    """
+    monkeypatch.setattr(feature_trials, "MOST_ROUNDS", 1)
+    job = film(WGS84, 0.003, 9)[0]
+    job = replace(job, readings=job.readings.take(np.array([0, 5, 10, 15])))
+    middle = job.trajectory.position_ft.mean(axis=0)
+    position_ft = middle + part * (job.trajectory.position_ft - middle)
+    near = replace(job, trajectory=replace(job.trajectory, position_ft=position_ft))
+    if held:
+        assert not search_feature(near, 12, ALL, "film.dat").stands
+    else:
+        with refused(VopdError):
+            search_feature(near, 12, ALL, "film.dat")
 
 
 def test_trials_as_json_are_those_of_the_csv(tmp_path: Path) -> None:

@@ -263,6 +263,16 @@ def test_the_coordinates_of_the_file(name: str) -> None:
         assert_close("flight pixel", seen * [1.0, -1.0] + [500.0, 380.0], at)
 
 
+def test_a_distortion_counts_from_the_width_of_an_image_that_is_known() -> None:
+    """Without a size it is left: nobody knows how far out a star lies."""
+    at = np.array([[0.0, 0.0], [999.0, 100.0]])
+    plain, unknown = camera_of(), camera_of(distortion=0.03, size_px=None)
+    assert_close("flight pixel", unknown.centred(at), plain.centred(at))
+    assert_close("flight pixel", unknown.in_file(plain.centred(at)), at)
+    bent = camera_of(distortion=0.03).centred(at) - plain.centred(at)
+    assert np.abs(bent).max() > 1.0
+
+
 def test_the_sky_of_a_picture() -> None:
     """The camera looks along V: right ascension 90 degrees; right is toward U, up toward W."""
     camera = camera_of()

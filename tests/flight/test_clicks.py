@@ -37,7 +37,7 @@ from vopd.flight.project.tracked_picks import (
     track_digests,
 )
 from vopd.flight.result import FlightResult, solve_flight, solve_flight_read
-from vopd.flight.solve import joint
+from vopd.flight.solve import joint, next_click
 from vopd.flight.solve.clicks import AT_ONCE, errors_of_frames
 from vopd.flight.solve.errors import priors_of
 from vopd.flight.solve.joint import covariance_of_sums, solve_jointly
@@ -601,6 +601,25 @@ def test_the_next_click_lowers_the_sigma_as_a_solve_with_it_does() -> None:
         again = solve_jointly(flight, priors_of(flight))
         rms = np.sqrt(np.einsum("fii->f", again.covariance.turn).mean() / 3.0)
         assert_close("dense minimum", click.after_deg / np.degrees(rms), 1.0)
+
+
+def test_clicks_that_tell_little_are_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A landmark is clicked in every fourth frame, or in all; and of each one click is told."""
+    few, many, all_ = (
+        clicked_flight(np.random.default_rng(3), 20, 5, every=every, apart=apart, reach=20).flight
+        for every, apart in ((20, 3), (4, 3), (1, 0))
+    )
+    one, other, every = (solve_jointly(flight, priors_of(flight)) for flight in (few, many, all_))
+    found = next_clicks(one, 8)
+    assert all(each.after_deg < 0.98 * each.before_deg for each in found)
+    assert len({each.landmark for each in found}) == len(found) > 1
+    assert next_clicks(other) == [] and next_clicks(every) == []
+    assert_approved(next_click_texts(other))
+    monkeypatch.setattr(next_click, "LEAST_GAIN", 0.0)
+    little = next_clicks(other)
+    assert len(little) == 3
+    assert all(0.98 * each.before_deg < each.after_deg < each.before_deg for each in little)
+    assert next_clicks(every) == []  # there is none
 
 
 # Tracks of other programs
