@@ -216,6 +216,7 @@ class FrameEstimate(Rows):
     """
     grid: MapGrid | None = None  # of the landmarks' coordinate system, if that is projected
     gimbal_deg: Floats | None = None  # (F, 3) the gimbal's yaw, pitch, roll; never used
+    lens: Ints | None = None  # (F,) which of several lenses each frame has, from 0; None: one
     rate_unknown: Bools | None = None
     """(F,) with a rolling shutter: no other frame says how fast the camera turns in this one."""
     scene: Callable[[], JobScene] | None = field(default=None, repr=False, compare=False)

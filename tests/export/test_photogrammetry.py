@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import CASE_1
 from tests.kit.command import vopd as run
-from tests.kit.estimates import estimate, level_flight, text_of
+from tests.kit.estimates import ABOUT, estimate, level_flight, text_of
 from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
@@ -361,3 +361,24 @@ def test_one_file_has_one_coordinate_system(others: tuple[str, str]) -> None:
     else:
         with refused(VopdError):
             text_of("opk", *jobs)
+
+
+def test_an_images_txt_of_several_cameras() -> None:
+    """A number for each lens; the next source has its own, the next job of a source has not."""
+    two, other = level_flight(lens=np.array([1, 0])), ABOUT._replace(source="other.toml")
+    text, said = text_of(
+        "colmap", two, level_flight(job=2, about=ABOUT), level_flight(about=other),
+        level_flight(about=other, lens=np.array([0, 1])),
+    )  # fmt: skip
+    rows = [line.split() for line in text.splitlines() if line and not line.startswith("#")]
+    assert [row[8] for row in rows] == ["2", "1", "1", "1", "3", "3", "3", "4"]
+    assert_approved([line for line in text.splitlines() if "# CAMERA_ID" in line], parts=["1 to 4"])
+    assert said == []
+
+
+def test_names_that_colmap_cuts_are_told() -> None:
+    names = level_flight(frame_names=["a b.jpg", "c.jpg"])
+    text, said = text_of("colmap", names)
+    assert " 1 a b.jpg\n" in text
+    assert_approved(said)
+    assert text_of("colmap")[1] == []

@@ -75,6 +75,7 @@ def test_each_frame_is_solved_with_its_own_lens(tmp_path: Path) -> None:
         0,
         1,
     ] * 2 + [0]
+    assert result.estimate.lens is not None and result.estimate.lens.tolist() == [0, 1, 0, 1, 0]
 
 
 def test_the_image_of_a_frame_has_its_own_lens(tmp_path: Path) -> None:

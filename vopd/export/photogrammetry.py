@@ -155,24 +155,58 @@ HEAD_COLMAP = """\
 # Q: Hamilton, scalar first, from site axes to camera axes (right, down, forward)
 # T: metres; the camera is at -R' T. Site axes: east, north, up on WGS 84 at
 # latitude {latitude:.9f}, longitude {longitude:.9f}, height {height:.4f} m {altitude}
-# Number of images: {count}
+{cameras}# Number of images: {count}
 """
+CAMERAS = (
+    "# CAMERA_ID: 1 to {}, a number for each lens, source by source, in a source in the order in "
+    "which\n# the table that its [camera] of_images names has them first\n"
+)
+
+
+def camera_numbers(found: Sequence[CameraPoses]) -> list[list[int]]:
+    """Number the cameras of jobs, from 1: a number for each lens of a source.
+
+    Args:
+        found: the jobs, each with a frame or more
+
+    Returns:
+        Of each job the number of each frame's camera.
+    """
+    source, first, most = "", 1, 0
+    numbers = []
+    for poses in found:
+        e = poses.history.estimate
+        if e.about.source != source:
+            source, first = e.about.source, most + 1
+        which = np.zeros(len(poses.frames), np.int64) if e.lens is None else e.lens[poses.frames]
+        numbers.append((first + which).tolist())
+        most = max(most, *numbers[-1])
+    return numbers
 
 
 def render_colmap(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
     """Make the file, two lines for each frame that has an attitude."""
     found = some([camera_poses(h, report) for h in histories])
+    camera = camera_numbers(found)
     origin = found[0].position_m[0]
     longitude, latitude, height = found[0].geodetic[0]
     lines: list[str] = []
-    for poses in found:
+    blanks = 0
+    for poses, cameras in zip(found, camera, strict=True):
         rotation, position = pose_in_site(poses, origin)
         quaternion = from_axes(rotation.swapaxes(1, 2))
         translation = -(rotation @ position[..., None])[..., 0]
-        for q, t, name in zip(quaternion, translation, poses.name, strict=True):
+        for q, t, of, name in zip(quaternion, translation, cameras, poses.name, strict=True):
             numbers = " ".join(f"{x:.12g}" for x in np.concatenate([np.round(q, 12), t]) + 0.0)
-            lines += [f"{len(lines) // 2 + 1} {numbers} 1 {printable(name)}", ""]
+            lines += [f"{len(lines) // 2 + 1} {numbers} {of} {printable(name)}", ""]
+            blanks += len(name.split()) > 1
+    if blanks:
+        have = count_text(blanks, "name has", "names have")
+        message = f"{have} a blank, and COLMAP reads a name to its first blank: rename the images"
+        report(Finding(message, histories[0].about.source, severity="warning"))
+    most = max(max(cameras) for cameras in camera)
     head = HEAD_COLMAP.format(
+        cameras=CAMERAS.format(most) if most > 1 else "",
         source=source_text(histories),
         latitude=latitude,
         longitude=longitude,

@@ -498,6 +498,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         velocity_sigma=flight.path.velocity_sigma_m_s,
         grid=_grid(solved),
         gimbal_deg=flight.path.gimbal_deg,
+        lens=flight.lens.which if isinstance(flight.lens, Lenses) else None,
         rate_unknown=None if turning is None else np.isnan(turning[:, 0]),
         scene=whole.scene,
     )
