@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
-from vopd.findings import VopdError
+from vopd.findings import VopdError, refuse_other_kind
 from vopd.geometry.ellipsoids import ELLIPSOIDS, WGS84, Ellipsoid
 
 
@@ -173,6 +173,8 @@ def fixes(*names: str, ellipsoid: str = "wgs84") -> Fixes:
         VopdError: if a name is not known.
     """
     known = {fix.value: fix for fix in Fix}
+    for one in names:
+        refuse_other_kind(one, str, "vopd.errata.fixes", "names, each by itself")
     for name in sorted(set(names) - {*known, "all"}):
         raise VopdError(f"no fix is called {name!r}; there are: {', '.join(sorted(known))}, all")
     if ellipsoid not in ELLIPSOIDS:

@@ -127,6 +127,19 @@ def test_camera_angles_are_0_to_360_and_roll_is_0_straight_up_and_down(
         assert_close("angle at a pole", found, shown)
 
 
+@pytest.mark.parametrize("off_deg", [1e-3, 1e-5, 1e-7, 1e-9])
+def test_angles_beside_straight_up_and_down_are_those_of_the_rounded_turn(off_deg: float) -> None:
+    """By hand: yaw and roll alone are as uncertain as the small elements, all three are not."""
+    yaw, roll = np.linspace(3.0, 357.0, 60), np.linspace(1.0, 340.0, 60)
+    angles = np.stack([yaw, np.tile([1.0, -1.0], 30) * (90.0 - off_deg), roll], axis=1)
+    rounded = turned(angles).as_matrix() + 1e-15 * np.resize([1.0, -1.0, 0.5, -0.7], (60, 3, 3))
+    back = turned(body_angles_deg(rounded)).as_matrix()
+    assert_close("unit rotation", back, turned(angles).as_matrix())
+    view = camera_axes(np.radians(angles)) + 1e-15 * np.resize([1.0, -1.0, 0.7], (60, 3, 3))
+    back = camera_axes(np.radians(camera_angles_deg(view)))
+    assert_close("unit rotation", back, camera_axes(np.radians(angles)))
+
+
 def test_camera_angles_of_rounded_and_unknown_axes() -> None:
     axes = camera_axes(np.radians([[0.0, 90.0, 0.0]]))
     axes[0, 2, 2] = 1.0 + 1e-15

@@ -17,6 +17,8 @@ from tests.approved.texts import refused
 from tests.kit.command import CASE_4, DECKS, ROOT
 from tests.kit.flight_project import write_project
 from tests.kit.tagged_images import tagged_image
+from vopd.errata import fixes
+from vopd.figures import draw
 from vopd.flight.formats import landmarks as csv_landmarks
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.files import InputFile
@@ -112,6 +114,10 @@ OTHER_KINDS: dict[str, Callable[[], object]] = {
     "a number in the place of a function": lambda: vopd.adjust(HILL, "focal", 5),
     "a location by number": lambda: vopd.solve_flight(HILL, 5),
     "no name of a figure": lambda: vopd.run(JOBS).plot(None),
+    "no figure at all": lambda: vopd.run(JOBS).plot([]),
+    "one history to draw": lambda: draw("attitude", vopd.run(JOBS).histories()[0]),  # type: ignore[arg-type]
+    "a run to draw": lambda: draw("attitude", vopd.run(JOBS)),
+    "fixes in a list": lambda: fixes(["restart"]),
     "a rate in words": lambda: vopd.run(JOBS).histories(max_rate_deg_s="10"),
     "a rate that is true": lambda: vopd.run(JOBS).histories(max_rate_deg_s=True),
     "zero in the place of sigmas": lambda: vopd.solve_flight(HILL, sigmas=0),

@@ -108,6 +108,8 @@ def _as_names(name: str | Sequence[str]) -> list[str]:
     """
     refuse_other_kind(name, (str, Sequence), "plot", "the name of a figure, or several")
     names = [name] if isinstance(name, str) else list(name)
+    if not names:
+        raise VopdError(f"no figure is named: there are {', '.join(FIGURES)}, and all")
     for one in names:
         if one not in (*FIGURES, "all"):
             raise VopdError(f"no figure {one!r}: there are {', '.join(FIGURES)}, and all")
@@ -156,6 +158,10 @@ def draw(
             attitude, that frame has none, no frame has angles of attack for `attack`, or the size
             cannot hold the panels
     """
+    takes = "attitude histories, as run.histories() and [flight.history()]"
+    refuse_other_kind(histories, Sequence, "vopd.figures.draw", takes)
+    for history in histories:
+        refuse_other_kind(history, History, "vopd.figures.draw", takes)
     if not any(h.has_attitude.any() for h in histories):
         ready()
         raise VopdError("no frame has an attitude")

@@ -13,6 +13,9 @@ from vopd.geometry.linear import pseudo_inverse
 # Yaw, pitch and roll of body axes (forward, right, down) in local north, east, down
 
 POLE = 1e-12  # cosine of pitch, at and below which roll is set to 0
+STEEP = 1e-4
+"""Cosine of pitch below which roll is what yaw leaves of the turn: the elements of which each comes
+by itself are so small that their rounding turns them apart."""
 LARGEST_DEG = 360.001
 """Angles are kept within a full circle, but for rounding; one beyond this is out of range."""
 
@@ -28,11 +31,17 @@ def body_angles_deg(body_to_ned: Floats) -> Floats:
         body_to_ned: forward, right and down as columns in north, east, down, (..., 3, 3)
     """
     m = body_to_ned
+    flat = np.hypot(m[..., 0, 0], m[..., 1, 0])
+    level = flat > POLE
+    steep = level & (flat < STEEP)
     pitch = -np.arcsin(np.clip(m[..., 2, 0], -1.0, 1.0))
-    level = np.hypot(m[..., 0, 0], m[..., 1, 0]) > POLE
+    pitch = np.where(steep, -np.arctan2(m[..., 2, 0], flat), pitch)
     straight = np.arctan2(-m[..., 0, 1], m[..., 1, 1])
     yaw = np.where(level, np.arctan2(m[..., 1, 0], m[..., 0, 0]), straight)
-    roll = np.where(level, np.arctan2(m[..., 2, 1], m[..., 2, 2]), 0.0 * pitch)
+    s, c = np.sin(yaw), np.cos(yaw)
+    left = np.arctan2(s * m[..., 0, 2] - c * m[..., 1, 2], c * m[..., 1, 1] - s * m[..., 0, 1])
+    roll = np.where(steep, left, np.arctan2(m[..., 2, 1], m[..., 2, 2]))
+    roll = np.where(level, roll, 0.0 * pitch)
     angles = np.stack([yaw % (2.0 * np.pi), pitch, roll % (2.0 * np.pi)], axis=-1)
     return np.asarray(np.degrees(angles))
 
@@ -112,14 +121,20 @@ def camera_angles_deg(axes: Floats) -> Floats:
     Args:
         axes: image x, image y and optical axis as rows, (..., 3, 3), east, north, up
     """
+    flat = np.hypot(axes[..., 2, 0], axes[..., 2, 1])
+    level = flat > POLE
+    steep = level & (flat < STEEP)
     pitch = np.arcsin(np.clip(axes[..., 2, 2], -1.0, 1.0))
-    level = np.hypot(axes[..., 2, 0], axes[..., 2, 1]) > POLE
+    pitch = np.where(steep, np.arctan2(axes[..., 2, 2], flat), pitch)
     yaw = np.where(
         level,
         np.arctan2(axes[..., 2, 0], axes[..., 2, 1]),
         np.arctan2(axes[..., 0, 1], -axes[..., 0, 0]),
     )
-    roll = np.where(level, np.arctan2(axes[..., 0, 2], axes[..., 1, 2]), 0.0 * pitch)
+    x, y, s, c = axes[..., 0, :], axes[..., 1, :], np.sin(yaw), np.cos(yaw)
+    left = np.arctan2(c * y[..., 0] - s * y[..., 1], s * x[..., 1] - c * x[..., 0])
+    roll = np.where(steep, left, np.arctan2(axes[..., 0, 2], axes[..., 1, 2]))
+    roll = np.where(level, roll, 0.0 * pitch)
     angles = np.stack([yaw % (2 * np.pi), pitch, roll % (2 * np.pi)], axis=-1)
     return np.asarray(np.degrees(angles))
 
