@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -334,9 +334,57 @@ def solve_flight_read(
     if lost.any() and 2 * lost.sum() < len(lost):  # of most it is a mistake of the flight
         rest = solve_flight_read(without_places(stated, lost), tell, project)
         return replace(rest, misfits=True)
-    read, out = flight, gross | swapped
+    out = gross | swapped
     robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
     same = None if robust else solve(by_themselves, out, before=first)
+    read, flight, estimates = _settled_by_rows(flight, out, tell, same)
+    search = _search_blunders(flight, estimates, gross, swaps, tell)
+    found, swaps, without = search.found, search.swaps, search.without
+    swapped = swaps.marked(len(gross))
+    apart = found.left_out | swapped
+    if flight.options.drop_blunders:
+        apart &= found.left_out | _two_left(flight, apart)
+    else:
+        few = (found.pick | swapped).sum() <= FEW * len(found.pick)
+        apart = (found.pick | swapped) & few
+    if without is None or not np.array_equal(apart, found.left_out | swapped):
+        without = settled(flight, apart, search.estimates.joint)
+    dropped = flight.options.drop_blunders
+    estimates = without if dropped else with_named_picks(flight, without, search.estimates)
+    more = least_held(without.joint)
+    if more is not None:
+        stated = replace(stated, options=read.options)
+        return solve_flight_read(without_parameter(stated, more), tell, project)
+    if MOUNT in read.options.free and read.vehicle is not None:
+        from vopd.flight.mounting import mounted  # of few flights
+
+        estimates = mounted(estimates)
+    named = (found.pick | swapped) & estimates.solved.used
+    estimates.mark_outliers(named, swaps.chances(len(swapped)))
+    findings, misfits = _findings_of(flight, estimates, without, search, apart, project)
+    if read.options.free:
+        from vopd.flight.parameters import before_and_after  # of few flights
+
+        estimates.before_and_after = before_and_after
+    told = (*flight.findings, *outside, *of_clicks, *findings)
+    return FlightResult(estimates, told, misfits)
+
+
+def _settled_by_rows(
+    read: Flight, out: Bools, tell: Callable[[], object], same: SolvedFlight | None
+) -> tuple[Flight, Flight, FlightEstimates]:
+    """Solve a flight, its rows brought to the times of their frames where its shutter rolls.
+
+    Args:
+        read: the flight
+        out: picks that take no part, (P,)
+        tell: is called before each solve
+        same: its rotations with everything as it is stated
+
+    Returns:
+        The flight as read, and with the picks that were solved, both with the parameters that are
+        kept; and its estimates.
+    """
     flight, estimates = settled_as_held(read, out, tell, same)
     if read.shutter is not None and read.path.turning_rad_s is None:
         for round_ in range(ROUNDS_OF_ROWS):
@@ -346,12 +394,37 @@ def solve_flight_read(
             if round_ > 1 and (moved < ROWS_SETTLED * flight.picks.sigma_px).all():
                 break
             flight, estimates = settled_as_held(shifted, out, tell)
-    read = replace(read, options=flight.options)
+    return replace(read, options=flight.options), flight, estimates
+
+
+class BlunderSearch(NamedTuple):
+    """Blunders and exchanged labels of a flight, and its solutions with and without them."""
+
+    found: Blunders
+    swaps: Exchanges
+    without: FlightEstimates | None  # None: it is to be solved
+    estimates: FlightEstimates  # without gross picks and exchanged labels alone
+
+
+def _search_blunders(
+    flight: Flight, estimates: FlightEstimates, gross: Bools, swaps: Exchanges,
+    tell: Callable[[], object],
+) -> BlunderSearch:  # fmt: skip
+    """Search a flight for picks that do not fit and for exchanged labels, one after the other.
+
+    Args:
+        flight: the flight
+        estimates: solved without gross picks and exchanged labels
+        gross: picks that are far off, (P,)
+        swaps: labels that are exchanged, as its rotations alone show
+        tell: is called before each solve
+    """
 
     def solve_without(left_out: Bools, before: FlightEstimates) -> FlightEstimates:
         tell()
         return settled(flight, left_out, before.joint)
 
+    swapped = swaps.marked(len(gross))
     for _ in range(ROUNDS_OF_LABELS):
         found, without = find_blunders(estimates, gross, solve_without, swapped)
         try:
@@ -367,38 +440,39 @@ def solve_flight_read(
         estimates = settled(flight, gross | swapped)
     else:
         without = None
-    apart = found.left_out | swapped
-    if flight.options.drop_blunders:
-        apart &= found.left_out | _two_left(flight, apart)
-    else:
-        few = (found.pick | swapped).sum() <= FEW * len(found.pick)
-        apart = (found.pick | swapped) & few
-    if without is None or not np.array_equal(apart, found.left_out | swapped):
-        without = settled(flight, apart, estimates.joint)
-    dropped = flight.options.drop_blunders
-    estimates = without if dropped else with_named_picks(flight, without, estimates)
-    more = least_held(without.joint)
-    if more is not None:
-        stated = replace(stated, options=read.options)
-        return solve_flight_read(without_parameter(stated, more), tell, project)
-    if MOUNT in read.options.free and read.vehicle is not None:
-        from vopd.flight.mounting import mounted  # of few flights
+    return BlunderSearch(found, swaps, without, estimates)
 
-        estimates = mounted(estimates)
-    solved = estimates.solved
-    estimates.mark_outliers((found.pick | swapped) & solved.used, swaps.chances(len(swapped)))
+
+def _findings_of(
+    flight: Flight, estimates: FlightEstimates, without: FlightEstimates, search: BlunderSearch,
+    apart: Bools, project: Callable[[], Project] | None,
+) -> tuple[list[Finding], bool]:  # fmt: skip
+    """Warn of all that is doubtful in a solved flight.
+
+    Args:
+        flight: the flight
+        estimates: those that are given out
+        without: those without the picks that do not fit
+        search: what was found not to fit
+        apart: picks that took no part in what the frames have in common, (P,)
+        project: gives the project; None: mistakes that take another reading are not tried
+
+    Returns:
+        The warnings, and whether the flight misfits.
+    """
+    found, swaps = search.found, search.swaps
+    every = found._replace(pick=found.pick | swaps.marked(len(found.pick)))
 
     def usual(named: bool) -> list[str]:
-        from vopd.flight.misfits.mistakes import usual_mistakes  # which takes results
+        from vopd.flight.misfits.mistakes import usual_mistakes  # of few flights
 
         return [] if project is None else usual_mistakes(project(), without, named)
 
-    blunders = found.pick | swapped
-    doubts = flight_findings(flight, without, apart, found.landmark, usual, blunders)
+    doubts = flight_findings(flight, without, apart, found.landmark, usual, every.pick)
     estimates.contradict(doubts.sentence)
     if doubts.misfits:  # of a flight as a whole it is not said which frames are not searched
         swaps = swaps._replace(not_searched=0)
-        from vopd.flight.misfits.far_landmarks import far_landmarks  # which takes results
+        from vopd.flight.misfits.far_landmarks import far_landmarks  # of few flights
 
         far = [Finding(one, flight.source, severity="warning") for one in far_landmarks(flight)]
         doubts = doubts._replace(findings=[*far, *doubts.findings])
@@ -413,16 +487,11 @@ def solve_flight_read(
         from vopd.flight.project.tracked_picks import followed_findings  # of few flights
 
         findings += followed_findings(flight, without.joint)
-    every = found._replace(pick=found.pick | swapped)
     findings += freed_beside_blunders(flight, every, apart)
     findings += readout_findings(flight)
-    findings += [*picks_set_aside(flight, solved), *frames_unsolved(flight, solved)]
-    told = (*flight.findings, *outside, *of_clicks, *findings)
-    if read.options.free:
-        from vopd.flight.parameters import before_and_after  # of few flights
-
-        estimates.before_and_after = before_and_after
-    return FlightResult(estimates, told, doubts.misfits)
+    findings += picks_set_aside(flight, estimates.solved)
+    findings += frames_unsolved(flight, estimates.solved)
+    return findings, doubts.misfits
 
 
 def without_places(flight: Flight, lost: Bools) -> Flight:
