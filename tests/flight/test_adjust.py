@@ -11,6 +11,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved, refused
+from tests.kit.clicked_flights import clicked_flight
 from tests.kit.command import vopd as command
 from tests.kit.dense_minimum import NAMES, dense_minimum, drawn, freed_problem
 from tests.kit.flight_project import write_project
@@ -104,6 +105,21 @@ def test_errors_that_are_not_freed_leave_the_flight_as_stated(fix_m: float) -> N
     found = made.result.flight.path
     assert np.array_equal(found.position_m, path.position_m)
     assert np.array_equal(found.bias_sigma_m, path.bias_sigma_m)
+
+
+def test_residuals_at_stated_places_take_what_is_freed_as_solved() -> None:
+    """The focal length is freed, the offset of the track is not; clicks are no error of places."""
+    flight = drawn(2, ("focal",), {})
+    path = replace(flight.path, bias_sigma_m=np.full(3, 0.5))
+    joint = solve_flight_read(replace(flight, path=path)).estimates.joint
+    assert joint is not None and joint.model.names == ("focal", "east", "north", "up")
+    assert (joint.state.parameter != 0.0).all()
+    beside = joint.beside_free
+    assert beside.parameter.tolist() == [0.0, *joint.state.parameter[1:].tolist()]
+    clicked = clicked_flight(np.random.default_rng(3), 12, 5, every=6, reach=12).flight
+    solved = solve_flight_read(clicked).estimates.joint
+    assert solved is not None and solved.state.click_px.all()
+    assert not solved.beside_free.click_px.any()
 
 
 def test_the_flight_as_read_has_the_picks_as_stated() -> None:

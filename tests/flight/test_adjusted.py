@@ -38,6 +38,7 @@ from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import flight_of
 from vopd.flight.result import FlightResult, solve_flight
 from vopd.geometry.lenses import Lens, LensKind
+from vopd.geometry.linear import norm
 
 LENS = LensErrors(focal_rel=0.003, k1=0.01)
 DRONE = Plan(
@@ -144,6 +145,21 @@ def test_angles_and_sigmas_are_those_of_the_joint_solution(
     if plan is not EXACT and "fixed" not in more:  # where a clock alone moves the places
         assert one.position_sigma is not None and other.position_sigma is not None
         assert_close("sigma of a place", other.position_sigma / one.position_sigma, 1.0)
+
+
+def test_a_rate_of_the_clock_moves_all_frames_but_the_middle_one(tmp_path: Path) -> None:
+    """By their velocity, and by how late they are by it."""
+    both = adjusted(tmp_path, DRONE._replace(frames=7), "clock-rate")
+    (rate,) = [one.after * 1e-6 for one in both.joint.parameters if one.name == "clock-rate"]
+    read = both.joint.result.read
+    fixes = read.path.fixes
+    assert fixes is not None and fixes.slopes is not None
+    late_s = rate * (read.time_s - 1.5)
+    moved_m = norm(both.again.read.path.position_m - read.path.position_m)
+    by_m = norm(fixes.slopes.velocity_m_s) * np.abs(late_s)
+    others = np.arange(7) != 3
+    assert moved_m[3] == 0.0 and (by_m[others] > 0.2).all()
+    assert (np.abs(moved_m - by_m) < 0.1 * by_m)[others].all()  # they turn, too
 
 
 def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:

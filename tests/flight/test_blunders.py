@@ -104,6 +104,15 @@ def test_a_gross_pick_turns_its_own_frame_alone(flight: Flight) -> None:
     assert named.history().flags.raised["misfit"].tolist() == [False, False, False, True, False]
 
 
+@pytest.mark.parametrize(("more", "misfits"), [({}, False), ({28: (60.0, -40.0)}, True)])
+def test_up_to_a_tenth_of_the_picks_are_blunders_of_a_flight_that_fits(
+    more: dict[int, tuple[float, float]], misfits: bool, flight: Flight
+) -> None:
+    """Three of 30 picks are named and the others fit; with a fourth the flight misfits."""
+    result = solve_flight_read(picked(flight, GROSS | more))
+    assert result.misfits == misfits
+
+
 @pytest.mark.parametrize("wrong_m", [0.0, 30.0])
 def test_a_last_frame_of_a_check_landmark_alone_costs_no_other(
     flight: Flight, wrong_m: float
