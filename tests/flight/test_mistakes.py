@@ -191,6 +191,36 @@ def test_another_frame_rate_is_tried_where_frames_have_numbers(tmp_path: Path) -
     )
 
 
+def test_two_landmarks_tell_nothing_of_their_labels_and_long_flights_take_too_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Ten exchanges of five landmarks in six frames are 300 picks."""
+    assert corrected("labels exchanged", ANY, uneven_flight([2] * 6)) == []
+    assert len(corrected("labels exchanged", ANY, uneven_flight([3] * 6))) == 3
+    five = uneven_flight([5] * 6)
+    monkeypatch.setattr(mistakes, "TRIAL_PICKS", 150)
+    assert len(corrected("labels exchanged", ANY, five)) == 10
+    monkeypatch.setattr(mistakes, "TRIAL_PICKS", 149)
+    assert corrected("labels exchanged", ANY, five) == []
+
+
+def test_rates_by_which_no_frame_is_on_the_track_are_left_out(tmp_path: Path) -> None:
+    """Frame 100 is 2 s after the start of the track by 24 frames a second, whose frames end at 4 s.
+
+    By 15 it would be at 4.5 s, by 48 before it: the others are tried all the same.
+    """
+    toml = TOML.replace("frame_rate_hz = 10.0", "frame_rate_hz = 24.0")
+    toml = toml.replace("first_frame_t_s = 2.0", f"first_frame_t_s = {2.0 - 100 / 24.0!r}")
+    path = write_project(tmp_path, toml)
+    head, *picks = (tmp_path / "picks.csv").read_text(encoding="utf-8").splitlines()
+    later = [f"{100 + int(row.partition(',')[0])},{row.partition(',')[2]}" for row in picks]
+    (tmp_path / "picks.csv").write_text("\n".join([head, *later, ""]), encoding="utf-8")
+    project = read_project(str(path))
+    found = corrected("another frame rate", project, flight_of(project))
+    rates = [float(advice.split("frame_rate_hz = ")[1].split()[0]) for _, advice in found]
+    assert rates == [23.976, 25.0, 29.97, 30.0]
+
+
 @pytest.mark.parametrize(
     ("residual_px", "rates"), [((1.0, 1.2, 40.0), "24 or 25 in"), ((1.4, 1.0, 40.0), "25 in")]
 )

@@ -229,6 +229,16 @@ def test_frames_half_a_second_apart_say_nothing_of_their_turning() -> None:
     assert_close("flight pixel", shifted.picks.pixel, named.picks.pixel)  # it does not move
 
 
+def test_tracked_frames_two_seconds_apart_are_not_shifted() -> None:
+    one = clicked_flight(np.random.default_rng(1), frames=9).flight
+    apart = replace(one, shutter=Shutter(0.016, "down", False), time_s=2.0 * np.arange(9.0))
+    still = replace(apart, path=replace(apart.path, velocity_m_s=None))
+    shifted = picks_at_frame_times(still, solve(still))
+    assert shifted.path.turning_rad_s is not None
+    assert np.isnan(shifted.path.turning_rad_s).all()
+    assert_close("flight pixel", shifted.picks.pixel, still.picks.pixel)
+
+
 def rolling(folder: Path, readout_ms: float, more: str = "") -> FlightResult:
     """A flight that turns by 10 degrees a second, its picks all of one time."""
     keys = f'readout_ms = {readout_ms}\nreadout = "down"\nframe_time = "first-row"\n[picks]\nfile'

@@ -1,15 +1,20 @@
-"""What a run has done so far, where another run writes it at the same time."""
+"""What a run has done so far: rows of its file, also where another run writes it, and patches."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.approved.texts import refused
+from tests.tolerances import assert_close
 from vopd.findings import VopdError
+from vopd.tracking import follow
 from vopd.tracking.journal import ROW, Journal
+from vopd.tracking.tracker import FOUND, Tracker
 
 ABOUT = {"clicks": "a"}
 ROWS = np.zeros(3, ROW)
@@ -40,3 +45,45 @@ def test_two_runs_at_a_time_do_not_mix_their_rows(begun: bool, tmp_path: Path) -
     first.remove()
     with pytest.raises(VopdError):
         first.add("row", ROWS)
+
+
+@pytest.mark.parametrize(("frames", "told"), [(11, True), (10, False)])
+def test_the_sigma_of_a_match_is_scaled_where_enough_residuals_tell_it(
+    frames: int, told: bool, tmp_path: Path
+) -> None:
+    """Three landmarks have 6 coordinates a frame for 3 angles; one click has two.
+
+    Each is 3 and 4 px off, a quarter of its variance of 100: .25 by three are .75 a frame. Each
+    is found from two clicks and counts once, one that is lost does not, and the last block, which
+    ends its kind, has none.
+    """
+    journal = Journal(tmp_path / "t.part", ABOUT)
+    block = np.zeros(3 * frames, ROW)
+    block["frame"], block["landmark"] = np.divmod(np.arange(3 * frames), 3)
+    block["status"], block["sigma"], block["residual"] = FOUND, 10.0, (3.0, 4.0)
+    twice = np.concatenate([block, block])
+    lost = block[:3].copy()
+    lost["status"], lost["residual"] = FOUND + 1, 1e3
+    journal.add("row", np.concatenate([twice, lost]))
+    journal.add("row", ROWS[:0])
+    clicks: Any = SimpleNamespace(frame=np.zeros(1, np.int64))
+    scale, by_residuals = follow._scale(journal, clicks)
+    assert by_residuals == told
+    expected = np.sqrt(0.25 * 3 * frames / (3 * frames - 2)) if told else 1.0
+    assert_close("ratio", scale, expected)
+
+
+def test_a_frame_takes_the_nearest_patch_of_its_own_segment() -> None:
+    """Frames 0 and 1 were before a cut; of landmark 7 the patch of frame 4 is nearest to 5."""
+
+    def patch(frame: int, landmark: int) -> Any:
+        return SimpleNamespace(patch=SimpleNamespace(frame=frame, landmark=landmark))
+
+    before, near, far, other = patch(1, 3), patch(4, 7), patch(8, 7), patch(9, 5)
+    run: Any = SimpleNamespace(
+        grounded=dict(enumerate([before, None, far, near, patch(0, 7), other])),
+        attitudes=SimpleNamespace(segment=np.repeat([1, 2], [2, 8])), _segment=2,
+    )  # fmt: skip
+    assert Tracker._nearest(run, 5) == [near, other]
+    run._segment = 1
+    assert Tracker._nearest(run, 5)[0] is before
