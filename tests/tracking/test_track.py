@@ -306,6 +306,15 @@ def test_a_folder_of_images_is_asked_for_where_clicks_name_images(flight: Path) 
     assert_approved(ran.stderr)
 
 
+def test_an_adjusted_project_names_the_one_to_track(flight: Path) -> None:
+    """It is made of the clicks alone, where these are not followed yet."""
+    assert vopd("adjust", "flight.toml", "--free", "focal", "-o", "adjusted").status == 0
+    assert vopd("check", "adjusted").status == 0
+    ran = vopd("track", "adjusted")
+    assert ran.status == 1
+    assert_approved(ran.stderr)
+
+
 def test_a_video_of_several_cameras_is_refused(flight: Path) -> None:
     matrix = [[300.0, 0.0, 159.5], [0.0, 300.0, 89.5], [0.0, 0.0, 1.0]]
     lens = {"image_width": SIZE[0], "image_height": SIZE[1], "camera_matrix": matrix}

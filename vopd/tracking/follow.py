@@ -24,7 +24,7 @@ from vopd.flight.misfits.misfit import MISFITS
 from vopd.flight.misfits.mistakes import usual_mistakes
 from vopd.flight.misfits.unsolved import require_two_landmarks
 from vopd.flight.project.camera import read_camera
-from vopd.flight.project.covariance import with_stated_offset
+from vopd.flight.project.covariance import adjusted_from, with_stated_offset
 from vopd.flight.project.keys import Project
 from vopd.flight.project.picks import NO_LANDMARK, NONE_USED
 from vopd.flight.project.read import flight_of, read_pick_rows, require_clicks
@@ -129,6 +129,12 @@ def read_footage(project: Project) -> Footage:
             told = "the video" if key == "video" else "the file that is to be written"
             raise section.error(key, f'is missing: {told}, as {key} = "{example}"')
     require_clicks(project)
+    if (source := adjusted_from(project)) is not None:
+        message = (
+            "was solved for with the tracks that there were: track the project that was adjusted, "
+            f"vopd track {source}, and adjust it again"
+        )
+        raise project.section("uncertainty").error("covariance", message)
     clicked = project.without("picks", "tracked", "tracked_from")
     if clicked.section("solve").has("frames"):
         clicked = clicked.changed("solve", "frames", "each")

@@ -124,6 +124,8 @@ def _folder(path: Path) -> bytes:
 
 def files_spoken_of(project: Project) -> dict[str, InputFile]:
     """List the files of a project that its covariance speaks of, by the keys that name them."""
+    if project.awaits_tracks():
+        project = project.without("picks", "tracked")
     return {
         f"[{section}] {key}": project.open(section, key)
         for section, key in SPEAKS_OF

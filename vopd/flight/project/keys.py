@@ -580,6 +580,14 @@ class Project:
         is_word = (section, key, value) == ("picks", "times", VIDEO)
         return ROWS[section, key].kind == "file" and isinstance(value, str) and not is_word
 
+    def awaits_tracks(self) -> bool:
+        """Tell whether `vopd track` is yet to write the tracked file: clicks alone are solved."""
+        picks = self.section("picks")
+        if not (picks.has("tracked") and picks.has("file")):
+            return False
+        from_clicks = picks.text("tracked_from") == "clicks"
+        return from_clicks and not (self.folder / picks.text("tracked")).exists()
+
     def changed(self, section: str, key: str, value: Any) -> Project:
         """Change the value of one key."""
         before = self.section(section)

@@ -81,10 +81,9 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
         if camera.several:
             message = "picks tracked from clicks are of one camera's video: give [camera] lens"
             raise project.section("camera").error("of_images", message)
-        name = section.text("tracked")
-        if (project.folder / name).exists() or not section.has("file"):
+        if not project.awaits_tracks():
             return read_tracked_picks(project, camera.read.lens.size_px)
-        tracked, not_yet = False, f"{name} is not there: {ONLY_CLICKS}"
+        tracked, not_yet = False, f"{section.text('tracked')} is not there: {ONLY_CLICKS}"
         require_clicks(project)
     file = project.open("picks", "tracked" if tracked else "file")
     rows = project.read("picks", file, PICK_FORMATS)
