@@ -404,6 +404,19 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     assert missing.status == 0 and "no photograph" in picture.read_text(encoding="utf-8")
 
 
+def test_stars_outside_of_what_a_lens_shows_are_drawn_without_the_lens(tmp_path: Path) -> None:
+    """A lens with k1 = -30 images nothing beyond 6 degrees, where its radius is the largest."""
+    file = tmp_path / "solved.json"
+    scale = ("--focal", "76", "--pitch-um", "5", "--size", "6000,5200")
+    assert vopd("stars", "solve", PIXELS, *scale, "-o", file).status == 0
+    rows = json.loads(file.read_text(encoding="utf-8"))
+    for k1, axis_x in ((-0.1, "x, px, to the right"), (-30.0, UNITS["px"][2])):
+        rows[0]["picture"]["k1"] = k1
+        file.write_text(json.dumps(rows), encoding="utf-8")
+        (axis,) = plot_stars([str(file)], None, None)[0].axes
+        assert axis.get_xlabel() == axis_x
+
+
 @pytest.mark.usefixtures("not_laid_out")
 def test_the_border_and_stars_outside(tmp_path: Path) -> None:
     """Rigel and Saiph were read below an image of the size that is stated: the border shows it."""

@@ -18,6 +18,7 @@ from vopd.arrays import Bools
 from vopd.attitude.residuals import equations_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
+from vopd.flight.misfits import blunders, misfit, mistakes
 from vopd.flight.misfits.blunders import WRONG, _together, find_blunders, gross_picks
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
@@ -129,6 +130,49 @@ def test_a_last_frame_of_a_check_landmark_alone_costs_no_other(
     truth = truth_deg()[:-1] % 360.0 - [0, 360, 0]
     assert np.abs(result.camera_deg[:-1] - truth).max() < within("angle of an example")
     assert any("tower" in said for said in messages(result)) == (wrong_m > 0.0)
+
+
+def test_what_else_is_tried_of_a_misfit_knows_whether_a_landmark_is_named(
+    flight: Flight, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another reading of the files is then named in its place only if it explains everything."""
+    named: list[bool] = []
+
+    def usual(_: object, __: object, one: bool) -> list[str]:
+        named.append(one)
+        return []
+
+    monkeypatch.setattr(mistakes, "usual_mistakes", usual)
+    nothing: Any = None
+    noise_px = np.random.default_rng(1).normal(0.0, 20.0, (len(flight.picks.frame), 2))
+    rough = replace(flight, picks=replace(flight.picks, pixel=flight.picks.pixel + noise_px))
+    two = moved(moved(flight, TOWER, (0.0, 3.0, 0.0)), MARKS.index("mast"), (5.0, -3.0, 0.0))
+    for one in (rough, two):
+        assert solve_flight_read(one, project=lambda: nothing).misfits
+    monkeypatch.setattr(misfit, "significant_errors", lambda *_: [])  # nothing but the landmark
+    assert solve_flight_read(two, project=lambda: nothing).misfits
+    assert named == [False, True, True]
+
+
+@pytest.mark.parametrize(
+    ("along", "right", "shift_m", "determined"),
+    [
+        (1.0, [-6.0, 0.0, 0.0], [6.0, 0.0, 0.0], True),  # standard deviations of 1 m
+        (1.0, [-4.9, 0.0, 0.0], [4.9, 0.0, 0.0], False),
+        (0.01, [-6.0, 0.0, -0.001], [6.0, 0.0, 0.1], False),  # 10 m along the line of sight
+        (1e-9, [-6e9, 0.0, -1.0], [6e9, 0.0, 0.0], False),  # seen along one line
+    ],
+)
+def test_a_shift_along_one_line_of_sight_is_not_told(
+    along: float, right: list[float], shift_m: list[float], determined: bool
+) -> None:
+    """Weights across are 1 a square metre; what is known a millionth as well is not known."""
+    sums: Any = object.__new__(blunders._Displacements)
+    sums.normal, sums.right = np.diag([1.0, 1.0, along])[None], np.array([right])
+    sums.frames = np.ones(1, np.int64)
+    assert_close("table value", sums.shift_m()[0] / max(shift_m), np.array(shift_m) / max(shift_m))
+    assert sums.is_determined().tolist() == [determined]
+    assert sums.gain()[1].tolist() == [2 if along < 1e-6 else 3]
 
 
 def test_three_picks_of_a_frame_stay(flight: Flight) -> None:

@@ -319,6 +319,13 @@ def test_pair_by_pair_and_all_at_once() -> None:
             np.testing.assert_array_equal(together[k], alone)
 
 
+def test_one_star_has_no_widest_pair() -> None:
+    field = sample_field()
+    assert np.isnan(closed_form(field.select(np.array([[0], [1]])))).all()
+    assert closed_form(field.select(np.array([[0], [1]]))).shape == (2, 3, 3)
+    assert np.isfinite(closed_form(field.select(np.array([[0, 1]])))).all()
+
+
 def test_disagreements_and_outliers_of_a_stack() -> None:
     field = problems()
     total, median = star_disagreement_arcsec(field)

@@ -11,7 +11,7 @@ import pytest
 
 from tests.approved.texts import refused
 from tests.tolerances import assert_close
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError
 from vopd.tracking import follow
 from vopd.tracking.journal import ROW, Journal
 from vopd.tracking.tracker import FOUND, Tracker
@@ -87,3 +87,18 @@ def test_a_frame_takes_the_nearest_patch_of_its_own_segment() -> None:
     assert Tracker._nearest(run, 5) == [near, other]
     run._segment = 1
     assert Tracker._nearest(run, 5)[0] is before
+
+
+def test_clicks_that_are_not_used_are_told_where_the_rest_cannot_be_solved(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What tracking goes on with may be in other frames than a solve needs."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise VopdError("no frame has two landmarks")
+
+    monkeypatch.setattr(follow, "solve_flight_read", refuse)
+    texts = ["no landmark x (2 picks)", "anything", "frame 9: none of these picks is used"]
+    findings = [Finding(text, "flight.toml", severity="warning") for text in texts]
+    footage: Any = SimpleNamespace(flight=SimpleNamespace(findings=findings), project=None)
+    assert follow._misfit_of_clicks(footage) == [findings[0], findings[2]]
