@@ -316,6 +316,18 @@ def test_shards_with_other_options_are_refused(tmp_path: Path) -> None:
     assert_approved(ran.stderr)
 
 
+def test_a_part_without_a_source_has_nothing_to_do(tmp_path: Path) -> None:
+    """Also of a complete batch, which it is not going to begin again."""
+    out = tmp_path / "out"
+    first = vopd("batch", CASE_1, "-d", out, "--shard", "2/2")
+    assert (first.status, first.stdout, out.exists()) == (0, "", False)
+    assert_approved(first.stderr)
+    assert vopd("batch", CASE_1, "-d", out, "--shard", "1/2").status == 0
+    before = contents(out)
+    assert vopd("batch", CASE_1, "-d", out, "--shard", "2/2").status == 0
+    assert contents(out) == before and "summary.jsonl" in before
+
+
 def test_strict(tmp_path: Path) -> None:
     assert vopd("batch", CASE_1, "-d", tmp_path / "one").status == 0
     assert vopd("batch", CASE_1, "-d", tmp_path / "two", "--strict").status == 3

@@ -252,6 +252,18 @@ def test_outputs_that_are_not_written_again_are_removed(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.lst", "other.csv"]
 
 
+@pytest.mark.parametrize("before", ["", "flagged"])
+@pytest.mark.parametrize("now", ["", "all"])
+def test_the_page_of_all_goes_with_the_pages(before: str, now: str, tmp_path: Path) -> None:
+    """One that no batch has written stays."""
+    page = tmp_path / "index.html"
+    page.write_text("")
+    earlier = replace(RECORD, options=replace(USUAL, report=before).options)
+    settings = replace(USUAL, folder=str(tmp_path), report=now)
+    remove_others(earlier, RECORD, settings)
+    assert page.exists() == (now == "all" or not before)
+
+
 # What earlier runs have left; the size of chunks
 
 ONE_FRAME = SourceRecord("a", "a.dat", SOLVED, "", "", __version__, "{}", frames=1)

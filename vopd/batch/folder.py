@@ -17,7 +17,14 @@ from typing import Any
 import numpy as np
 
 from vopd.attitude.flags import MEANING
-from vopd.batch.sources import PAGE, BatchSettings, BatchSource, file_sha256, input_sha256
+from vopd.batch.sources import (
+    BATCH_PAGE,
+    PAGE,
+    BatchSettings,
+    BatchSource,
+    file_sha256,
+    input_sha256,
+)
 from vopd.export import FORMATS
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError, count_text, one_line
@@ -431,10 +438,14 @@ def _still_holds(before: SourceRecord, digest: str, settings: BatchSettings) -> 
 def remove_others(
     before: SourceRecord | None, record: SourceRecord, settings: BatchSettings
 ) -> None:
-    """Remove outputs of an earlier run that this one has not written again."""
-    for name in before.outputs if before is not None else ():
+    """Remove outputs of an earlier run that this one has not written again, and its page of all."""
+    if before is None:
+        return
+    for name in before.outputs:
         if name not in record.outputs:
             (Path(settings.folder) / name).unlink(missing_ok=True)
+    if '"report"' in before.options and not settings.report:
+        (Path(settings.folder) / BATCH_PAGE).unlink(missing_ok=True)
 
 
 def write_output(settings: BatchSettings, name: str, content: bytes) -> None:
@@ -489,7 +500,7 @@ def write_summary(settings: BatchSettings, records: Sequence[SourceRecord]) -> N
     if parquet is not None:
         files["summary.parquet"] = parquet
     if settings.report:
-        files["index.html"] = _summary_page(records)
+        files[BATCH_PAGE] = _summary_page(records)
     for name, content in files.items():
         write_output(settings, name, content)
 

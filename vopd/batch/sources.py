@@ -203,7 +203,8 @@ def _within(path: str, folder: str) -> bool:
     return path == folder or path.startswith(os.path.join(folder, ""))  # noqa: PTH118
 
 
-OWN_FILES = ("summary.jsonl", "summary.parquet", "times.jsonl", "index.html")
+BATCH_PAGE = "index.html"
+OWN_FILES = ("summary.jsonl", "summary.parquet", "times.jsonl", BATCH_PAGE)
 """The files of a batch itself, in the output folder."""
 
 

@@ -165,6 +165,11 @@ def command(
     )
     plan = find_sources(sources, manifest, folder, settings.suffixes)
     mine = plan[number - 1 :: count]
+    if not mine:
+        if not options.quiet:
+            has = f"part {number} of {count} is empty: {count_text(len(plan), 'source')} in all"
+            click.echo(has, err=True)
+        return
     with place.begun(resume, settings.options) as earlier:
         progress = Progress(
             "sources", total=len(mine), stopped="the same command with --resume goes on"
