@@ -144,7 +144,8 @@ def test_a_step_flags_both_sides_of_it() -> None:
 
 
 def test_a_rate_of_nothing_is_refused() -> None:
-    for rate in (0.0, -1.0, float("nan")):
+    none: Any = (True, "5")  # nor are these numbers
+    for rate in (0.0, -1.0, float("nan"), *none):
         with refused(VopdError):
             run(film(1)).histories(max_rate_deg_s=rate)
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 from scipy.special import chdtri
@@ -19,6 +20,7 @@ from tests.kit.command import vopd as vopd_run
 from tests.kit.simulated_films import SPHERE_1974, WGS84, Earth, Errors, Plan, job_of, simulate
 from tests.tolerances import within
 from vopd.arrays import Floats
+from vopd.cli.adjust_deck import landmark_number
 from vopd.convert import feature_trials
 from vopd.convert.feature import (
     STEP,
@@ -286,6 +288,20 @@ def test_coordinates_of_a_position_and_back(earth: Earth, chosen: Fixes) -> None
     )[0]
     assert (np.abs(found - there) * FEET).max() < within("feature without noise")
     assert np.abs(place_m(found[None], chosen)[0] - position).max() < within("flight position")
+
+
+NAMES = (
+    (), ("landmarks",), ("focal",), ("landmark:13", "focal"), ("landmark:13", "landmark:14"),
+    ("landmark:",), ("landmark:mast",), ("landmark:\u0663",), ("landmark:1234567890",),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("names", NAMES)
+def test_of_a_deck_one_landmark_is_free_by_its_number(names: tuple[str, ...]) -> None:
+    with pytest.raises(click.UsageError) as error:
+        landmark_number(names)
+    assert_approved(error.value.message)
+    assert landmark_number(("landmark:123456789",)) == 123456789
 
 
 # What cannot be located

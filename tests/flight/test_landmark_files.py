@@ -281,6 +281,19 @@ def test_one_placemark_at_height_0_is_a_height() -> None:
     assert_approved(told(head + place.format("pier", 0) + place.format("mast", 0) + end))
 
 
+@pytest.mark.parametrize(
+    "place",
+    [
+        "<Point><coordinates>16.5,47.5,30</coordinates></Point>",
+        "<name> </name><Point><coordinates>16.5,47.5,30</coordinates></Point>",
+        "<name>a</name><Point></Point>",
+        "<name>a</name><Point><coordinates>16.5,97.5,30</coordinates></Point>",
+    ],
+)
+def test_a_placemark_without_a_name_or_a_place_is_refused(place: str) -> None:
+    assert_approved(told(f"<kml><Placemark>{place}</Placemark></kml>"))
+
+
 # Tables on a grid that counts in feet
 
 FEET, BOTH_FEET = "EPSG:2229", "EPSG:2229+6360"  # of California; with heights in feet

@@ -48,7 +48,7 @@ def landmark_number(names: Sequence[str]) -> int:
         click.UsageError: if they are not one landmark
     """
     marks = [name for name in names if name.startswith(PREFIX)]
-    if not names or len(marks) < len(names) or names == ["landmarks"]:
+    if not names or len(marks) < len(names):
         raise click.UsageError(
             "of a deck one landmark can be free, --free landmark:NUMBER; make a project of the "
             "deck for anything else (vopd new --deck)."
