@@ -39,6 +39,13 @@ def data(page: str = "p.html") -> dict[str, Any]:
     return dict(json.loads(found[1]))
 
 
+@pytest.mark.parametrize("at", ["", "3,", "x", "-1", "1.5", "\u0663", "1234567890"])
+def test_frames_that_are_asked_for_are_numbers(at: str) -> None:
+    ran = vopd("pick", "a.mp4", "-o", "p.html", f"--at={at}")
+    assert ran.status == 2 and not Path("p.html").exists()
+    assert_approved(ran.stderr.splitlines()[-1])
+
+
 def test_frames_of_a_video(tmp_path: Path) -> None:
     done = vopd("pick", "a.mp4", "-o", "p.html")
     assert (done.status, done.stdout) == (0, "")

@@ -17,7 +17,7 @@ from vopd.findings import VopdError
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import InputFile
-from vopd.flight.formats.landmarks import LANDMARK_FORMATS
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS, read_cirn
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.geometry.earth import earth_centred_m
 
@@ -373,6 +373,14 @@ def test_sides_of_patches() -> None:
 @pytest.mark.parametrize("side", ["6", "102", "9.5"])
 def test_sides_of_patches_that_are_refused(side: str) -> None:
     assert_approved(told(f"landmark,lat_deg,lon_deg,h_m,patch_px\na,1,2,3,\nb,1,2,3,{side}\n"))
+
+
+@pytest.mark.parametrize("row", ["2,3,4", "2,3,4,5,6", "2,3,inf,5", "2.5,3,4,5"])
+def test_a_row_of_cirn_is_a_number_and_a_place(row: str) -> None:
+    """A file of which the first row is one, and the second not."""
+    file = InputFile("gcp.txt", Path("nowhere"), f"1,2,3,4\n{row}\n", None, "EPSG:32633")
+    with refused(VopdError):
+        read_cirn(file)
 
 
 def test_rows_of_cirn_may_have_blank_lines_between() -> None:
