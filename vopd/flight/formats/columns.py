@@ -56,7 +56,7 @@ OF_ANGLE = re.compile(r"(^|_)(deg|degrees?)(_|$)")
 LEVEL = re.compile(
     r"(^|_)(baro|rel|relative|agl|asl|a?msl|above(_[a-z]+)*?(?=_(m|ft|feet)$|$))(?=_|$)"
 )
-"""Those of a height alone: what it is counted from, which the project says."""
+"""Words of the name of a height alone: what it is counted from, which the project says."""
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 COORDINATES = (*PLANE, *GEODETIC)
 DEGREES = ("lat_deg", "lon_deg")

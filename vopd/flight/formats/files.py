@@ -1,4 +1,4 @@
-"""Files of a flight project: their text, tables, and errors with file and line."""
+"""Files of a flight project: their text, and errors with file and line."""
 
 from __future__ import annotations
 
