@@ -280,12 +280,16 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
     """Suggest a word for a mistyped one: `; did you mean x?`, or the words that are known."""
     some = known[:MANY_WORDS]
     near = [one for one in some if _bare_word(one) == _bare_word(word)] or nearest_word(word, some)
-    more = f" and {len(known) - MANY_NAMED} more" if len(known) > MANY_NAMED else ""
-    several = ", ".join(known[:MANY_NAMED])
     if not near:
-        return f"; known are {several}{more}"
+        return f"; {several(known)}"
     unseen = near[0] != word and _seen(near[0]) == _seen(word)
     return f"; did you mean {near[0]}?" + " (they differ by characters that are not seen)" * unseen
+
+
+def several(known: Sequence[str]) -> str:
+    """List the words that are known: `known are x, y`, or the first of many."""
+    more = f" and {len(known) - MANY_NAMED} more" if len(known) > MANY_NAMED else ""
+    return f"known are {', '.join(known[:MANY_NAMED])}{more}"
 
 
 def nearest_word(word: str, known: Iterable[str]) -> list[str]:

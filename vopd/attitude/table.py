@@ -15,7 +15,7 @@ from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.sigmas import COMPONENTS
 from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import FrameEstimate, Units
-from vopd.findings import VopdError, nearest_word
+from vopd.findings import VopdError, nearest_word, several
 
 # Columns.
 
@@ -320,10 +320,11 @@ def _instead_of(name: str, every: Sequence[str]) -> str:
     word = name.lower().removeprefix("camera_").removesuffix("_deg")
     if word in OTHER_WORDS:
         return OTHER_WORDS[word]
-    within = [one for one in every if word in one.split("_")][:MOST_HINTED]
-    if near := nearest_word(name, every) or within:
-        return f"did you mean {' or '.join(near)}?"
-    return f"there are: {', '.join(every)}"
+    near = nearest_word(name, every)
+    parts = dict.fromkeys(part for one in every for part in one.split("_") if one[:4] != "half")
+    for part in (word, *nearest_word(word, parts)):
+        near = near or [one for one in every if part in one.split("_")][:MOST_HINTED]
+    return f"did you mean {' or '.join(near)}?" if near else several(every)
 
 
 def chosen_columns(
