@@ -287,17 +287,23 @@ def check_size(section: Section, own: tuple[int, int], size: tuple[int, int], wh
         raise section.error("file", message)
 
 
+OBLONG = 1.5  # fx_px by fy_px: pixels of 1440 x 1080 that are shown in 16:9 have 1.33
 SHORT = 0.1  # of the longer side: an image without the distortion of a fisheye is 157 degrees wide
 
 
 def doubts_of_lens(lens: Lens) -> Iterator[str]:
-    """Doubt a principal point at pixel 0, 0, and a focal length as short as one in millimetres."""
+    """Doubt a principal point at pixel 0, 0, oblong pixels, and a focal length in millimetres."""
     if (np.abs(lens.centre_px) <= 1.0).all():
         yield (
             "[camera] lens: the principal point {:g}, {:g} is in the corner of the image: was it "
             "set? Without cx_px and cy_px a table's is the image's middle"
         ).format(*lens.centre_px)
-    fx_px, side_px = float(lens.focal_px[0]), max(lens.size_px)
+    (fx_px, fy_px), side_px = lens.focal_px.tolist(), max(lens.size_px)
+    if max(fx_px, fy_px) > OBLONG * min(fx_px, fy_px):
+        yield (
+            f"[camera] lens: fx_px = {fx_px:g} and fy_px = {fy_px:g}: pixels of most cameras are "
+            "square; is one of the two something else? Numbers are FX,FY,CX,CY,K1,K2,P1,P2"
+        )
     if lens.kind is LensKind.BROWN and fx_px < SHORT * side_px:
         wide = np.rad2deg(2.0 * np.arctan(side_px / 2.0 / fx_px))
         yield (
