@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, replace
 from pathlib import Path
@@ -30,6 +31,7 @@ from vopd.batch.folder import (
     read_record,
     remove_others,
     unchanged,
+    write_summary,
 )
 from vopd.batch.solve import SolvedSource, write_source
 from vopd.batch.sources import (
@@ -262,6 +264,18 @@ def test_the_page_of_all_goes_with_the_pages(before: str, now: str, tmp_path: Pa
     settings = replace(USUAL, folder=str(tmp_path), report=now)
     remove_others(earlier, RECORD, settings)
     assert page.exists() == (now == "all" or not before)
+
+
+def test_parquet_of_an_earlier_run_does_not_contradict_this_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without pyarrow the table of an earlier run would stay beside the other files."""
+    (tmp_path / "summary.parquet").write_text("")
+    (tmp_path / "working").mkdir()
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    settings = replace(USUAL, folder=str(tmp_path), working=str(tmp_path / "working"))
+    write_summary(settings, [RECORD])
+    assert sorted(one.name for one in tmp_path.glob("*.*")) == ["summary.jsonl", "times.jsonl"]
 
 
 # What earlier runs have left; the size of chunks

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -364,15 +365,15 @@ def test_one_file_has_one_coordinate_system(others: tuple[str, str]) -> None:
 
 
 def test_an_images_txt_of_several_cameras() -> None:
-    """A number for each lens; the next source has its own, the next job of a source has not."""
+    """A number for each lens; another source or focal length has its own, another job has not."""
     two, other = level_flight(lens=np.array([1, 0])), ABOUT._replace(source="other.toml")
     text, said = text_of(
         "colmap", two, level_flight(job=2, about=ABOUT), level_flight(about=other),
-        level_flight(about=other, lens=np.array([0, 1])),
+        level_flight(about=other, lens=np.array([0, 1])), level_flight(focal_length=40.0),
     )  # fmt: skip
     rows = [line.split() for line in text.splitlines() if line and not line.startswith("#")]
-    assert [row[8] for row in rows] == ["2", "1", "1", "1", "3", "3", "3", "4"]
-    assert_approved([line for line in text.splitlines() if "# CAMERA_ID" in line], parts=["1 to 4"])
+    assert [row[8] for row in rows] == ["2", "1", "1", "1", "3", "3", "3", "4", "5", "5"]
+    assert_approved(re.findall("(?m)^# CAMERA_ID.*\n.*", text), parts=["1 to 5"])
     assert said == []
 
 

@@ -499,6 +499,8 @@ def write_summary(settings: BatchSettings, records: Sequence[SourceRecord]) -> N
     parquet = _parquet(records)
     if parquet is not None:
         files["summary.parquet"] = parquet
+    else:  # that of an earlier run would contradict the other files
+        (Path(settings.folder) / "summary.parquet").unlink(missing_ok=True)
     if settings.report:
         files[BATCH_PAGE] = _summary_page(records)
     for name, content in files.items():

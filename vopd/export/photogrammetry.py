@@ -158,13 +158,13 @@ HEAD_COLMAP = """\
 {cameras}# Number of images: {count}
 """
 CAMERAS = (
-    "# CAMERA_ID: 1 to {}, a number for each lens, source by source, in a source in the order in "
-    "which\n# the table that its [camera] of_images names has them first\n"
+    "# CAMERA_ID: 1 to {}, a number for each lens, source by source: in a deck each focal length,\n"
+    "# in a flight in the order in which the table that [camera] of_images names has them first\n"
 )
 
 
 def camera_numbers(found: Sequence[CameraPoses]) -> list[list[int]]:
-    """Number the cameras of jobs, from 1: a number for each lens of a source.
+    """Number the cameras of jobs, from 1: a number for each lens or focal length of a source.
 
     Args:
         found: the jobs, each with a frame or more
@@ -172,14 +172,14 @@ def camera_numbers(found: Sequence[CameraPoses]) -> list[list[int]]:
     Returns:
         Of each job the number of each frame's camera.
     """
-    source, first, most = "", 1, 0
+    first: dict[tuple[str, float], int] = {}
+    most = 0
     numbers = []
     for poses in found:
         e = poses.history.estimate
-        if e.about.source != source:
-            source, first = e.about.source, most + 1
+        own = first.setdefault((e.about.source, float(e.focal_length)), most + 1)
         which = np.zeros(len(poses.frames), np.int64) if e.lens is None else e.lens[poses.frames]
-        numbers.append((first + which).tolist())
+        numbers.append((own + which).tolist())
         most = max(most, *numbers[-1])
     return numbers
 
