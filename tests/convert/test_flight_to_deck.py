@@ -52,6 +52,7 @@ RADIAL = PLAIN.replace("fx_px = 1500.0", "fx_px = 1500.0, k = [-0.1, 0.02, 0, 0,
 TABLE = PLAIN.replace(
     '"brown", fx_px = 1500.0', '"radial-table", fx_px = 1500.0, table_px = [[500, 4.0], [1300, -3]]'
 )
+UNCERTAIN = TOML.replace('\nsigma_m = "exact"', "\nsigma_m = 3.0")
 TO_SIDE = PLAIN + "[vehicle]\nmount = { ypr_deg = [0, 0, 30] }\n"
 
 
@@ -66,7 +67,7 @@ def punched(folder: Path, toml: str, noise_px: float = 0.3) -> tuple[vopd.Flight
     return flight, vopd.run(vopd.read_deck(folder / "deck.dat"), fixes("all"))
 
 
-@pytest.mark.parametrize("toml", [PLAIN, RADIAL, TABLE, TO_SIDE, TOML])
+@pytest.mark.parametrize("toml", [PLAIN, RADIAL, TABLE, TO_SIDE, TOML, UNCERTAIN])
 def test_the_deck_has_the_angles_of_the_flight(tmp_path: Path, toml: str) -> None:
     flight, deck = punched(tmp_path, toml)
     assert deck.converged.all()
@@ -108,6 +109,13 @@ def test_the_deck_states_the_standard_deviation_of_a_pick(tmp_path: Path) -> Non
     _, deck = punched(tmp_path, PLAIN.replace('.csv"\npixel', '.csv"\nsigma_px = 0.7\npixel'))
     sigma_mm = deck.histories()[0].estimate.reading_spread
     assert abs(sigma_mm / (0.005 * 0.713816400205) - 0.7) < within("pick by readings")
+
+
+def test_without_a_stated_one_it_is_that_of_the_flight(tmp_path: Path) -> None:
+    """Picks are .1 px off: .3 px is the least that is believed."""
+    _, deck = punched(tmp_path, TOML, 0.1)
+    sigma_mm = deck.histories()[0].estimate.reading_spread
+    assert abs(sigma_mm / (0.005 * 0.713816400205) - 0.3) < within("pick by readings")
 
 
 def test_names_become_numbers_and_a_table_says_which(tmp_path: Path) -> None:

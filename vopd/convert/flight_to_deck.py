@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from vopd.flight.result import FlightResult
 from vopd.flight.solve.rotations import SolvedFlight, solve
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, Lenses, distort_radial_table, project, ray_of_pixel
+from vopd.geometry.linear import norm
 from vopd.geometry.rotations import FORWARD, partials_by_turns
 from vopd.job import Camera, Clock, Ignored, Job, Landmarks, Readings, Trajectory, Wind
 from vopd.program.constants import factor, ftpkm
@@ -44,7 +46,13 @@ def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
     if isinstance(flight.lens, Lenses):
         message = "[camera] of_images: the cards have one lens: write a project for each camera"
         raise VopdError(f"{flight.source}: {message}")
-    solved = solve(flight)
+    solved, picks = result.estimates.solved, flight.picks
+    places = places_note(solved)
+    if solved.landmark_m is not None:
+        flight = replace(flight, landmarks=replace(flight.landmarks, position_m=solved.landmark_m))
+    if not picks.stated and picks.clicks is None:  # the residuals tell what is more than this
+        least_px = float(np.fmax(picks.repeatability_px, picks.least_sigma_px))
+        flight = replace(flight, picks=picks.with_sigma(least_px))
     film = card_film(flight, solved)
     slots = FrameSlots.of(flight.picks.frame, len(flight.frame))
     used = estimate.used[slots.frame, slots.slot] | estimate.ignored[slots.frame, slots.slot]
@@ -68,7 +76,7 @@ def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
         readings=card_readings(flight, film, held, frames, frame, number),
         return_group=END,
     )
-    notes = [*film.notes, *time_note, *lost_on_cards(flight, result, held)]
+    notes = [*film.notes, *places, *time_note, *lost_on_cards(flight, result, held)]
     return job, [*frame_rows, *landmark_rows], notes
 
 
@@ -91,6 +99,25 @@ def roll_offset_deg(flight: Flight) -> float | None:
     if not turn[0, 0] > 1.0 - 1e-12:
         return None
     return 0.0 - float(np.degrees(np.arctan2(turn[2, 1], turn[1, 1])))
+
+
+NOTED_M = 0.01
+
+
+def places_note(solved: SolvedFlight) -> list[str]:
+    """Say how far places that were solved with the attitudes are from the stated ones."""
+    flight = solved.flight
+    pairs = [(solved.camera_m, solve(flight, ~solved.used).camera_m)]
+    if solved.landmark_m is not None:
+        seen = np.unique(flight.picks.landmark)
+        pairs.append((solved.landmark_m[seen], flight.landmarks.position_m[seen]))
+    apart = [np.nanmax(norm(one - stated), initial=0.0) for one, stated in pairs]
+    if max(apart) < NOTED_M:
+        return []
+    return [
+        f"landmarks and positions are where the flight's solve has them, up to {max(apart):.2g} m "
+        "from where they are stated, so that the deck has its angles"
+    ]
 
 
 def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
@@ -233,6 +260,7 @@ def _moved_px(flight: Flight, solved: SolvedFlight, ideal: Floats) -> float:
     ]
     apparent, straight = (one[:, :2] / one[:, 2:] for one in raised)
     off = ray[:, :2] / ray[:, 2:] - (apparent - straight) - ideal
+    off = off[solved.used | ~flight.landmarks.takes_part[picks.landmark]]
     return float(np.nanmax(np.hypot(*off.T), initial=0.0) * lens.focal_px.mean())
 
 
