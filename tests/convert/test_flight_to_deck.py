@@ -16,6 +16,7 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import (
     LENS,
+    MARK,
     MARKS,
     TOML,
     local_to_camera,
@@ -39,7 +40,7 @@ from vopd.convert.flight_to_deck import (
 from vopd.errata import fixes
 from vopd.findings import VopdError
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.flight import Flight, FlightOptions, Refraction
+from vopd.flight.flight import Clicks, Flight, FlightOptions, Refraction
 from vopd.flight.result import FlightResult
 from vopd.flight.solve.rotations import SolvedFlight, solve
 from vopd.geometry.earth import geodetic
@@ -380,6 +381,21 @@ def test_every_record_of_the_job(punched_job: Punched) -> None:
     velocity = np.tile(np.array([20.0, 5.0, -2.0]) * FT, (2, 1))
     assert_close("motion on cards", job.trajectory.velocity_ft_s, velocity)
     assert_close("motion on cards", job.wind.velocity_ft_s, np.tile([3.0, -1.0], (2, 1)) * FT)
+
+
+def test_errors_of_clicks_count_among_those_of_the_readings() -> None:
+    """Each match has .4 px, and the .3 px of its click: .5 px, and so 3 ** .5 * .5 px apart."""
+    flight = three_frames()
+    count = len(flight.picks.frame)
+    clicks = Clicks(
+        np.zeros(MARK, int), np.arange(MARK), np.full(MARK, 0.3), np.arange(count),
+        flight.picks.landmark, np.zeros((count, 2)), np.tile(np.eye(2), (count, 1, 1)),
+        np.full(count, 0.4), np.zeros(0, int),
+    )  # fmt: skip
+    picks = replace(flight.picks, sigma_px=np.full(count, 0.4), one_sigma_px=0.4, clicks=clicks)
+    readings = flight_job(result(replace(flight, picks=picks)))[0].readings.landmark_in
+    apart_px = (readings[:, :, 1] - readings[:, :, 0]) / 0.005
+    assert np.abs(apart_px - 3**0.5 * 0.5).max() < within("pick by readings")
 
 
 def test_numbers_of_frames_and_then_of_landmarks(punched_job: Punched) -> None:

@@ -53,6 +53,8 @@ def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
     if not picks.stated and picks.clicks is None:  # the residuals tell what is more than this
         least_px = float(np.fmax(picks.repeatability_px, picks.least_sigma_px))
         flight = replace(flight, picks=picks.with_sigma(least_px))
+    elif picks.clicks is not None:
+        flight = replace(flight, picks=picks.with_clicks_as_own)
     film = card_film(flight, solved)
     slots = FrameSlots.of(flight.picks.frame, len(flight.frame))
     used = estimate.used[slots.frame, slots.slot] | estimate.ignored[slots.frame, slots.slot]
