@@ -265,6 +265,7 @@ TOLERANCES = {
     "lens by table": Tolerance("px", 0.1, "a line between rows 45 px apart: h2 / 8 of .0003 / px"),
     "pick by readings": Tolerance("px", 2e-3, "readings of 5E-6 in., a pixel is .005 in"),
     "published third decimal": Tolerance("deg", 6e-4, "half of the last of three decimals"),
+    "four figures of a field": Tolerance("deg", 6e-3, "half of the last of 47.69 degrees"),
     "four decimals": Tolerance("1", 6e-5, "half of the last of four published decimals"),
     "unit rotation": Tolerance("1", 1e-12, "elements of a rotation by angles and back"),
     "convergence of a sphere": Tolerance("deg", 1e-3, "a sphere's for the ellipsoid's, e2 / 4"),

@@ -672,3 +672,53 @@ def test_a_star_counts_as_long_as_one_of_its_coordinates_does() -> None:
     one: Any = SimpleNamespace(stars=[1, 2, 3], residuals=np.zeros((3, 2)), weights=weights)
     file: Any = SimpleNamespace(unit="mm", names=["", "", ""])
     assert_approved([_residuals(one, file, robust=robust) for robust in (True, False)])
+
+
+# Where a turn ends, and a pole
+
+
+CROSS = "x_mm,y_mm,ra_deg,dec_deg\n" + (
+    "-6.64914,0,4.999999,0\n6.64914,0,354.999999,0\n0,6.64914,359.999999,5\n"
+    "0,-6.64914,359.999999,-5\n"
+)
+"""About right ascension -1E-6 and declination 0: 76 mm tan(5 deg) from the principal point."""
+
+
+def rows(text: str, *options: str) -> dict[str, list[str]]:
+    """The first lines of text: a name of two words or one, and its cells."""
+    ran = vopd("stars", "solve", "-", *options, "--reading-sigma", ".01", stdin=text)
+    assert ran.status == 0, ran.stderr
+    lines = [line.split() for line in ran.stdout.splitlines()[1:6]]
+    return {line[0]: line[1 + (line[0] in ("right", "position")) :] for line in lines}
+
+
+def test_a_right_ascension_that_rounds_to_a_whole_turn_is_0() -> None:
+    found = rows(CROSS, "--focal", "76")
+    assert float(found["right"][0]) == 0.0 and found["right"][-1].startswith("0h00m00")
+    assert float(found["declination"][0]) == 0.0 and found["declination"][-1].startswith("0°00'00")
+
+
+def test_about_a_pole_a_right_ascension_may_be_all_around() -> None:
+    """Stars 5 degrees from the middle of a 76 mm photograph, which is .00001 from the pole."""
+    pole = "x_mm,y_mm,ra_deg,dec_deg\n" + (
+        "-6.64914,0,90,85\n6.64914,0,270,85\n0,6.64914,180,85.00001\n0,-6.64914,0,84.99999\n"
+    )
+    found = rows(pole, "--focal", "76")
+    assert float(found["right"][2]) == float(found["position"][2]) == 180.0
+    assert float(found["declination"][0]) > 89.9
+
+
+def test_the_field_of_an_image_is_that_beside_its_principal_point() -> None:
+    """Columns -.5 to 999.5 about 99.5, and rows -.5 to 399.5 about 299.5, at 1000 px."""
+    text = "x_px,y_px,ra_deg,dec_deg\n" + "".join(
+        f"{99.5 - x},{299.5 - y},{ra},{dec}\n"
+        for x, y, ra, dec in (
+            (-87.48866, 0, 355, 0), (0, 87.48866, 0, 5), (0, -87.48866, 0, -5),
+            (87.48866, 0, 5, 0),
+        )
+    )  # fmt: skip
+    found = rows(text, "--focal-px=1000", "--centre=99.5,299.5", "--size=1000,400")
+    wide = degrees(np.arctan(0.1) + np.arctan(0.9))
+    high = degrees(np.arctan(0.3) + np.arctan(0.1))
+    assert abs(float(found["field"][0]) - wide) < within("four figures of a field")
+    assert abs(float(found["field"][2]) - high) < within("four figures of a field")

@@ -296,6 +296,18 @@ RENAMED = {  # a header: its columns, and what is said
         "x_mm,y_mm,ra_deg,dec_deg",
         "ra read as ra_deg; if ra is hours, name it ra_hours",
     ),
+    "x_mm,y_mm,_raj2000,_dej2000,raj2000,dej2000": (
+        "x_mm,y_mm,_raj2000,_dej2000,ra_deg,dec_deg",
+        "raj2000, dej2000 read as ra_deg, dec_deg",
+    ),
+    "ra_icrs,de_icrs,x_mm,y_mm": (
+        "ra_deg,dec_deg,x_mm,y_mm",
+        "ra_icrs, de_icrs read as ra_deg, dec_deg",
+    ),
+    "x_mm,y_mm,ra_deg,dec_deg,raj2000,dej2000": (
+        "x_mm,y_mm,ra_deg,dec_deg,raj2000,dej2000",
+        "",
+    ),
     "x_mm,y_mm,u,v,w,ra,dec": ("x_mm,y_mm,u,v,w,ra,dec", ""),
     "id,xcentroid,ycentroid,mag": ("id,x_px,y_px,mag", "xcentroid, ycentroid read as x_px, y_px"),
     "x_px,y_px,name,x,y,dec": ("x_px,y_px,name,x,y,dec", ""),
@@ -311,13 +323,19 @@ def test_other_names_of_columns(header: str) -> None:
 
 @pytest.mark.parametrize(
     ("cell", "name"), [("5:12:3.4", "ra_hours"), ("05 12 3", "ra_hours"), ("78.1", "ra_deg"),
-                       ("5h12m3s", "ra_deg")],
+                       ("5h12m3s", "ra_deg"), ("+5 12 3", "ra_hours")],
 )  # fmt: skip
 def test_a_right_ascension_of_no_unit(cell: str, name: str) -> None:
     """Catalogues write hours, minutes and seconds; `h` says so itself."""
     header = ("ra", "dec", "x_px", "y_px")
     found = read_columns(header, images_only=False, first=[cell, "1", "2", "3"])
     assert found.names[0] == name
+
+
+def test_a_right_ascension_of_vizier_may_be_hours() -> None:
+    header = ("x_px", "raj2000", "y_px", "dej2000")
+    found = read_columns(header, images_only=False, first=["1", "05 12 3", "2", "-08 12 6"])
+    assert found.names == ("x_px", "ra_hours", "y_px", "dec_deg")
 
 
 @pytest.mark.parametrize(("cell", "name"), [("Rigel", "name"), ("HIP 1", "name"), ("1", "star")])

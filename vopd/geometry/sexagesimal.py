@@ -67,12 +67,12 @@ def format_dms(angle_deg: float, decimals: int = 2) -> str:
         decimals: of the seconds
 
     Returns:
-        The text; the sign is kept for angles between -1 and 0.
+        The text; the sign is kept for angles between -1 and 0, but not before a zero.
     """
     unit = 10**decimals
     ticks = round(abs(angle_deg) * 3600 * unit)
+    sign = "-" if angle_deg < 0 < ticks else ""
     whole, rest = divmod(ticks, 3600 * unit)
     minutes, ticks = divmod(rest, 60 * unit)
-    sign = "-" if angle_deg < 0 else ""
     width = 3 + decimals if decimals else 2
     return f"{sign}{whole}°{minutes:02d}'{ticks / unit:0{width}.{decimals}f}\""

@@ -414,7 +414,7 @@ def body_to_ned(matrix: Floats, local: Floats, mount: Floats) -> Floats:
 
 def _equatorial(axis: Floats, suffix: str) -> dict[str, float]:
     ra, dec = right_ascension_declination_deg(axis)
-    degrees = float(ra) % 360.0
+    degrees = float(ra) % 360.0 % 360.0  # of -1e-17 the first is 360
     return {
         f"ra{suffix}_deg": degrees,
         f"ra{suffix}_hours": degrees / 15.0,

@@ -61,7 +61,13 @@ SYNONYMS = {
 }
 """Other names of columns that may stand where no column says otherwise; it is said which do."""
 
-SEXAGESIMAL = re.compile(r"\s*\d+(:|\s+)\d")
+OF_CATALOGUES = {
+    "ra": ("raj2000", "ra_icrs", "raicrs", "_raj2000", "_ra.icrs"),
+    "dec": ("dej2000", "decj2000", "de_icrs", "deicrs", "_dej2000", "_de.icrs"),
+}
+"""How catalogues of VizieR name the columns `ra` and `dec`."""
+
+SEXAGESIMAL = re.compile(r"\s*\+?\d+(:|\s+)\d")
 """A right ascension as catalogues write it, 5:12:3 or 5 12 3, which is hours."""
 
 WORDS = ("name", "image", "utc")
@@ -165,6 +171,10 @@ def _renamed(names: tuple[str, ...], first: Sequence[str]) -> tuple[str, ...]:
     `x` and `y` are pixels unless a column in mm or a `z` stands beside them; `ra` and `dec` are
     of no account beside positions of another kind.
     """
+    for name, others in OF_CATALOGUES.items():
+        there = [other for other in others if other in names]
+        if there and not any(one in names for one in (name, f"{name}_deg", f"{name}_hours")):
+            names = tuple(name if one == there[0] else one for one in names)
     pairs = zip(SYNONYMS["x_px"], SYNONYMS["y_px"], strict=True)
     images = any({*pair} <= {*names} for pair in pairs) and "z" not in names
     images = images and not any(name.endswith("_mm") or name in ("x_px", "y_px") for name in names)

@@ -11,6 +11,7 @@ from scipy.special import stdtrit
 from vopd.findings import count_text
 from vopd.geometry.sexagesimal import format_dms
 from vopd.screen import aligned
+from vopd.stellar.files.images import in_file_coordinates
 from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
@@ -59,12 +60,15 @@ def as_text(
     return "\n".join(pages)
 
 
+WHOLE_TURN = 360.0  # degrees
 HALF_WIDTHS = "+- is half of the 95 % interval"
 ARCSEC = math.degrees(1.0) * 3600.0
 
 
 def half_widths(sigmas_deg: Sequence[float] | None, freedom: float | None) -> list[float | None]:
     """Halve the 95 % intervals of right ascension, declination and position angle, degrees.
+
+    Near a pole that of a right ascension may be all around, 180.
 
     Args:
         sigmas_deg: the standard deviations of these three; None: they are not known
@@ -73,7 +77,7 @@ def half_widths(sigmas_deg: Sequence[float] | None, freedom: float | None) -> li
     if sigmas_deg is None:
         return [None] * 3
     student = float(stdtrit(math.inf if freedom is None else freedom, 0.975))
-    return [student * sigma for sigma in sigmas_deg]
+    return [min(student * sigma, WHOLE_TURN / 2.0) for sigma in sigmas_deg]
 
 
 def _half_widths(one: SolvedStars) -> list[float | None]:
@@ -89,12 +93,16 @@ def with_half(value: float, half: float | None) -> list[str]:
     """Write an angle and half of its interval to two digits of that; empty where it is unknown."""
     decimals = _decimals(half)
     value = round(value, decimals) + 0.0  # no -0
+    value = 0.0 if value == WHOLE_TURN else value
     return [f"{value:.{decimals}f}", "" if half is None else f"{half:.{decimals}f}"]
 
 
 def hours_text(ra_deg: float, decimals: int) -> str:
     """Write a right ascension as hours, minutes and seconds."""
-    text = format_dms(ra_deg / 15.0, decimals)
+    hours = ra_deg / 15.0
+    if round(hours * 3600.0, decimals) >= 86400.0:
+        hours = 0.0
+    text = format_dms(hours, decimals)
     for mark, letter in zip("°'\"", "hms", strict=True):
         text = text.replace(mark, letter)
     return text
@@ -129,6 +137,10 @@ def _answer(photograph: SolvedPhotograph, one: SolvedStars, size_px: Sequence[fl
     what = "of the stars"
     if size_px is not None and unit == "px":
         ends, what = np.outer([-0.5, 0.5], size_px), "of the image"
+        if photograph.axes is not None:  # the principal point may lie off the middle
+            file = photograph.file
+            point = in_file_coordinates(np.zeros(2), file, photograph.axes)
+            ends += np.asarray(size_px) / 2.0 + file.pixels.first_centre - 0.5 - point
     wide, high = np.degrees(np.ptp(np.arctan(ends / focal), axis=0)).tolist()
     rows.append(["field", f"{wide:.4g} x {high:.4g}", "", "deg", what])
     known = [f"; {HALF_WIDTHS}"] if halves[0] is not None else []
