@@ -22,6 +22,7 @@ from tests.kit.flight_project import (
     uneven_flight,
     write_project,
 )
+from tests.kit.joint_flights import drone, flight_of
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight import result as result_module
@@ -29,6 +30,7 @@ from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Picks, Re
 from vopd.flight.misfits.blunders import Blunders
 from vopd.flight.misfits.unsolved import require_two_landmarks
 from vopd.flight.result import freed_beside_blunders, solve_flight, solve_flight_read
+from vopd.flight.solve.equations import Priors
 from vopd.flight.solve.rotations import FlightBlocks
 
 
@@ -290,3 +292,19 @@ def test_what_named_picks_did_to_free_parameters_is_said(apart: bool) -> None:
     assert_approved(said)
     for fixed in (replace(flight.options, free=()), replace(flight.options, drop_blunders=True)):
         assert freed_beside_blunders(replace(flight, options=fixed), found, pick) == []
+
+
+@pytest.mark.parametrize("drop", [True, False])
+@pytest.mark.parametrize("seed", [30, 57])
+def test_a_wild_pick_of_the_only_frame_costs_no_flight(seed: int, drop: bool) -> None:
+    """With it the free parameters have no solution; without it four landmarks are three."""
+    rng, speed_m_s = np.random.default_rng(seed), (3.0, 4.0, 0.5)
+    exact = Priors(None, np.zeros((4, 3)))
+    flight = flight_of(rng, drone(rng, 1, 4), 1.0, exact, velocity_m_s=speed_m_s)
+    pixel = flight.picks.pixel + np.array([[0.0, 0.0]] * 3 + [[4000.0, 1000.0]])
+    options = replace(flight.options, free=("clock", "focal"), drop_blunders=drop)
+    solved = solve_flight_read(
+        replace(flight, picks=replace(flight.picks, pixel=pixel), options=options)
+    )
+    assert solved.estimates.solved.attitudes.converged.all()
+    assert_approved([str(one) for one in solved.findings if "P3 does" in str(one)])

@@ -91,6 +91,15 @@ def test_three_landmarks_below_may_have_a_second_position(seed: int, expected: l
     assert named == expected
 
 
+@pytest.mark.parametrize("clock", [np.inf, 5.0])
+def test_a_position_that_a_clock_moves_has_no_second_one(clock: float) -> None:
+    """One frame of three landmarks, exact fixes: it can only be on the line of the flight."""
+    rng, priors = np.random.default_rng(10), Priors(None, None, {"clock": clock})
+    scene, speed_m_s = drone(rng, 1, 3, tilt_deg=3.0), (3.0, 4.0, 0.5)
+    solution = solve_jointly(flight_of(rng, scene, 1.0, priors, velocity_m_s=speed_m_s), priors)
+    assert np.isnan(other_solutions_deg(solution)).all()
+
+
 def test_positions_that_frames_share_or_that_are_known_well_are_not_searched() -> None:
     rng = np.random.default_rng(10)
     scene = drone(rng, 2, 3, tilt_deg=3.0)

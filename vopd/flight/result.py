@@ -348,7 +348,10 @@ def solve_flight_read(
         few = (found.pick | swapped).sum() <= FEW * len(found.pick)
         apart = (found.pick | swapped) & few
     if without is None or not np.array_equal(apart, found.left_out | swapped):
-        without = settled(flight, apart, search.estimates.joint)
+        try:
+            without = settled(flight, apart, search.estimates.joint)
+        except VopdError:  # too little is left: they are named, and take part
+            without, apart = search.estimates, gross | swapped
     dropped = flight.options.drop_blunders
     estimates = without if dropped else with_named_picks(flight, without, search.estimates)
     more = least_held(without.joint)

@@ -21,6 +21,7 @@ from vopd.flight.solve.joint import (
 from vopd.flight.solve.normal import Factored, Normal
 from vopd.flight.solve.rotations import LOSSES, FlightBlocks, SolvedFlight
 from vopd.geometry.earth import axes_at, geodetic
+from vopd.geometry.linear import pseudo_inverse
 
 ROUNDING = 1e-12  # of the largest variance of a position: less is exact
 
@@ -47,6 +48,7 @@ FAR = 0.05  # standard deviation of a position over the distance of the landmark
 STARTS = 2.0 * np.concatenate([np.eye(3), -np.eye(3)])
 """Prior standard deviations east, north, up from where another solution is looked for."""
 
+ON_A_LINE = 0.999  # correlation of two coordinates: a clock moves positions along the flight alone
 AS_WELL = 6.0  # by which the cost of picks and priors may be larger: 20 to 1
 APART = 3.0  # standard deviations between positions of different solutions
 
@@ -71,7 +73,7 @@ def other_solutions_deg(solution: JointSolution) -> Floats:
     lens = with_parameters(flight.lens, model.names, solution.state.parameter)
     part = FlightBlocks(replace(flight, landmarks=marks, lens=lens)).part(frames)
     used = np.isin(part.picks, model.pick)
-    covariance_m2 = solution.covariance.place_m2[frames]
+    by_covariance = pseudo_inverse(solution.covariance.place_m2[frames])
     sigma = np.sqrt(np.einsum("fii->fi", solution.covariance.place_prior_m2))[frames]
     own = Priors(TrackFixes(np.arange(len(frames)), np.ones((len(frames), 1)), sigma))
     path = part.flight.path
@@ -85,7 +87,7 @@ def other_solutions_deg(solution: JointSolution) -> Floats:
         begin = best.state._replace(rotation=first.rotation, fix_m=start * sigma)
         one = solve_jointly(part.flight, own, used, start=begin)
         gap = (one.state.fix_m - best.state.fix_m)[..., None]
-        apart = (gap * np.linalg.solve(covariance_m2, gap)).sum(axis=(1, 2)) > APART**2
+        apart = (gap * (by_covariance @ gap)).sum(axis=(1, 2)) > APART**2
         more = one.normal.frame_cost - best.normal.frame_cost
         good = one.solved.attitudes.converged & apart & (more < least)
         between = one.state.rotation @ best.state.rotation.swapaxes(1, 2)
@@ -97,7 +99,7 @@ def other_solutions_deg(solution: JointSolution) -> Floats:
 
 
 def _doubtful(solution: JointSolution) -> Bools:
-    """Mark the frames that may have another solution, (F,)."""
+    """Mark the frames that may have another solution, at a position of their own, (F,)."""
     model, fixes = solution.model, solution.model.priors.fixes
     path, picks = model.flight.path, model.flight.picks
     known = np.isfinite(solution.solved.attitudes.rotation[:, 0, 0])
@@ -110,8 +112,13 @@ def _doubtful(solution: JointSolution) -> Bools:
     away_m = model.flight.landmarks.position_m[landmark] - path.position_m[frame]
     count = np.bincount(frame, minlength=model.frames)
     total_m = np.bincount(frame, np.linalg.norm(away_m, axis=1), model.frames)
-    sigma_m = np.sqrt(np.einsum("fii->fi", solution.covariance.place_prior_m2).max(axis=1))
-    return np.asarray(known & (count == FEW) & (sigma_m * count > FAR * total_m))
+    prior_m2 = solution.covariance.place_prior_m2
+    sigma_m = np.sqrt(np.einsum("fii->fi", prior_m2))
+    scale = 1.0 / np.where(sigma_m > 0.0, sigma_m, 1.0)
+    between = np.abs(prior_m2 * scale[:, :, None] * scale[:, None, :])
+    on_a_line = (between[:, [0, 0, 1], [1, 2, 2]] > ON_A_LINE).any(axis=1)
+    unsure = sigma_m.max(axis=1) * count > FAR * total_m
+    return np.asarray(known & ~on_a_line & (count == FEW) & unsure)
 
 
 # Free parameters: held by the picks, or not
