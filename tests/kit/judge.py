@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from tests.kit.command import Ran, vopd
 
-OUTPUTS = ("-o", "--output", "--tape10", "--truth")
+OUTPUTS = ("-o", "--output", "--tape10", "--truth", "--numbers", "--figure")
 TO_FILES = ("-o", "listing", "--tape10", "tape")
 STATUSES = (0, 1, 2, 3)
 FLIGHT_TABLE = ("--format", "csv", "-o", "table")
@@ -183,6 +183,7 @@ def flight_commands(flight: str) -> list[list[str]]:
         ["check", flight],
         ["attitude", flight, *FLIGHT_TABLE],
         ["attitude", flight, "--format", "jsonl", "--strict", "-o", "lines"],
+        ["adjust", flight, "--test"],
     ]
 
 

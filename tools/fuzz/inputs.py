@@ -9,6 +9,7 @@ from pathlib import Path
 from random import Random
 from typing import NamedTuple
 
+from drawn import drawn_project
 from flights import damaged_project, long_project, random_project
 from mutations import mutate
 from options import (
@@ -25,7 +26,10 @@ from tests.kit.command import vopd
 from tests.kit.judge import deck_commands, flight_commands, star_commands
 
 DECKS = Path(__file__).parents[2] / "decks"
-SUBJECTS = {"deck": 400, "flight": 300, "stars": 150, "listing": 50, "options": 90, "large": 10}
+SUBJECTS = {
+    "deck": 350, "flight": 250, "drawn": 100, "stars": 150, "listing": 50, "options": 90,
+    "large": 10,
+}  # fmt: skip
 """How often each is drawn, of a thousand."""
 
 
@@ -68,6 +72,8 @@ def make_trial(seed: int, number: int, known: KnownInputs) -> Trial:
         return deck_trial({"deck.dat": deck}, random)
     if subject == "flight":
         return flight_trial(damaged_project(random), random)
+    if subject == "drawn":
+        return flight_trial(drawn_project(random), random)
     if subject == "stars":
         return star_trial(mutate(random.choice(known.stars), known.stars, random), random)
     if subject == "listing":

@@ -46,7 +46,10 @@ OUTPUTS = {  # names of output files whose suffix says the format
 }
 DECK_COMMANDS = {"attitude": 8, "run": 6, "check": 3, "cards": 2, "plot": 1, "report": 1}
 """How often each is drawn; pictures seldom, because they take seconds."""
-FLIGHT_COMMANDS = {"attitude": 24, "check": 8, "plot": 2, "report": 2, "run": 1, "cards": 1}
+FLIGHT_COMMANDS = {
+    "attitude": 24, "check": 8, "adjust": 8, "punch": 4, "plot": 2, "report": 2, "run": 1,
+    "cards": 1,
+}  # fmt: skip
 WORDS = ["-", "--", "-o", "-x", "--no-such", "--help", "--format", "=", "", ".", "no-such", "ééé"]
 
 

@@ -107,6 +107,8 @@ def tested_flight(result: FlightResult) -> TestedFlight:
             except VopdError:  # without what is named too little is left
                 break
         assert estimates.joint is not None and estimates.reading is not None
+        if not len(estimates.joint.model.pick):
+            break
         named = [_as_time(one, estimates.joint) for one in named]
         tests = leave_out(estimates.joint, estimates.reading, out)
         more = _significant(tests, named, estimates)

@@ -220,7 +220,10 @@ def _fits(tests: LeftOut, k: int) -> str:
 
 
 def _degrees(value: float) -> str:
-    return "" if not np.isfinite(value) else f"{value:.2g}" if value < 1e4 else f"{value:.0f}"
+    """Write the size of a turn, which beyond half a circle says nothing."""
+    if not value <= 180.0:
+        return "over 180" if np.isfinite(value) else ""
+    return f"{value:.2g}" if value < 100.0 else f"{value:.0f}"
 
 
 HEAD = (

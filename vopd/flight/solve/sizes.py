@@ -149,6 +149,7 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     if not freedom > 0.0:
         return 1.0, 1.0
     cost = float(cost_of_frames(solution)[count].sum()) - _by_stated(solution, count)
+    cost = max(cost, 0.0)  # by stated errors in a straight line: too much where no step settled
     return float(np.sqrt(cost / freedom)), float(chdtrc(freedom, cost))
 
 
