@@ -11,6 +11,7 @@ import click
 
 import vopd
 from vopd.cli.console import ReaderGone, at_the_boundary
+from vopd.cli.options import GroupOfCommands
 from vopd.findings import nearest_word
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ COMMANDS = {name: text for group in GROUPS.values() for name, text in group.item
 """All commands; the code of each is in the module of the same name."""
 
 
-class Commands(click.Group):
+class Commands(GroupOfCommands):
     """The commands of `vopd`, each imported when it is called, behind one error boundary."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:

@@ -54,6 +54,39 @@ class WholeRange(_Plain, click.IntRange):
 NUMBER, WHOLE = _Number(), _Whole()
 
 
+# Options that are given once
+
+
+class GroupOfCommands(click.Group):
+    """Commands whose options are given once, unless they are repeatable: click takes the last."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name, command, rest = super().resolve_command(ctx, args)
+        if command is not None and not ctx.resilient_parsing:
+            _refuse_twice(click.Context(command, parent=ctx, info_name=name), rest)
+        return name, command, rest
+
+
+def _refuse_twice(ctx: click.Context, args: list[str]) -> None:
+    """Refuse an option that is given twice; a flag may be, where it has no opposite."""
+    try:
+        _, _, order = ctx.command.make_parser(ctx).parse_args([*args])
+    except click.UsageError:  # which the command says itself
+        return
+    given = [
+        one
+        for one in order
+        if isinstance(one, click.Option)
+        and not (one.multiple or one.count or (one.is_flag and not one.secondary_opts))
+    ]
+    for k, option in enumerate(given):
+        if option in given[:k]:
+            names = "/".join([max(option.opts, key=len), *option.secondary_opts])
+            raise click.UsageError(f"{names} is given twice: write it once.", ctx)
+
+
 # The options that several commands share, each with one meaning everywhere.
 
 AnyCommand = Callable[..., Any]

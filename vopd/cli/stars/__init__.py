@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
+from vopd.cli.options import GroupOfCommands
 from vopd.cli.stars.radec import radec
 from vopd.cli.stars.solve import solve
 from vopd.cli.stars.tables import tables
 
 
-@click.group("stars")
+@click.group("stars", cls=GroupOfCommands)
 def command() -> None:
     """Orientation of a camera whose position is known, by stars or ground points.
 
