@@ -29,6 +29,7 @@ from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import TableArrays, table
 from vopd.attitude.uncertainty import block_reading_sigma
+from vopd.attitude.vertical import with_vertical
 from vopd.estimate import Block, Estimate, StatedSigmas
 from vopd.findings import VopdError
 from vopd.landmark_layout import AT_ONCE, TOGETHER, LandmarkLayout
@@ -41,6 +42,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "max_rate_deg_s": RATE,
     },
     "estimated": {"sigmas": Sigmas(landmark=0.2, wind=1.0)},
+    "other vertical": {"sigmas": Sigmas(reading=0.25), "vertical": "geocentric"},
 }
 
 
@@ -82,7 +84,9 @@ WAYS: dict[str, Callable[..., History]] = {
 @cache
 def alone(options: str) -> tuple[History, TableArrays]:
     """The history by itself, and its table."""
-    one = history(job(), **OPTIONS[options])
+    given = HistoryOptions(**OPTIONS[options])
+    turned = with_vertical(job(), given.vertical)
+    one = history(turned, sigmas=given.sigmas, max_rate_deg_s=given.max_rate_deg_s)
     return one, table([one])
 
 
@@ -117,7 +121,7 @@ def test_every_way_takes_every_option(way: str, options: str) -> None:
 
 @pytest.mark.parametrize(
     ("options", "together", "at_once"),
-    [("estimated", 1000, 12), ("given", 15, 1000), ("given", 25, 8)],
+    [("estimated", 1000, 12), ("given", 15, 1000), ("given", 25, 8), ("other vertical", 15, 1000)],
 )
 def test_parts_of_a_long_job_are_those_of_the_whole(
     options: str, together: int, at_once: int, monkeypatch: pytest.MonkeyPatch
@@ -128,8 +132,8 @@ def test_parts_of_a_long_job_are_those_of_the_whole(
     given, e = OPTIONS[options], job()
     layout = LandmarkLayout(np.full(9, 4))
     parts = history_of_long_job(layout, e.take, HistoryOptions(**given))
-    assert parts.frames == 9 and parts.about == e.about
-    _, expected = alone(options)
+    plain, expected = alone(options)
+    assert parts.frames == 9 and parts.about == plain.estimate.about
     made = [*parts]
     if together == 1000:
         assert len(made) == 1
@@ -140,7 +144,7 @@ def test_parts_of_a_long_job_are_those_of_the_whole(
         for name, values in table([one]).items():
             same(name, values, expected[name][first : first + len(values)])
         for frames, block in one.estimates():
-            assert block == e.take(first + frames)
+            assert block == with_vertical(e.take(first + frames), given.get("vertical"))
         landmarks = frame_landmarks(one)
         assert np.array_equal(landmarks.frame, np.repeat(np.arange(len(one.estimate.frame)), 4))
         first += len(one.estimate.frame)

@@ -131,6 +131,19 @@ def test_frames_without_an_attitude_have_no_rows_where_rows_are_few(
     assert shown.more_text == said
 
 
+@pytest.mark.parametrize(("without", "flagged"), [(1, 39), (1, 38), (0, 40)])
+def test_every_frame_is_every_one_with_an_attitude(without: int, flagged: int) -> None:
+    film = by_hand(40, time_s=np.arange(40.0))
+    vehicle_deg = film.estimate.vehicle_deg.copy()
+    vehicle_deg[:without] = np.nan
+    estimate = replace(film.estimate, vehicle_deg=vehicle_deg)
+    flagged_as = {"two_landmarks": np.arange(40) >= 40 - flagged}
+    flags = replace(film.flags, raised=film.flags.raised | flagged_as)
+    (shown,) = frames_of([one_part(replace(film, estimate=estimate, flags=flags))])
+    every = [", every frame (" in one for one in summary.doubt_lines(shown) if "two_" in one]
+    assert every == [flagged + without == 40]
+
+
 def test_wide_characters_take_two_columns() -> None:
     assert (width("東京"), width("e\u0301")) == (4, 1)
     assert aligned([["東京", "1"], ["a", "22"]], {0}) == ["東京   1", "a     22"]

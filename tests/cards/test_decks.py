@@ -553,12 +553,19 @@ def test_a_last_record_that_is_cut_short_is_passed_on_as_it_is() -> None:
     assert len(passed_on) == 9 * 81 + 54
 
 
+FORMS = {
+    "letters": "CASE{0:04d}", "short": "  AB{0:04d}", "apart": "AB{0:6d}", "left": " AB {0:04d}",
+    "zeros": "{0:08d}", "blanks": "{0:8d}", "five": "   {0:05d}",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", [*FORMS])
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_a_deck_without_its_sequence_numbers_is_the_deck(end: str) -> None:
+def test_a_deck_without_its_sequence_numbers_is_the_deck(end: str, form: str) -> None:
     """Numbers in columns 73 to 80 of all cards but those of group 7, where the altitude stands."""
     cards = TEXT.splitlines()
     numbered = [
-        card if card[72:].strip() else f"{card:<72}CASE{10 * k:04d}"
+        card if card[72:].strip() else f"{card:<72}{FORMS[form].format(10 * k)}"
         for k, card in enumerate(cards, 1)
     ]
     assert sum(a != b for a, b in zip(cards, numbered, strict=True)) == 60

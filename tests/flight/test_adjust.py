@@ -310,6 +310,15 @@ def test_an_adjustment_shows_the_table_of_the_command() -> None:
     assert str(made) == ran.stdout and made._repr_html_() == f"<pre>{ran.stdout}</pre>"
 
 
+def test_a_name_is_no_markup_in_a_notebook() -> None:
+    flight, _ = freed_problem(0)
+    names = ("A<b>", *flight.landmarks.name[1:])
+    named = replace(flight, landmarks=replace(flight.landmarks, name=names))
+    made = adjust(named, ["landmarks"])
+    assert "A<b>" in str(made)
+    assert "A&lt;b&gt;" in made._repr_html_() and "<b>" not in made._repr_html_()
+
+
 # Solved, and doubtful
 
 

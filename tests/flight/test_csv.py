@@ -92,8 +92,9 @@ def test_a_header_without_rows() -> None:
         "#\n\na, b,a,b ,c\n",
         '# x\na,b\n1,2\n1,"2\n3,4\n',
         'a,b\n1,2\n3,4\n1,"2',
+        'a,b\n1,2\n1,"2\n3"\n4,5\n',
     ],
-    ids=["short", "long", "names", "quote", "last quote"],
+    ids=["short", "long", "names", "quote", "last quote", "quote that closes"],
 )
 def test_rows_that_are_refused_are_named_by_their_lines(text: str) -> None:
     assert_approved(told(lambda: read_csv(of(text))))
@@ -304,7 +305,8 @@ def test_names_of_grid_coordinates_with_units(tmp_path: Path) -> None:
 UNITS = {
     "landmarks": ["lat_deg,lon_deg,h_mm", "lat_rad,lon_rad,alt_km", "Lat[E7],lon_deg,z",
                   "lat_deg,lon_deg,gps_alt (cm)", "lat_deg,lon_deg,reach_cm"],
-    "track": ["t_us,lat_deg,lon_deg,h_m", "TimeUS,lat_deg,lon_deg,h_m", "time (min),lat,lon,h"],
+    "track": ["t_us,lat_deg,lon_deg,h_m", "TimeUS,lat_deg,lon_deg,h_m", "time (min),lat,lon,h",
+              "time_us,p,q"],
     "wind": ["h_km,from_deg,speed_m_s,rh"],
 }  # fmt: skip
 

@@ -19,7 +19,7 @@ from tests.tolerances import assert_close
 from vopd.findings import Finding, InputError
 from vopd.mistakes import Explanation
 from vopd.stellar.field import Failure, star_directions
-from vopd.stellar.files.images import ImageAxes
+from vopd.stellar.files.images import ImageAxes, MissingOption
 from vopd.stellar.files.mistakes import Plausibility
 from vopd.stellar.files.photograph import (
     StarRequest,
@@ -231,6 +231,17 @@ def test_what_fails_of_several(tmp_path: Path) -> None:
     assert (photographs, status, len(findings)) == ([], 1, 2)
     _, (said,), status = solve_photographs([hue], REQUEST_FILES)
     assert (status, said.severity) == (0, "warning")
+
+
+def test_a_file_that_needs_an_option_costs_no_other(tmp_path: Path) -> None:
+    """Pixels need more than a focal length; of that file alone it is an error of the command."""
+    pixels, good = files(tmp_path, GOOD_FILES.replace("_mm", "_px"), GOOD_FILES)
+    with refused(MissingOption):
+        solve_photographs([pixels], REQUEST_FILES)
+    for names in ([pixels, good], [good, pixels]):
+        (photograph,), (said,), status = solve_photographs(names, REQUEST_FILES)
+        assert (photograph.label, said.severity, status) == (good, "error", 1)
+        assert pixels in said.message
 
 
 def test_failures_of_one_file(tmp_path: Path) -> None:
