@@ -152,15 +152,17 @@ def test_that_no_click_is_of_a_frame_with_an_attitude_is_said() -> None:
     assert_approved(dict(found.history().about.words.conventions)["clicks"])
 
 
-def test_hidden_landmarks_are_not_asked_for() -> None:
+@pytest.mark.parametrize("named", [False, True], ids=["numbers", "images"])
+def test_hidden_landmarks_are_not_asked_for(named: bool) -> None:
     """The first click that would tell most is marked as hidden there: another one is told."""
     one = clicked_flight(np.random.default_rng(1), 30, 3, every=30, reach=30)
-    joint = solve_jointly(one.flight, priors_of(one.flight))
-    first = next_clicks(joint)[0]
-    clicks = one.flight.picks.clicks
+    labels = tuple(f"{k}.jpg" if named else str(k) for k in range(30))
+    flight = replace(one.flight, image_name=labels * named)
+    first = next_clicks(solve_jointly(flight, priors_of(flight)))[0]
+    clicks = flight.picks.clicks
     assert clicks is not None
-    hidden = replace(clicks, hidden=frozenset({(str(first.frame), first.landmark)}))
-    flight = replace(one.flight, picks=replace(one.flight.picks, clicks=hidden))
+    hidden = replace(clicks, hidden=frozenset({(labels[first.frame], first.landmark)}))
+    flight = replace(flight, picks=replace(flight.picks, clicks=hidden))
     again = next_clicks(solve_jointly(flight, priors_of(flight)))
     assert (first.frame, first.landmark) not in [(each.frame, each.landmark) for each in again]
     assert again
@@ -178,6 +180,19 @@ def test_a_click_on_another_mast_is_named_once_and_not_its_tracks() -> None:
         ]
         assert f": it and {own.sum() - 1} places that are tracked" in messages(found)[0]
         assert np.abs(turns(one, found.estimates.solved)).max() < 2.0 * good
+
+
+def test_exchanged_clicks_need_not_be_exact() -> None:
+    """One of them lies 3 standard deviations beside the other landmark's image."""
+    one = clicked_flight(np.random.default_rng(5), 10, 5, every=5, apart=0)
+    rows, marks = one.rows, np.array(one.rows.landmark)
+    first, second = ((rows.from_frame == 5) & (marks == name) for name in ("P1", "P2"))
+    named = Names(np.where(first, "P2", np.where(second, "P1", marks)).tolist())
+    pixel = rows.pixel.copy()
+    pixel[first] += rows.by_click[first] @ [1.5, 0.0]
+    rows = replace(rows, landmark=named, pixel=pixel)
+    (said,) = messages(solve_flight_read(with_rows(one.flight, rows)))
+    assert said.startswith("frame 5: the clicks of P1 and P2 are exchanged: ")
 
 
 def test_places_that_do_not_fit_are_named_by_frame() -> None:

@@ -215,6 +215,24 @@ def test_a_patch_moved_brighter_and_flatter() -> None:
     assert shift[0].tolist() == [11.0, -9.0]
 
 
+@pytest.mark.parametrize("u", [20.3, 180.3])
+@pytest.mark.parametrize("way", [1, -1], ids=["landscape", "portrait"])
+def test_a_patch_is_searched_in_the_whole_picture(way: int, u: float) -> None:
+    """Also right of the width of one that is higher than broad; and near an edge."""
+    shape = SIZE[::way]
+    lens = replace(LENS, size_px=shape, centre_px=LENS.centre_px[::way])
+    scene = replace(above(1000.0, 1000.0), lens=lens)
+    pixel = (u, 70.8)[::way]
+    first, moved = (
+        drawn(*np.mgrid[: shape[0], : shape[1]].astype(float) - np.reshape(off, (2, 1, 1))).T
+        for off in ((0.0, 0.0), (5.0, -4.0))
+    )
+    patch = laid(scene, first, pixel)
+    warps = warp(scene, view(1, NADIR), [patch])
+    shift, _ = search(moved, warps, [patch], 7.0)
+    assert shift[0].tolist() == [5.0, -4.0]
+
+
 def test_a_patch_seen_from_nearer_by_is_compared_with_a_blurred_frame() -> None:
     """From half the height the frame shows what the patch's pixels, twice as large, cannot.
 

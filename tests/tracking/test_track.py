@@ -28,6 +28,7 @@ from vopd import solve_flight
 from vopd.figures import draw as draw_figure
 from vopd.flight.project.keys import read_project
 from vopd.tracking import follow as rooms
+from vopd.tracking import tracker
 from vopd.tracking.follow import TrackOptions, follow
 from vopd.video import grey_frames, open_frames
 
@@ -550,6 +551,39 @@ def test_a_click_on_another_point(flight: Path) -> None:
     done = vopd("track", "flight.toml")
     assert done.status == 3
     assert_approved("".join(line + "\n" for line in done.stderr.splitlines() if "warning" in line))
+
+
+def test_a_click_within_its_standard_deviation_is_on_no_other_point(flight: Path) -> None:
+    """12 px off: 24 times the .5 px of the others, and twice the 6 px that are stated for it."""
+    true = truth()
+    for sigma_px, warnings in ((0.5, 1), (6.0, 0)):
+        lines = ["frame,landmark,u_px,v_px,sigma_px"]
+        for frame in (0, 2, 4):
+            for mark in FRAME_8:
+                (u, v), odd = true[frame, mark], (frame, mark) == (2, "L1")
+                lines.append(f"{frame},{mark},{u + 12.0 * odd},{v},{sigma_px if odd else 0.5}")
+        Path("clicks.csv").write_text("\n".join([*lines, ""]), encoding="utf-8")
+        said = vopd("track", "flight.toml", "--to", "0.15").stderr
+        assert said.count("frame 2: L1 is clicked 12 px from") == warnings
+
+
+@pytest.mark.parametrize("covered", [2, 3])
+def test_a_view_that_is_hidden_for_long_is_a_cut(
+    flight: Path, monkeypatch: pytest.MonkeyPatch, covered: int
+) -> None:
+    """Hidden by more than two frames of noise, the clicks of frame 8 are needed."""
+
+    def cover(k: int, grey: Any) -> Any:
+        noise = np.random.default_rng(k).integers(90, 110, grey.shape).astype(np.uint8)
+        return noise if 3 <= k < 3 + covered else grey
+
+    true = truth()
+    clicks(*((k, mark, *true[k, mark]) for k in (0, 8) for mark in FRAME_8))
+    monkeypatch.setattr(tracker, "HIDDEN", 2)
+    monkeypatch.setattr(rooms, "grey_frames", frames_where(cover))
+    lines = follow(read_project("flight.toml"), TrackOptions(to_s=0.3)).lines
+    anew = "lost from frame 3: tracking begins anew with the clicks of frame 8"
+    assert [line for line in lines if "anew" in line] == [anew] * (covered > 2)
 
 
 def test_clicks_that_are_not_used_are_told_as_check_tells_them(flight: Path) -> None:

@@ -93,6 +93,15 @@ def test_a_packet_that_is_cut_off_costs_no_other(cut: int, tmp_path: Path) -> No
     assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.2])
 
 
+def test_times_count_from_the_first_frame(tmp_path: Path) -> None:
+    """Of a video whose first frame is shown at 3.5 s, as of one that begins at 0."""
+    packets = [(k * 1000, gps5([(47.0 + k / 10.0, 15.2, 400.0)])) for k in range(3)]
+    later = [(3500 + ms, content) for ms, content in packets]
+    for name, some in (("a.mp4", packets), ("b.mp4", later)):
+        rows = read(write_gpmf(tmp_path / name, some))
+        assert_close("place or time as a file has it", rows.time_s, [0.0, 1.0, 2.0])
+
+
 def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
     """Samples at 36000.2 and .7 s of a day are half a second apart; the packet begins at 0."""
     packets = [(0, gps9([(47.0, 36_000.2, 3), (47.1, 36_000.7, 3)])), (1000, gps9([(0, 1, 0)]))]
