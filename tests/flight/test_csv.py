@@ -193,6 +193,16 @@ def test_gps_time_has_no_zone(text: str) -> None:
     assert_approved(told(lambda: read_csv(of(text.replace("utc", "t"))).times("t")))
 
 
+@pytest.mark.parametrize("zone", ["+00:00", "+02:00", "-05:30"])
+def test_a_zone_may_stand_where_none_is_needed(zone: str) -> None:
+    """1970-01-01T12:00 there, of GPS time and of a logger's column of UTC."""
+    seconds = 43200.0 - (int(zone[:3]) * 3600.0 + int(zone[0] + zone[4:]) * 60.0)
+    for column, clock in (("t", "gps"), ("utc", None)):
+        file = replace(of(f"{column}\n1970-01-01T12:00:00{zone}\n"), clock=clock)
+        table = read_csv(file)
+        assert table.times(table.header[0])[0] == seconds
+
+
 def frames(cells: list[str]) -> CsvTable:
     return read_csv(of("\n".join(["frame,a", *(f"{cell},1" for cell in cells)])))
 
@@ -320,6 +330,12 @@ def test_columns_in_other_units_are_not_to_be_renamed(
     """It was "rename h_mm to h_m"; a column that only ends in a unit is none in it."""
     first = "landmark," * (kind == "landmarks")
     assert_approved(told_of(tmp_path, kind, f"{first}{header}\n{'1,' * 3}4\n{'2,' * 3}4\n"))
+
+
+@pytest.mark.parametrize("date", ["2026-05-01T12:00:00Z", "01/05/2026 12:00", "12:00:01", "17.5"])
+def test_a_column_of_dates_is_to_be_called_so(date: str, tmp_path: Path) -> None:
+    """It was to be renamed to t_s, which holds seconds."""
+    assert_approved(told_of(tmp_path, "track", f"logged,lat_deg,lon_deg,h_m\n{date},2,3,4\n"))
 
 
 def test_columns_in_other_units_are_not_mapped(tmp_path: Path) -> None:

@@ -69,7 +69,8 @@ FROM_GROUND = re.compile(
 """Words of the name of a height that say the ground, or the place of the take-off."""
 ONE_OF = TIME[::-1], ("image", "frame")
 """Columns of which the first that is there is read."""
-NO_ZONE = re.compile(r":\d\d(\.\d*)?$")
+NO_ZONE = re.compile(r"(?<![+-]\d\d):\d\d(\.\d*)?$")
+DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}")
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 SEXAGESIMAL = re.compile(r"\d\s*[°º:'′NSEWnsew]|[NSEWnsew]\s*\d|\d\s+\d")  # noqa: RUF001
 """In degrees with minutes, or with a letter for their sign."""
@@ -219,6 +220,8 @@ class CsvTable:
         if name in HEIGHTS:
             free = [one for one in free if LIKE_HEIGHT.search(plain_name(one))] or free
         only = near or free[: len(free) == 1]
+        if name == "t_s" and only and any(map(DATE.match, self.column(only[0])[:1])):
+            name = "t_utc"
         which = only[0] if only else f"one of {', '.join(free[:MANY_NAMED])}"
         that = " if it is that" if only and not near else ""
         if name == "speed_m_s":
