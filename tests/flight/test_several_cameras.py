@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.approved.texts import refused
@@ -20,6 +21,7 @@ from vopd.flight.project.camera import read_camera
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight
+from vopd.flight.solve.equations import by_lens_parameters, with_parameters
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
 from vopd.inputs import lenses_of, named_files
@@ -155,6 +157,23 @@ def test_the_largest_sigma_of_several_lenses_counts(tmp_path: Path) -> None:
     read = read_camera(read_project(str(path))).read
     assert read.sigma == {"focal": 6.0, "centre_u": 3.0}
     assert read.lens.focal_px.tolist() == [1500.0, 1500.0]
+
+
+def test_parameters_change_all_lenses_and_focal_lengths_in_proportion() -> None:
+    """14.95 of 1495 px are 7 of 700; derivatives are differences of images by these lenses."""
+    lenses, names = Lenses.join((LENS, OTHER), np.array([0, 1, 1])), ("focal", "clock", "k1")
+    given = np.array([14.95, 3.0, 0.01])
+    first, second = (one.focal_px for one in with_parameters(lenses, names, given).each)
+    assert_close("table value", first, LENS.focal_px * 1.01)
+    assert_close("table value", second, 707.0)
+    ray = np.array([[0.1, -0.2, 1.0], [0.3, 0.1, 1.0], [-0.2, 0.4, 1.0]])
+    found = by_lens_parameters(lenses, names, 0.0 * given, ray, project(lenses, ray))
+    step = np.array([1e-3, 1.0, 1e-6])
+    for k, unit in enumerate(np.diag(step)):
+        more, less = (project(with_parameters(lenses, names, one), ray) for one in (unit, -unit))
+        expected = (more.pixel - less.pixel) / (2.0 * step[k])
+        size = max(np.abs(expected).max(), 1.0)
+        assert_close("image by a parameter", found[..., k] / size, expected / size)
 
 
 def test_the_lenses_are_of_what_a_project_names(tmp_path: Path) -> None:
