@@ -18,11 +18,14 @@ from vopd.stellar.field import Failure, StarField, image_directions
 from vopd.stellar.files.findings import (
     counted,
     explain,
+    explain_plausibility,
     refuse_unsolvable,
 )
+from vopd.stellar.files.mistakes import Plausibility
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.church import flatness
 from vopd.stellar.methods.run import SolvedStars
+from vopd.stellar.outlier_search import Outlier
 
 # Every error and warning about a star solution: its words, numbers, lines, limits and severity
 
@@ -302,3 +305,18 @@ def test_findings_of_one_kind_are_counted(severity: Any, count: int) -> None:
 def test_findings_about_plausibility_are_all_shown() -> None:
     given = [("plausibility", Finding(str(k), "a.csv")) for k in range(9)]
     assert counted(given) == [one[1] for one in given]
+
+
+@pytest.mark.parametrize(("wrong", "doubted"), [(3, False), (4, True)])
+def test_many_stars_that_are_left_out_put_the_others_in_doubt(wrong: int, doubted: bool) -> None:
+    """Of ten stars, from four on."""
+    outliers = tuple(Outlier(k, 1.0, 1e-9) for k in range(wrong))
+    judged = Plausibility(0.01, outliers=outliers)
+    file = replace(star_file(), lines=tuple(range(11, 21)))
+    found = [one for kind, one in explain_plausibility(judged, file, rejected=True)
+             if kind == "many left out"]  # fmt: skip
+    assert len(found) == doubted
+    if doubted:
+        assert_approved(found[0])
+    kept = explain_plausibility(judged, file, rejected=False)
+    assert not [kind for kind, _ in kept if kind == "many left out"]

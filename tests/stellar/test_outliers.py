@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -124,6 +125,7 @@ def fixed(
     monkeypatch.setattr(outlier_search, "_distance_by_pairs", lambda field: -np.array(doubt))
     monkeypatch.setattr(outlier_search, "_chances", chances)
     monkeypatch.setattr(outlier_search, "fit_attitudes", fit)
+    monkeypatch.setattr(outlier_search, "_again_without", lambda *problem: None)
     return given
 
 
@@ -149,6 +151,24 @@ def test_a_chance_of_one_in_a_thousand(monkeypatch: pytest.MonkeyPatch) -> None:
         Outlier(8, 18.0, 1e-9), Outlier(7, 17.0, 1e-9), Outlier(6, 16.0, 0.99e-3),
     ]  # fmt: skip
     assert given == [[0, 1, 2, 3, 4], [0, 1, 2, 3, 4, 5]]
+
+
+def test_a_wrong_star_of_the_half_with_which_it_starts() -> None:
+    """It starts from nine of sixteen stars, of which eight are right: those that fit have one."""
+    field = stars(16)
+    images = field.image_mm.copy()
+    images[8:] = np.random.default_rng(0).uniform(-15.0, 15.0, (8, 2))
+    found = find_outliers(replace(field, image_mm=images))
+    assert {one.star for one in found} == set(range(8, 16))
+    good = fit_attitude(field.select(np.arange(8)))
+    expected = np.hypot(*(images - _seen(field, good.matrix)).T)
+    for one in found:
+        assert_close("rae element", one.distance_mm / expected[one.star], 1.0)
+
+
+def _seen(field: StarField, matrix: Any) -> Any:
+    camera = field.directions @ matrix.T
+    return -FOCAL * camera[:, :2] / camera[:, 2:]
 
 
 def test_what_has_no_outliers(monkeypatch: pytest.MonkeyPatch) -> None:

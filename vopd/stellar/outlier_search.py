@@ -87,7 +87,8 @@ def find_outliers(field: StarField, *, start: OutlierStart = "interstar") -> lis
     """Find stars whose images are implausibly far from where the attitude of the others puts them.
 
     It starts from half of the stars, and adds all that fit their attitude until none
-    is left that does. So several wrong stars cannot hide each other, up to half of them.
+    is left that does. Those that fit are searched once more, as one of the half may have been
+    wrong. So several wrong stars cannot hide each other, where fewer than half are.
 
     Args:
         field: one problem, without a stack axis
@@ -155,10 +156,43 @@ def outliers_of_each(
         good[left] = kept
         left = left[moved]
     for k in np.flatnonzero(~lost).tolist():
+        again = _again_without(field.take(np.array([k])), good[k], start)
+        if again is not None:
+            good[k], chance[k], distance[k] = again
         bad = np.flatnonzero(~good[k]).tolist()
         listed = [Outlier(one, float(distance[k, one]), float(chance[k, one])) for one in bad]
         found[k] = sorted(listed, key=lambda outlier: (outlier.chance, -outlier.distance_mm))
     return found
+
+
+LEAST_LEFT = 4  # stars, by which as many others are known to be wrong
+
+
+def _again_without(
+    field: StarField, good: Bools, start: OutlierStart
+) -> tuple[Bools, Floats, Floats] | None:
+    """Search the good stars of a problem once more: half of the stars may have had a wrong one.
+
+    Args:
+        field: a stack of the problem alone
+        good: the stars that fit, (n,)
+        start: from which half
+
+    Returns:
+        The good stars, chances and distances of all, (n,) each; None if no more are left out, or
+        fewer than half of all stars would be left.
+    """
+    kept, count = np.flatnonzero(good), len(good)
+    if len(kept) == count:
+        return None
+    (more,) = outliers_of_each(field.select_each(kept[None]), start)
+    left = np.delete(kept, [one.star for one in more])
+    if not more or len(left) < max(LEAST_LEFT, count / 2.0):
+        return None
+    fits = fit_attitudes(field.select_each(left[None]))
+    good = np.isin(np.arange(count), left)
+    chance, distance = _chances(field, good[None], fits)
+    return good, chance[0], distance[0]
 
 
 def _distance_by_pairs(field: StarField) -> Floats:

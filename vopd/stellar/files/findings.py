@@ -155,6 +155,9 @@ def _warnings(solved: SolvedStars, file: StarFile, stars: StarField) -> list[Kin
     ]
 
 
+MANY = 0.4  # part of the stars that are left out, from which the others are doubted
+
+
 def explain_plausibility(
     judged: Plausibility, file: StarFile, *, rejected: bool
 ) -> list[KindOfFinding]:
@@ -180,4 +183,12 @@ def explain_plausibility(
             f"(chance {outlier.chance:.1g})"
         )
         found.append(file.finding(text, outlier.star))
-    return [("plausibility", finding.warned()) for finding in found]
+    kinds = [("plausibility", finding.warned()) for finding in found]
+    out, count = len(judged.outliers), len(file.lines)
+    if rejected and out >= MANY * count:
+        text = (
+            f"{out} of {count} stars are left out: where half of them are wrong the others need "
+            "not be right; are they identified well?"
+        )
+        kinds.insert(0, ("many left out", file.finding(text).warned()))
+    return kinds
