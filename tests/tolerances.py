@@ -57,6 +57,9 @@ TOLERANCES = {
         "deg", 0.3, "rms, of six clicks of half a pixel, .13 degree each, and shake of 4 to 13 Hz"
     ),
     "tracked pick": Tolerance("px", 0.3, "rms, of 10 kB of H.264: 24 frames of 320 x 180"),
+    "track of a turned video": Tolerance(
+        "px or 1", 3e-4, "four decimals; the same grey levels are summed in another order"
+    ),
     "frame by its grey level": Tolerance("1", 0.4, "five grey levels a frame; coding moves two"),
     "presentation time": Tolerance("s", 1e-9, "whole milliseconds"),
     "place or time as a file has it": Tolerance("deg, m, s", 1e-9, "written in decimals"),
