@@ -21,6 +21,7 @@ from vopd.flight.misfits.leave_out import (
     POSITION,
     TIME,
     LeftOut,
+    judge,
     leave_out,
 )
 from vopd.flight.solve.joint import JointSolution, solve_jointly
@@ -81,6 +82,16 @@ def test_evidence_of_a_chance_below_all_numbers(freedom: int) -> None:
     half = gain / 2.0
     terms = sum(half**k / math.factorial(k) for k in range(freedom // 2))
     assert_close("tail of chi-square", one.evidence, gain - 2.0 * np.log(terms))
+
+
+def test_what_gains_nothing_fits_for_certain() -> None:
+    tests = solved("least-squares", 0)[2]
+    none = replace(
+        tests, gain=np.zeros(len(tests.kind)), chance=tests.chance + 0.0,
+        chance_of_all=tests.chance_of_all + 0.0,
+    )  # fmt: skip
+    judge(none, JobReadingSigma(1.0, np.inf, "stated", np.zeros(0), 1.0), 0.3, 5)
+    assert (none.chance == 1.0).all() and (none.chance_of_all == 1.0).all()
 
 
 def moves(test: LeftOut, k: int, step: Floats, frames: int) -> None:

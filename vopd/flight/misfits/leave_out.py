@@ -174,6 +174,7 @@ def leave_out_picks(joint: JointSolution) -> LeftOut:
     return LeftOut.concat(to.tests)
 
 
+@np.errstate(divide="ignore")  # a chance of 1 is 1 of all
 def judge(tests: LeftOut, reading: JobReadingSigma, least_px: float, every: int) -> None:
     """Calculate the chances of tests; gains become those in the variance without each.
 
