@@ -252,10 +252,6 @@ def folder_as_a_manifest(place: Path) -> list[Any]:
     return ["--manifest", place, "-d", place / "out"]
 
 
-def no_name(place: Path) -> list[Any]:
-    return ["", "-d", place / "out"]
-
-
 REFUSED = (
     empty_manifest,
     same_name,
@@ -268,7 +264,6 @@ REFUSED = (
     standard_input,
     manifest_of_itself,
     folder_as_a_manifest,
-    no_name,
 )
 
 

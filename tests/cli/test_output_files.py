@@ -265,8 +265,14 @@ def test_outputs_that_are_refused_before_the_work() -> None:
     assert_approved(refusal("-o", "old/out"))
     assert "symbolic links" in refusal("--tape10", "loop")
     assert_approved(refusal("-o", "out/"))
-    assert_approved(refusal("-o", ""))
     assert Path("old").read_bytes() == OLD and names() == {"old", "loop", "folder"}
+
+
+@pytest.mark.parametrize("arguments", [("",), ("no-such.dat", ""), ("no-such.dat", "-o", "")])
+def test_a_name_of_a_variable_without_value(arguments: tuple[str, ...]) -> None:
+    ran = vopd("run", *arguments)
+    assert ran.status == 2
+    assert_approved(ran.stderr)
 
 
 def test_an_output_that_is_an_input_by_any_name() -> None:

@@ -352,16 +352,30 @@ def tell_unused(sources: Iterable[str], names: Iterable[str], quiet: bool) -> No
 
 # Arguments and options for file names, shared by all commands.
 
-FILE_NAME = click.Path(readable=False)
-"""A name of a file, or `-`. Shells complete it; whether it can be read is seen when it is read."""
 
+class _FileName(click.Path):
+    """A name of a file, or `-`, which is not empty, as that of a variable without value.
 
-class _FolderName(click.Path):
-    """A name of a folder to be written, which is not empty, as that of a variable without value."""
+    Shells complete it; whether it can be read is seen when it is read.
+    """
+
+    needed = "the name of a file is needed."
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if not value:
-            self.fail("the name of a folder is needed; . is this one.", param, ctx)
+            self.fail(self.needed, param, ctx)
+        return super().convert(value, param, ctx)
+
+
+FILE_NAME = _FileName(readable=False)
+
+
+class _FolderName(_FileName):
+    """A name of a folder to be written."""
+
+    needed = "the name of a folder is needed; . is this one."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if value == "-" and not self.allow_dash:
             self.fail("- is standard output, and no folder.", param, ctx)
         return super().convert(value, param, ctx)
@@ -374,7 +388,7 @@ decks_argument = click.argument("decks", type=FILE_NAME, metavar="DECK...", narg
 """One deck or several; `-` is standard input."""
 
 
-class _SourceName(click.Path):
+class _SourceName(_FileName):
     """A name of a file, or of a folder with `flight.toml` in it, which stands for that file.
 
     `-` is standard input.
@@ -382,7 +396,7 @@ class _SourceName(click.Path):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         project = os.path.join(value, "flight.toml")  # noqa: PTH118
-        if value != "-" and os.path.isfile(project):  # noqa: PTH113
+        if value not in ("", "-") and os.path.isfile(project):  # noqa: PTH113
             return project
         return super().convert(value, param, ctx)
 
