@@ -123,6 +123,26 @@ def test_two_processes_and_three_shards_give_the_same_bytes(
     assert statuses == [3 if of_shard[part] & failed else 0 for part in shards]
 
 
+def test_neither_order_nor_another_source_changes_an_output(
+    inputs: Path, undisturbed: dict[str, bytes], tmp_path: Path
+) -> None:
+    """Decks are solved together with those beside them; rows of the summary stand by name."""
+    before = {name: row for name, row in rows(inputs.parent / "one").items() if "/" not in name}
+    more = small_decks(tmp_path / "more", 1, frames=7) / "deck000.dat"
+    listed = [str(inputs / f"{name}.dat") for name in before][::-1]
+    listed.insert(3, str(more.rename(tmp_path / "new.dat")))
+    (tmp_path / "list.txt").write_text("\n".join(listed))
+    out = tmp_path / "out"
+    assert vopd("batch", "--manifest", tmp_path / "list.txt", "-d", out).status == 3
+    found = rows(out)
+    assert found.pop("new")["frames"] == 7
+    assert [*found.items()] == [*before.items()]
+    written = {name: content for name, content in contents(out).items() if "summary" not in name}
+    assert len([written.pop(f"new.{suffix}") for suffix in ("csv", "lst")]) == 2
+    assert written == {name: undisturbed[name] for name in undisturbed if name in written}
+    assert len(written) == sum(len(row["outputs"]) for row in before.values())
+
+
 def test_resume_solves_only_what_has_changed(tmp_path: Path) -> None:
     """A file's time of modification says whether it was written again."""
     folder = small_decks(tmp_path / "in", 4)
