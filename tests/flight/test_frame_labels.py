@@ -9,6 +9,7 @@ import contextlib
 import csv
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -16,10 +17,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.kit.clicked_flights import clicked_flight
 from tests.kit.command import vopd
 from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close
-from vopd.flight.result import FlightResult, solve_flight
+from vopd.arrays import Floats
+from vopd.flight.adjust.adjustment import adjust
+from vopd.flight.adjust.tested import tested_flight
+from vopd.flight.adjust.tested_table import as_text
+from vopd.flight.formats.picks import Names, PickRows
+from vopd.flight.project.tracked_picks import join_tracks
+from vopd.flight.result import FlightResult, solve_flight, solve_flight_read
+from vopd.flight.solve.next_click import next_click_texts
 
 FRAMES, SIZE = 6, (1920, 1080)
 LABELS: dict[str, Callable[[int], str]] = {
@@ -124,3 +133,46 @@ def test_the_same_is_solved(how: str, base: Path) -> None:
         number, name = (k, LABELS[how](k)) if how == "images" else (int(LABELS[how](k)), "")
         image = second.image(number, name)
         assert_close("table value", image.fitted, first.image(4001 + k, "").fitted)
+
+
+# Clicks and their tracks
+
+
+@cache
+def clicked(how: str) -> tuple[list[str], Floats]:
+    """Solve a flight of clicks: what is said of it, and the angles.
+
+    Two clicks of the fourth frame are exchanged, and the landmark that would be asked for next is
+    marked as hidden in its frame.
+    """
+    one = clicked_flight(np.random.default_rng(5), FRAMES, 5, every=3, apart=0)
+    rows, marks = one.rows, np.array(one.rows.landmark)
+    first, second = ((rows.from_frame == 3) & (marks == name) for name in ("P1", "P2"))
+    names = np.where(first, "P2", np.where(second, "P1", marks))
+    labels = tuple(LABELS[how](k) for k in range(FRAMES))
+    number = np.arange(FRAMES) if how == "images" else np.array(labels, int)
+    tracks = replace(rows, landmark=Names(names.tolist()), from_frame=number[rows.from_frame])
+    read = PickRows(
+        rows.frame, tracks.landmark, rows.pixel, rows.sigma_px, "centre", None, "", tracks=tracks
+    )
+    flight = replace(one.flight, frame=number, image_name=labels if how == "images" else ())
+    landmarks, hidden = flight.landmarks.name, frozenset({(labels[5], 3)})
+    picks, _ = join_tracks(read, number, landmarks, flight.source, hidden)
+    result = solve_flight_read(replace(flight, picks=picks))
+    assert result.estimates.joint is not None
+    said = [one.message for one in result.findings]
+    said += next_click_texts(result.estimates.joint)
+    said.append(str(adjust(result.read, "focal")))
+    said.append(as_text(tested_flight(result), None, ()))
+    return without_labels("\n".join(said)), result.camera_deg
+
+
+@pytest.mark.parametrize("how", ["tens", "images"])
+def test_the_same_is_said_of_clicks(how: str) -> None:
+    """Exchanged ones, the next one, free parameters, and what is left out one by one."""
+    (words, camera_deg), (again, found_deg) = clicked("counted"), clicked(how)
+    text = " ".join(words)
+    assert "@4: the clicks of P1 and P2 are exchanged" in text
+    assert "click next: " in text and "P3 in @6" not in text
+    assert again == words
+    assert_close("table value", found_deg, camera_deg)
