@@ -22,8 +22,8 @@ from tests.kit.command import vopd
 from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
+from vopd.flight.adjust import tested
 from vopd.flight.adjust.adjustment import adjust
-from vopd.flight.adjust.tested import tested_flight
 from vopd.flight.adjust.tested_table import as_text
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.project.tracked_picks import join_tracks
@@ -163,7 +163,7 @@ def clicked(how: str) -> tuple[list[str], Floats]:
     said = [one.message for one in result.findings]
     said += next_click_texts(result.estimates.joint)
     said.append(str(adjust(result.read, "focal")))
-    said.append(as_text(tested_flight(result), None, ()))
+    said.append(as_text(tested.tested_flight(result), None, ()))
     return without_labels("\n".join(said)), result.camera_deg
 
 
