@@ -526,12 +526,15 @@ LOST: list[dict[str, Any]] = [
     path(fixes=three_frames().path.fixes),
     path(bias_sigma_m=np.array([0.0, 0.0, 0.5])),
     {"options": FlightOptions(parameter_sigma={"clock": 0.01})},
+    {"options": FlightOptions(parameter_sigma={"focal": 3.0, "k1": 0.0})},
+    {"options": FlightOptions(parameter_sigma={"focal": 0.0, "k1": 0.01})},
 ]
 NOT_LOST: list[dict[str, Any]] = [
     {},
     path(lever_arm_m=np.zeros(3)),
     {"picks": replace(plain().picks, sigma_px=np.where(np.arange(12) == 1, 1.5, 1.0))},
     {"mount": mount_by_angles([0, 0, 9])},
+    {"options": FlightOptions(parameter_sigma={"focal": 0.0, "k1": 0.0})},
 ]
 
 

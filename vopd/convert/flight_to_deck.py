@@ -13,6 +13,7 @@ from vopd.estimate import Estimate
 from vopd.findings import VopdError, count_text
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.result import FlightResult
+from vopd.flight.solve.free import FREE, OF_A_LENS
 from vopd.flight.solve.rotations import SolvedFlight, solve
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, Lenses, distort_radial_table, project, ray_of_pixel
@@ -125,7 +126,8 @@ def places_note(solved: SolvedFlight) -> list[str]:
 def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str]:
     """List what the cards do not hold, a sentence each."""
     frames, left_out = len(result.solved), int((~result.solved).sum())
-    sigma = flight.picks.sigma_px[held]
+    sigma, of_parameters = flight.picks.sigma_px[held], flight.options.parameter_sigma
+    of_lens = {one for name in OF_A_LENS for one in FREE[name]} - {"focal"}
     of = f"of {frames} frames"
     unused = int((~held).sum())
     lines = {
@@ -154,6 +156,12 @@ def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str
         ),
         "standard deviations of landmarks, positions and time are not on the cards: give "
         "--landmark-sigma, --position-sigma, --time-sigma": _states_sigmas(flight),
+        "the standard deviation of the focal length is not on the cards: give --focal-sigma": (
+            of_parameters.get("focal", 0.0) > 0.0
+        ),
+        "the sigmas of a deck have no errors of the rest of the lens": (
+            any(of_parameters.get(name, 0.0) > 0.0 for name in of_lens)
+        ),
         "the date of time zero is not on the cards: give --epoch": flight.epoch is not None,
         "altitudes are above the ellipsoid: run the deck with --fix all": True,
     }
