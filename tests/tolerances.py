@@ -60,6 +60,9 @@ TOLERANCES = {
     "track of a turned video": Tolerance(
         "px or 1", 3e-4, "four decimals; the same grey levels are summed in another order"
     ),
+    "attitude of a turned video": Tolerance(
+        "deg", 1e-3, "1E-4 px of 217 is 2.6E-5, seven times that in yaw and roll at 82 of pitch"
+    ),
     "frame by its grey level": Tolerance("1", 0.4, "five grey levels a frame; coding moves two"),
     "presentation time": Tolerance("s", 1e-9, "whole milliseconds"),
     "place or time as a file has it": Tolerance("deg, m, s", 1e-9, "written in decimals"),
