@@ -154,6 +154,27 @@ def test_frames_that_are_picked_are_on_the_page_again(tmp_path: Path) -> None:
         assert not others or {0, 39} <= {*shown}
 
 
+@pytest.mark.parametrize("column", ["frame", "image"])
+def test_images_stand_on_the_page_as_they_are_picked(column: str, tmp_path: Path) -> None:
+    """By the numbers at the ends of their names, or by these; what is saved has one kind."""
+    keys = '[picks]\nvideo = "images"\nfile'
+    project = write_project(tmp_path, TOML.replace("[picks]\nfile", keys, 1))
+    (tmp_path / "images").mkdir()
+    for k in range(5):
+        Image.new("L", (192, 108)).save(tmp_path / "images" / f"f_{k:03d}.png")
+    if column == "image":
+        head, *rows = (tmp_path / "picks.csv").read_text().splitlines()
+        named = [f"f_{int(row.partition(',')[0]):03d}.png,{row.partition(',')[2]}" for row in rows]
+        (tmp_path / "picks.csv").write_text("\n".join([head.replace("frame", "image"), *named]))
+    ran = vopd("pick", project, "-o", "p.html")
+    page = data()
+    assert ran.status == 0 and page["column"] == column
+    names = [str(k) if column == "frame" else f"f_{k:03d}.png" for k in range(5)]
+    assert [one["name"] for one in page["frames"]] == names
+    assert [one["title"] for one in page["frames"]] == [f"f_{k:03d}.png" for k in range(5)]
+    assert {one["frame"] for one in page["picks"]} == {*range(5)}
+
+
 def test_where_to_click_next_is_not_known_of_a_flight_without_a_solution(tmp_path: Path) -> None:
     toml = TOML.replace("[landmarks]", 'video = "a.mp4"\ntracked = "t.csv"\n[landmarks]')
     project = write_project(tmp_path, toml)

@@ -15,7 +15,7 @@ from vopd.arrays import Floats
 from vopd.files import ESCAPED
 from vopd.findings import VopdError, count_text
 from vopd.report import page_template, style_and_script
-from vopd.video import VideoFrames
+from vopd.video import VideoFrames, image_numbers
 
 QUALITIES = (92, 85, 75)  # of JPEG: of the first one the difference is a grey level or two
 WANTED_BYTES = 240_000_000  # of a page; of more frames the quality is lower
@@ -77,6 +77,9 @@ def pick_page(
     """
     template = page_template("pick.html")
     rows, images, size = list[dict[str, Any]](), list[str](), 0
+    numbers = image_numbers(frames.image_name)
+    picked = {one[0] for one in (*content.clicks, *content.hidden)}
+    by_number = bool(picked) and picked <= {*map(str, numbers)}  # of images: as they are picked
     for k in chosen:
         try:
             (picture,) = frames.pictures([k])
@@ -96,7 +99,8 @@ def pick_page(
         label, time_s = frames.label(k), frames.time_s[k]
         title = f"{label}, {time_s:.3f} s" if time_s == time_s else label
         width, height = picture.size
-        rows.append({"name": label, "title": title, "width": width, "height": height})
+        name = str(numbers[k]) if by_number else label
+        rows.append({"name": name, "title": title, "width": width, "height": height})
         tell()
     here = {row["name"]: k for k, row in enumerate(rows)}
     known = [
@@ -126,7 +130,7 @@ def pick_page(
         data={
             "head": content.head,
             "hiddenHead": content.hidden_head,
-            "column": "image" if frames.image_name else "frame",
+            "column": "image" if frames.image_name and not by_number else "frame",
             "key": digest.hexdigest(),
             "frames": rows,
             "landmarks": list(dict.fromkeys(names)),
