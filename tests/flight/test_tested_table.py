@@ -93,6 +93,14 @@ def test_fixes_are_named_by_their_rows_or_the_one_frame_between(
     assert told == {row["frame"] for row in rows(found) if row["left_out"] == "fix"}
 
 
+def test_fixes_that_count_by_velocity_alone_are_named_by_the_next_frame() -> None:
+    """The first of frame 0, and the last of frame 3, are each at a fix of their own."""
+    robust = Path(__file__).parents[1] / "robustness/inputs/flight_of_fixes_before_its_frames"
+    found = solved(robust)
+    told = {label(found.tests, k, found.flight) for k in np.flatnonzero(found.tests.kind == FIX)}
+    assert_approved(sorted(told))
+
+
 def test_another_sigma_of_positions_leaves_the_path_between_them(tmp_path: Path) -> None:
     write_flight(tmp_path, PLAN._replace(fix_hz=1.0), np.random.default_rng(SEED))
     flight = read_flight(str(tmp_path / "flight.toml"))

@@ -14,7 +14,9 @@ from vopd.flight.solve.free import FREE
 RATE_HZ = 10.0
 SIGMA_M = ('"exact"', "0.02", "0.3", "5.0", "[3.0, 3.0, 0.0]", "[0.0, 0.0, 20.0]")
 STATED = {  # keys that may all be left out
+    "camera": ('readout_ms = 20.0\nreadout = "down"\nframe_time = "middle"',),
     "picks": ("sigma_px = 1.0",),
+    "track": ("lever_arm_m = [0.1, 0.2, 0.3]", 'interpolate = "cubic"', "offset_s = 0.02"),
     "vehicle": ('mount = "down"', "mount_sigma_deg = 0.1"),
     "atmosphere": ('refraction = "off"', "sigma_k = 0.1"),
     "solve": (

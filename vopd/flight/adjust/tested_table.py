@@ -53,14 +53,18 @@ def _fix_label(fix: int, flight: Flight) -> str:
     """Name a fix by the frames that depend on it, and if they are several by its row."""
     fixes = flight.path.fixes
     assert fixes is not None
+    # the shape of the path between two fixes stands among them
+    row = fix + 1 if fixes.between is None else int((~fixes.between[: fix + 1]).sum())
     own = fixes.frames_of(fix)
+    if not len(own):  # by the velocity of the track alone
+        near = int(np.abs(fixes.first - fix).argmin())
+        side = "before" if fix < fixes.first[near] else "after"
+        return f"fix {row}, {side} {frame_label(flight, near)}"
     first, last = (frame_label(flight, int(k)) for k in own[[0, -1]])
     if len(own) == 1:
         parts = np.flatnonzero(fixes.weight[own[0]])
         which = "fix before it" if fix == fixes.first[own[0]] + parts[0] else "fix after it"
         return f"{first}: {which if len(parts) > 1 else 'its fix'}"
-    # the shape of the path between two fixes stands among them
-    row = fix + 1 if fixes.between is None else int((~fixes.between[: fix + 1]).sum())
     return f"fix {row}, of {first} to {last.removeprefix('frame ')}"
 
 
