@@ -24,7 +24,10 @@ def averages(readings: Readings, rounded: bool = True) -> tuple[Floats, Floats]:
     Returns:
         Frame centres (F, 2) and landmarks (N, 2), inches on the film reader.
 
-    Source: TM X-3050, A 84 to A 104; FORMAT 87, A 471.
+    Source: TM X-3050, A 84 to A 104, and the card behind A 102, lost in the scan, that writes a
+    frame's number, centre and landmarks to unit 9; FORMAT 87, A 471. There a landmark's number is
+    that of its third reading (A 102), and a frame's that of its last card; here readings that
+    differ are an error of the deck.
     """
     fiducials = np.sort(readings.fiducial_in, axis=2).reshape(-1, 12, 2)
     centre = np.zeros_like(fiducials[:, 0])

@@ -31,6 +31,7 @@ def kept(readings: Readings, ignored: Ignored) -> tuple[Bools, Bools]:
     layout, landmark = readings.layout, readings.points.landmark
     used = np.ones(layout.total, bool)
     requests: dict[int, list[list[int]]] = {}
+    # A 129 to A 131, A 144 to A 146: the cards of group 11, IFM and JOUT (NOUT of them), by frame
     for frame, landmarks in zip(ignored.frame.tolist(), ignored.landmark.tolist(), strict=True):
         requests.setdefault(frame, []).append(landmarks)
     # A 76, A 81: an entry below 1 becomes 101, which is no landmark; here it is left out
@@ -40,6 +41,7 @@ def kept(readings: Readings, ignored: Ignored) -> tuple[Bools, Bools]:
         concerned |= layout.counted(among(landmark, np.array(list(everywhere)))) > 0
     for k in np.flatnonzero(concerned):
         cards, span = requests.get(int(readings.frame[k]), []), layout.span(k)
+        # A 132 to A 136: 100 as the first entry of the frame's first card drops it
         dropped[k] = bool(cards) and cards[0][0] == WHOLE_FRAME
         if not dropped[k]:
             here = {n for card in cards for n in card if n > 0}
@@ -51,7 +53,10 @@ def kept(readings: Readings, ignored: Ignored) -> tuple[Bools, Bools]:
 
 
 def _ignore(landmark: list[int], used: Bools, here: set[int], everywhere: set[int]) -> None:
-    """Take the ignored landmarks of one frame, which all take part, out of `used`."""
+    """Take the ignored landmarks of one frame, which all take part, out of `used`.
+
+    Source: TM X-3050, A 138 to A 161: by group 11 A 147 to A 152, by group 12 A 155 to A 160.
+    """
     nj, nk = len(landmark), 0
     for index, itgt in enumerate(landmark):
         for asked in (here, everywhere):

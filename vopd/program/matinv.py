@@ -13,6 +13,8 @@ Rows = list[list[Floats]]  # a stack of matrices: rows of elements, each an arra
 def matinv(a: ArrayLike, b: ArrayLike) -> tuple[Floats, Floats, Floats, Ints]:
     """Invert matrices and solve a x = b, each matrix by itself.
 
+    It is MATINV as it is called; `vopd` solves its normal equations by `reduce` alone.
+
     Complete pivoting: each step takes the largest element left (the first by rows on
     a tie). The arguments are not changed.
 

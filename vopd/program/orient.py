@@ -22,7 +22,8 @@ FEW_EMPTY = 1000  # so many empty slots cost less than a call more
 _NORMAL = ((0, 1, 2, 6), (1, 3, 4, 7), (2, 4, 5, 8))
 """The rows of XN (3, 3) and C (3,) side by side, of the nine sums over B and -EPS.
 
-XN is symmetric, so that its nine entries are the sums 0 to 5; C is the sums 6 to 8.
+XN is symmetric, so that its nine entries are the sums 0 to 5: XN(1,1), XN(1,2), XN(1,3), XN(2,2),
+XN(2,3), XN(3,3); C is the sums 6 to 8.
 """
 
 
@@ -183,7 +184,7 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
     open_ = np.ones(len(going), bool)
     for iteration in range(1, PASSES + 1):  # A 288 to A 295, A 441 to A 443
         eps, b = equations(radians, sight)  # A 314 to A 359, A 386 to A 404
-        exact = (eps == 0).all(axis=(0, 1))  # A 364 to A 375: the frame ends here
+        exact = (eps == 0).all(axis=(0, 1))  # A 364 to A 375, V = 0: the frame ends here
         correction, singular = _correction(eps, b)  # A 376 to A 380, A 405 to A 421
         after = wrapped(radians + correction)  # A 429 to A 437
 
@@ -196,6 +197,7 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
         ended &= open_
         if ended.any():
             degrees = start if iteration == 1 else radians * rad  # A 438 to A 440
+            # a frame at rest in pass 1 would print its corrected angles in pass 22
             angles = np.where(exact | (iteration > 1), degrees, after * rad)
             last_pass = np.where(exact, iteration, 0)
             part = Orientation(angles, eps, after * rad, correction, last_pass, singular & ~exact)
@@ -226,7 +228,8 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
         Residuals EPS (2, L, F), mm, and partial derivatives B (2, 3, L, F), mm per radian,
         x and y on the film along the first axis.
 
-    Source: TM X-3050, A 314 to A 350 and A 386 to A 404; DISTR is in x and y already.
+    Source: TM X-3050, A 314 to A 350 and A 386 to A 404. EPS = DISTR*(X - XPC) - CC*XMM, in
+    which `sight.x` is DISTR*(X - XPC) already; likewise y.
     """
     (salpha, somega, skappa), (calpha, comega, ckappa) = np.sin(radians), np.cos(radians)
     axes = np.empty((3, 3, radians.shape[1]))
@@ -241,15 +244,15 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
 
     xlam, xmu, xnu = sight.dircos
     cc = sight.cc
-    along = axes[:, 0, None] * xlam
+    along = axes[:, 0, None] * xlam  # XMC, XNC, QC
     along += axes[:, 1, None] * xmu
     along += axes[:, 2, None] * xnu
-    gc = along[2]
-    xmn = along[:2]  # XMC and XNC
-    xmn /= gc  # XMM and XNN
-    qq = cc / gc
-    computed = cc * xmn
-    eps, b = np.empty(computed.shape), np.empty((2, 3, *gc.shape))
+    qc = along[2]
+    xmn = along[:2]
+    xmn /= qc  # XMM and XNN
+    qq = cc / qc
+    computed = cc * xmn  # CM and CN: CC*XMM and CC*XNN
+    eps, b = np.empty(computed.shape), np.empty((2, 3, *qc.shape))
     np.subtract(sight.x, computed[0], out=eps[0])
     np.subtract(sight.y, computed[1], out=eps[1])
 
@@ -264,10 +267,10 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
     by_yaw -= ff[:, 1] * xlam  # S1 and SB1
     by_yaw *= qq
     np.multiply(ff[:, 2], hm1, out=by_pitch)
-    gg *= xnu
+    gg *= xnu  # GG1*XNU and GB1*XNU
     by_pitch += gg  # S2 and SB2
     by_pitch *= qq
-    np.negative(computed[1], out=b[0, 2])
+    np.negative(computed[1], out=b[0, 2])  # B(1,3) and B(2,3), by roll
     b[1, 2] = computed[0]
     if not sight.used.all():
         eps, b = np.where(sight.used, eps, 0.0), np.where(sight.used, b, 0.0)
@@ -275,7 +278,10 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
 
 
 def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
-    """Solve for the correction (3, F), radians, in the order of the listing (A 405 to A 421)."""
+    """Solve for the correction C (3, F), radians, in the order of the listing (A 405 to A 421).
+
+    A singular matrix is marked, and its C taken as MATINV leaves it: VOPD never looks at DETERM.
+    """
     _, count, frames = eps.shape
     terms = np.empty((2, 9, count, frames))
     np.multiply(b[:, :1], b, out=terms[:, 0:3])

@@ -30,6 +30,8 @@ class UndefinedLandmark(VopdError):
 def time_and_position(job: Job) -> tuple[Floats, Floats]:
     """Look up the time of every frame of a job (F,), and where the vehicle is then (F, 3), feet.
 
+    Checks and conversions ask it; `vopd` looks up the frames of all jobs at once.
+
     Raises:
         TableOutOfOrder: if one of its tables is not in order.
         TableNotANumber: if one of them holds a NaN.
@@ -52,7 +54,9 @@ def group_9(landmarks: Landmarks, fixes: Fixes) -> tuple[Floats, Floats, Floats]
         THJ, longitude, degrees east; PHIJ, geocentric latitude, degrees; and RJ, distance from
         the Earth's centre, km; each (n,).
 
-    Source: TM X-3050, A 174 to A 199.
+    Source: TM X-3050, A 174 to A 199. RJ is in feet on the card, in `altitude_ft` and before
+    A 186; a line without a number behind the READ of group 9 multiplies it by 1000/FTPKM, which the
+    printed altitudes show never to have run.
     """
     longitude_deg = landmarks.longitude_deg + landmarks.longitude_min / 60.0
     latitude_deg = geodetic_latitude_deg(landmarks)
@@ -146,7 +150,8 @@ def kilometres(fixes: Fixes, vehicle_ft: Floats) -> Floats:
 def _spherical(origin: Floats, fixes: Fixes) -> tuple[Floats, Floats, Floats]:
     """Convert the origin to RZ, km, geocentric latitude PHIZ and longitude THZ, radians.
 
-    Source: TM X-3050, A 49 to A 61, and the lost card before them that converts RZ.
+    Source: TM X-3050, A 49 to A 61, and the card before them, lost in the scan, by which RZ of
+    group 8, thousands of feet, becomes km: RZ*1000/FTPKM.
     """
     latitude_deg, longitude_deg, radius_kft = origin
     phi = geocentric(latitude_deg, ORIGIN_FOUR_PHI, six_phi(fixes))

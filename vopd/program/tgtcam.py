@@ -58,6 +58,7 @@ def tgtcam(
     Source: TM X-3050, B 1 to B 118.
     """
     xs, ys, zs = camera_position(rz, phiz, thz, xyz)
+    # The vertical is geocentric: azimuth and elevation of the camera's own place
     al = np.arctan2(zs, np.sqrt(xs**2 + ys**2))
     t = np.arctan2(ys, xs)
     sint, cost, sinal, cosal = np.sin(t), np.cos(t), np.sin(al), np.cos(al)
@@ -65,13 +66,14 @@ def tgtcam(
         xs, ys, zs = xs[of], ys[of], zs[of]
         sint, cost, sinal, cosal = sint[of], cost[of], sinal[of], cosal[of]
 
+    # From the camera to each landmark, Earth-fixed; then by turns about T and AL east, north, up
     phij, thj = phij / dpr, thj / dpr
     cospj = np.cos(phij)
     delxj = rj * cospj * np.cos(thj) - xs
     delyj = rj * cospj * np.sin(thj) - ys
     delzj = rj * np.sin(phij) - zs
     delrj = np.sqrt(delxj**2 + delyj**2 + delzj**2)
-    delxj, delyj, delzj = delxj / delrj, delyj / delrj, delzj / delrj  # AMV
+    delxj, delyj, delzj = delxj / delrj, delyj / delrj, delzj / delrj  # AMV, of length 1
     xlam = -sint * delxj + cost * delyj
     xmu = -sinal * cost * delxj + -sinal * sint * delyj + cosal * delzj
     xnu = cosal * cost * delxj + sint * cosal * delyj + sinal * delzj

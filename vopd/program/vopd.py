@@ -1,16 +1,20 @@
 """Program VOPD beside its listing (A 84 to A 455), for all frames at once.
 
-The steps stand in the order of the listing but for five. The landmarks that are ignored (A 129
+The steps stand in the order of the listing but for six. The landmarks that are ignored (A 129
 to A 161) are left out at the beginning, when the frames are put together; the origin (A 47 to
 A 61) is converted with TGTCAM; the lens table (A 343 to A 348) depends on no angle, and stands
-before the 22 passes; the start (A 109, A 449) stands with them; the vehicle's angles and ALPBET
-(A 296, A 308), done in pass 22 there, stand after them.
+before the 22 passes; the start (A 109, A 449) stands with them; in a pass the residuals are looked
+at for zeros (A 364 to A 375) after the partial derivatives (A 386 to A 404), not before; the
+vehicle's angles and ALPBET (A 296, A 308), done in pass 22 there, stand after them. Group 9 is
+converted once (A 174 to A 199), and not in each frame.
 
 Beside the report: a comment names the cards that the lines below it stand for. A name of the
 listing has its meaning here, but x and y stand in one array: `x` holds X and Y, `xco` XCO and
 YCO, `xpc` XPC and YPC. docs/names.md has all names. Arrays are by frame (F, ...), or by landmark
-that takes part (N, ...), frame after frame; `of` (N,) is the frame of each landmark. Appendix
-B's control cards and basic data (A 26 to A 82) are read by `vopd.cards`; `vopd.listing` prints.
+that takes part (N, ...), frame after frame; `of` (N,) is the frame of each landmark. The control
+cards and basic data (A 26 to A 82, A 87) are read by `vopd.cards`. The page (all WRITE, with the
+loops and jumps around them, such as A 305 to A 307 and A 354 to A 358) is written by
+`vopd.listing`, tape 10 (A 312) by `vopd.listing.tape10`.
 """
 
 from __future__ import annotations
@@ -177,22 +181,27 @@ def vopd(
         dircos = directions(film.origin, fixes, xyztab, thj, phij, rj, of)
 
         # The loop over runs and what it saves (A 204 to A 208, A 221 to A 228, A 255 to A 272),
-        # unused values (A 282 to A 287, A 290, A 291, A 351 to A 353, A 359, A 422 to A 428), and
+        # unused values (A 282 to A 287, A 290, A 291, A 351 to A 353, A 359, A 362, A 363, A 416,
+        # A 422 to A 428: XNTEMP counts twice), the rejection of landmarks by NG, which holds none
+        # (A 364, A 367 to A 369, A 381, A 383 to A 385), and
         # the random errors (A 176, A 180, A 184, A 209 to A 212, A 222, A 231, A 232, A 246,
         # A 248), which are times RN = 0, do nothing here. Passes are counted and tested (A 288,
         # A 289, A 292 to A 295, A 441 to A 443) by the loop in `vopd.program.orient`.
 
-        # A 218 to A 254: centres and landmarks in millimetres on the film
+        # A 218 to A 254: centres and landmarks in millimetres on the film. There XPC and X keep
+        # their names; here they are `centre_in`, `point_in` before, and `centre`, `x` from here on.
+        # The page has both centres: XPC, YPC in inches, and as XP, YP in millimetres
         centre_in, centre, point_in, x = xpc, xpc * factor, xco, xco * factor
 
         stage, going = Stage.LENS, ~dropped
         if going.any():
             # A 343 to A 348: the lens; here because no angle changes it from pass to pass
-            away = x[film.slot] - centre[of]
+            away = x[film.slot] - centre[of]  # X - XPC, Y - YPC
             xx1 = np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2)
             rr, drr = xx1, -ftlup_each(xx1, table[of], film.lens) / 1000.0
             at_centre = rr == 0.0
-            away *= radial_factor(rr, drr)[:, None]  # DISTR
+            # DISTR = 1 - DRR / RR; at the centre 1, where the listing divides zero by zero
+            away *= radial_factor(rr, drr)[:, None]
 
             # A 273 to A 443: the camera's angles; A 109 to A 111, A 449 to A 454: their start
             xmu1 = dircos[:, 1]
@@ -208,9 +217,10 @@ def vopd(
             done, start = orient_frames(initial.T, seen, dropped, turn, first)
             start, correction, eps = start.T, done.correction.T, done.eps
             last_pass, singular = done.last_pass, done.singular
-            exact = (last_pass > 0) & (last_pass < PASSES)
+            exact = (last_pass > 0) & (last_pass < PASSES)  # ended at A 375, before the last page
 
-            # A 296 to A 304: the vehicle's angles SIG1, SIG2, SIG3; there in pass 22
+            # A 296 to A 304: the vehicle's angles SIG1, SIG2, SIG3; there in pass 22. The page has
+            # them under PSI, THETA, PHI, and under SIG1, SIG2, SIG3 the camera's ALPHA, XOMEG, XKAP
             camera = np.where(dropped, np.nan, done.angles).T
             sigma = film.multiplier * camera + film.offset
             low, high = np.array([0.0, -180.0, 0.0]), np.array([360.0, 180.0, 360.0])
@@ -226,7 +236,8 @@ def vopd(
             psi, theta, phi = sigma.T
             alfa, beta, eta, cvp = alpbet(velocity, wind, theta, psi, phi)
 
-            # A 444 to A 448: the root mean square of the residuals, x and y by turns
+            # A 444 to A 448: the root mean square of the residuals, x and y by turns; the page
+            # calls it their standard deviation
             squares = np.bincount(np.repeat(of, 2), (eps**2).ravel(), frames)
             fitted = 3 if Fix.STANDARD_DEVIATION in fixes else 0
             deviation = np.sqrt(squares / (2.0 * nj - fitted))
@@ -236,6 +247,8 @@ def vopd(
             frame, name = int(going.argmax()), error.table
             stop = Stop(frame, stage, *name, error.position, error.vari, error.vard)
 
+    # All residuals zero (A 373 to A 375): before pass 22 the page lacks its groups 4 to 7, and tape
+    # 10 the record; in pass 22 the page lacks its last group alone, the standard deviation
     outcome = np.where((last_pass > 0) & (last_pass < PASSES), Outcome.EXACT, Outcome.SOLVED)
     outcome = np.where(last_pass == PASSES, Outcome.EXACT_LATE, outcome)
     outcome = np.where(dropped, Outcome.DROPPED, outcome)
@@ -368,6 +381,8 @@ def starts_due(
     initial: Floats, done: Orientation, dropped: Bools, turn: float, first: Ints | int
 ) -> Floats:
     """Find the start (3, F) that each frame should have, given how all frames ended.
+
+    They are ALPHAP, XOMEGP, XKAPP of A 449 to A 454, or ALPHAI, XOMEGI, XKAPI of group 8.
 
     A frame that was dropped, or whose residuals vanished, passes no angles on: the
     next frame starts where that frame did. Carried angles are in degrees and the
