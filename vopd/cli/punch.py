@@ -30,10 +30,11 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     """Write a flight project as a deck of 1974 cards: the same frames and landmarks.
 
     PROJECT is a flight project, .toml. vopd run --fix all of the deck has the
-    flight's angles within what the cards' columns hold, .0005 degree. What
-    cards do not hold is said on standard error; landmarks and frames whose
-    names or numbers do not fit the cards are numbered anew, and the table of the
-    numbers is shown there, or written with --numbers.
+    flight's angles within what the cards' columns hold, .0005 degree, but for
+    robust losses and picks of different weight. What cards do not hold is said
+    on standard error; landmarks and frames whose names or numbers do not fit the
+    cards are numbered anew, and the table of the numbers is shown there, or
+    written with --numbers.
 
     vopd new --deck goes the other way.
 
