@@ -392,7 +392,10 @@ def test_short_lines_behind_a_long_one_up_to_the_end() -> None:
     assert cards_of(content, [3, 2, 2]) == [texts[:3], texts[3:5], texts[5:]]
 
 
-@pytest.mark.parametrize("behind", [b"", b"\n", b" \n\r\n   ", b"\n" * 300])
+BEHIND = [b"", b"\n", b" \n\r\n   ", b"\n" * 300, b"\x1a\r\n", b"\0" * 90]
+
+
+@pytest.mark.parametrize("behind", BEHIND)
 @pytest.mark.parametrize("block_bytes", [1, 64])
 def test_blank_cards_behind_the_last_are_the_end(
     behind: bytes, block_bytes: int, monkeypatch: pytest.MonkeyPatch

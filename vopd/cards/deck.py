@@ -26,6 +26,7 @@ from vopd.findings import Finding, InputError, Report, Severity, VopdError, coun
 Bytes = NDArray[np.uint8]
 
 BLANK = 32
+BEHIND_A_DECK = b" \r\n\x1a\0"  # blanks; control-Z ended files of CP/M and DOS, nulls fill records
 LAST_PRINTABLE = 126
 
 
@@ -171,10 +172,10 @@ class CardDeck:
         return cards
 
     def at_end(self) -> bool:
-        """Tell whether only blank cards are left."""
+        """Tell whether only blank cards are left, or what files were ended and filled with."""
         at = self._at
         while True:
-            if self._buffer[at:].lstrip(b" \r\n"):
+            if self._buffer[at:].lstrip(BEHIND_A_DECK):
                 return False
             at = len(self._buffer)
             if not self._fill():
