@@ -392,7 +392,7 @@ def test_short_lines_behind_a_long_one_up_to_the_end() -> None:
     assert cards_of(content, [3, 2, 2]) == [texts[:3], texts[3:5], texts[5:]]
 
 
-BEHIND = [b"", b"\n", b" \n\r\n   ", b"\n" * 300, b"\x1a\r\n", b"\0" * 90]
+BEHIND = [b"", b"\n", b" \n\r\n   ", b"\n" * 300, b"\x1a\r\n", b"\x1a" * 128]
 
 
 @pytest.mark.parametrize("behind", BEHIND)

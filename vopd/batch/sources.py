@@ -129,6 +129,8 @@ LONGEST_NAME = 4096  # characters of a line of a manifest: no file has a longer 
 
 def _matching(one: str, name: str) -> Iterator[tuple[str, str]]:
     """List the files of one argument with their names."""
+    if not one:
+        raise VopdError("a source has no name: give a file, a folder or a pattern")
     if one == "-":
         raise VopdError("-: standard input cannot be a source of a batch: write it to a file")
     if os.path.isdir(one):  # noqa: PTH112

@@ -26,7 +26,7 @@ from vopd.findings import Finding, InputError, Report, Severity, VopdError, coun
 Bytes = NDArray[np.uint8]
 
 BLANK = 32
-BEHIND_A_DECK = b" \r\n\x1a\0"  # blanks; control-Z ended files of CP/M and DOS, nulls fill records
+BEHIND_A_DECK = b" \r\n\x1a"  # blanks, and the control-Z by which CP/M and DOS ended files
 LAST_PRINTABLE = 126
 
 
@@ -172,7 +172,7 @@ class CardDeck:
         return cards
 
     def at_end(self) -> bool:
-        """Tell whether only blank cards are left, or what files were ended and filled with."""
+        """Tell whether only blank cards are left, or what files were ended with."""
         at = self._at
         while True:
             if self._buffer[at:].lstrip(BEHIND_A_DECK):
