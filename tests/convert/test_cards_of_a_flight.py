@@ -376,6 +376,7 @@ NOTES = {
     "sigmas of the path": "sigma_m = 0.5\n",
     "of the time": "sigma_t_s = 0.5\n",
     "none": "sigma_m = 0\n",
+    "a free offset": 'offset_s = 0.05\nsigma_bias_m = 2.0\n[solve]\nfree = ["track-offset"]\n',
 }
 
 

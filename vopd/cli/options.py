@@ -395,10 +395,9 @@ class _SourceName(_FileName):
     """
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        project = os.path.join(value, "flight.toml")  # noqa: PTH118
-        if value not in ("", "-") and os.path.isfile(project):  # noqa: PTH113
-            return project
-        return super().convert(value, param, ctx)
+        name = super().convert(value, param, ctx)
+        project = os.path.join(name, "flight.toml")  # noqa: PTH118
+        return project if name != "-" and os.path.isfile(project) else name  # noqa: PTH113
 
 
 SOURCE_NAME = _SourceName(readable=False)

@@ -14,7 +14,7 @@ from vopd.findings import VopdError, count_text
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.result import FlightResult
 from vopd.flight.solve.free import FREE, OF_A_LENS
-from vopd.flight.solve.rotations import SolvedFlight, solve
+from vopd.flight.solve.rotations import SolvedFlight
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, Lenses, distort_radial_table, project, ray_of_pixel
 from vopd.geometry.linear import norm
@@ -48,7 +48,7 @@ def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
         message = "[camera] of_images: the cards have one lens: write a project for each camera"
         raise VopdError(f"{flight.source}: {message}")
     solved, picks = result.estimates.solved, flight.picks
-    places = places_note(solved)
+    places = places_note(solved, estimate)
     if solved.landmark_m is not None:
         flight = replace(flight, landmarks=replace(flight.landmarks, position_m=solved.landmark_m))
     if not picks.stated and picks.clicks is None:  # the residuals tell what is more than this
@@ -107,18 +107,19 @@ def roll_offset_deg(flight: Flight) -> float | None:
 NOTED_M = 0.01
 
 
-def places_note(solved: SolvedFlight) -> list[str]:
+def places_note(solved: SolvedFlight, estimate: Estimate) -> list[str]:
     """Say how far places that were solved with the attitudes are from the stated ones."""
-    flight = solved.flight
-    pairs = [(solved.camera_m, solve(flight, ~solved.used).camera_m)]
+    flight, moved_m = solved.flight, [np.zeros((1, 3))]
+    if estimate.moved is not None:
+        moved_m.append(estimate.moved)
     if solved.landmark_m is not None:
         seen = np.unique(flight.picks.landmark)
-        pairs.append((solved.landmark_m[seen], flight.landmarks.position_m[seen]))
-    apart = [np.nanmax(norm(one - stated), initial=0.0) for one, stated in pairs]
-    if max(apart) < NOTED_M:
+        moved_m.append(solved.landmark_m[seen] - flight.landmarks.position_m[seen])
+    apart_m = float(np.nanmax(norm(np.vstack(moved_m))))
+    if apart_m < NOTED_M:
         return []
     return [
-        f"landmarks and positions are where the flight's solve has them, up to {max(apart):.2g} m "
+        f"landmarks and positions are where the flight's solve has them, up to {apart_m:.2g} m "
         "from where they are stated, so that the deck has its angles"
     ]
 

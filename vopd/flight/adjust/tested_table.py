@@ -50,7 +50,7 @@ def label(tests: LeftOut, k: int, flight: Flight) -> str:
 
 
 def _fix_label(fix: int, flight: Flight) -> str:
-    """Name a fix by the frames that depend on it, and if they are several by its row."""
+    """Name a fix by the frame that depends on it, or by its row where several or none do."""
     fixes = flight.path.fixes
     assert fixes is not None
     # the shape of the path between two fixes stands among them
