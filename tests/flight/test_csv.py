@@ -681,6 +681,20 @@ def test_a_log_whose_header_says_utc() -> None:
     assert found.coordinate[0].tolist() == [-117.8, 35.3, 681.3]
 
 
+@pytest.mark.parametrize(
+    "name", ["timestamp_utc", "Datetime (UTC)", "UTC timestamp", "GPS time (UTC)", "time_utc"]
+)
+def test_times_whose_names_say_the_clock(name: str) -> None:
+    found = read_text(TRACK_FORMATS, "track", f"{name},lat,lon,alt\n2026-05-01 09:58:42.5,48,15,3\n")
+    first = datetime(2026, 5, 1, 9, 58, 42, 500000, UTC).timestamp()
+    assert_close("time", found.time_s - first, [0.0])
+
+
+def test_an_elapsed_time_counts_before_one_of_the_receiver() -> None:
+    rows = "gps_time,elapsed,lat,lon,alt\n471522.0,2.5,48,15,3\n"
+    assert read_text(TRACK_FORMATS, "track", rows).time_s.tolist() == [2.5]
+
+
 @pytest.mark.parametrize("zoom", ["", ",1.00"])
 def test_marks_without_a_header_as_pix4d_writes_them(zoom: str) -> None:
     rows = f"DJI_1.JPG,gcp1,10.5,20{zoom}\nDJI_2.jpg,gcp2,3,4{zoom}\n"

@@ -37,8 +37,7 @@ SYNONYMS = {
 Of several that are there the first is taken, and of heights none.
 """
 TIMES = (
-    "time", "timestamp", "t", "utc", "datetime", "date_time", "time_utc", "utc_time", "utctime",
-    "time_stamp", "time_s",
+    "time", "timestamp", "t", "utc", "datetime", "date_time", "utctime", "time_stamp", "time_s",
     "t_sec", "seconds", "sec", "elapsed", "elapsed_s", "unix", "unix_time", "unixtime",
     "unix_s", "posix_time",
     "t_ms", "time_ms", "timestamp_ms", "elapsed_ms", "unix_ms", "milliseconds", "ms",
@@ -46,6 +45,8 @@ TIMES = (
 """Other names of a time: dates are `t_utc`, numbers `t_s`, or seconds since 1970."""
 DATES = ("date", "gps_date", "utc_date", "date_utc", "day")
 """Names of a column of dates beside one of times of day."""
+CLOCK = re.compile(r"(^|_)(utc|gps|gnss)(?=_|$)")
+"""Words of the name of a column of times that name its clock."""
 MILLISECONDS = re.compile(r"(^|_)(ms|msec|milliseconds)$")
 """Ends of names of columns of times in thousandths of a second."""
 IN_FEET = re.compile(r"(^|_)(ft|feet)(?=_|$)")
@@ -98,13 +99,15 @@ def plain_name(text: str) -> str:
 
 
 def _bare_name(name: str, plain: str, feet: bool = False) -> str:
-    """Take the words off the plain name of a column that leave a coordinate the same.
+    """Take the words off the plain name of a column that leave a coordinate or time the same.
 
     Args:
         name: what the column may be here
         plain: its plain name
         feet: whether x and y may be in feet
     """
+    if name == TIME[0]:
+        return CLOCK.sub("", plain).strip("_") or plain
     others = (IN_FEET, LEVEL) if name in HEIGHTS else (IN_FEET,) * (feet and name in PLANE)
     if name in HEIGHTS and OF_ANGLE.search(plain):
         return plain
@@ -154,7 +157,7 @@ def own_names(
             continue
         others = TIMES if name == TIME[0] else SYNONYMS.get(name, (name,))
         there = [plain.index(one) for one in others if one in plain]
-        if name in HEIGHTS or (name in COORDINATES and not there):
+        if name in HEIGHTS or (name in (TIME[0], *COORDINATES) and not there):
             there = [k for k, one in enumerate(plain) if _bare_name(name, one, feet) in others]
         there = [k for k in there if found[k] not in known]
         if len(there) > 1 and name in HEIGHTS:
