@@ -129,6 +129,15 @@ def count_text(number: int, one: str, many: str = "") -> str:
     return f"{number} {one if number == 1 else many or f'{one}s'}"
 
 
+MOST_WRITTEN_OUT = 1e6  # of sizes
+
+
+def size_text(value: float, digits: int = 2) -> str:
+    """Write a size with some significant digits, without an exponent: `0.31`, `2100`."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < MOST_WRITTEN_OUT else text
+
+
 Report = Callable[[Finding], None]
 """A function that is given a finding and keeps it, prints it or raises it."""
 

@@ -685,7 +685,9 @@ def test_a_log_whose_header_says_utc() -> None:
     "name", ["timestamp_utc", "Datetime (UTC)", "UTC timestamp", "GPS time (UTC)", "time_utc"]
 )
 def test_times_whose_names_say_the_clock(name: str) -> None:
-    found = read_text(TRACK_FORMATS, "track", f"{name},lat,lon,alt\n2026-05-01 09:58:42.5,48,15,3\n")
+    found = read_text(
+        TRACK_FORMATS, "track", f"{name},lat,lon,alt\n2026-05-01 09:58:42.5,48,15,3\n"
+    )
     first = datetime(2026, 5, 1, 9, 58, 42, 500000, UTC).timestamp()
     assert_close("time", found.time_s - first, [0.0])
 

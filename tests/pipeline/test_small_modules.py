@@ -25,6 +25,7 @@ from vopd.findings import (
     frames_text,
     kind_of,
     raising,
+    size_text,
     strict,
 )
 from vopd.geometry.ellipsoids import ELLIPSOIDS
@@ -33,6 +34,17 @@ from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
 from vopd.results import CONVERGED_RAD, Outcome, SolvedJob, SourceEnd
 from vopd.synthetic import Plan
 from vopd.synthetic.flight import make
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [(0.0312, 2, "0.031"), (9.96, 2, "10"), (99.6, 2, "100"), (324.6, 2, "320"),
+     (2064.0, 3, "2060"), (999_400.0, 2, "1000000"), (2e6, 2, "2e+06"), (-151.0, 2, "-150"),
+     (1e-9, 2, "1e-09"), (np.inf, 2, "inf")],
+)  # fmt: skip
+def test_sizes_have_few_digits_and_no_exponent(value: float, digits: int, text: str) -> None:
+    """A warning spoke of 3.2e+02 standard deviations."""
+    assert size_text(value, digits) == text
 
 
 @pytest.mark.parametrize(

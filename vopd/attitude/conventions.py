@@ -15,7 +15,7 @@ from vopd.attitude.reading_sigma import SOURCES
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
 from vopd.estimate import Position, Vertical, Words
-from vopd.findings import Finding, Report, count_text
+from vopd.findings import Finding, Report, count_text, size_text
 from vopd.version import __version__
 
 if TYPE_CHECKING:
@@ -209,11 +209,13 @@ def _reading_sigmas(histories: Sequence[History]) -> str:
 def reading_sigma_text(history: History) -> str:
     """Describe the reading sigma of a job: size, origin, degrees of freedom."""
     scale, e = history.uncertainty.reading, history.estimate
-    parts = [f"{scale.sigma:.3g} {e.units.image}", SOURCES[scale.source]]
+    parts = [f"{size_text(scale.sigma, 3)} {e.units.image}", SOURCES[scale.source]]
     if np.isfinite(scale.freedom):
         parts.append(f"{scale.freedom:.1f} degrees of freedom")
     if e.reading_spread > 0.0 and scale.sigma > 0.0:
-        parts.append(f"{scale.sigma / e.reading_spread:.3g} times the spread of repeated readings")
+        parts.append(
+            f"{size_text(scale.sigma / e.reading_spread, 3)} times the spread of repeated readings"
+        )
     return ", ".join(parts)
 
 

@@ -14,7 +14,7 @@ from vopd.attitude.mistakes import repair_chance
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import About
-from vopd.findings import Finding, count_text, frames_text
+from vopd.findings import Finding, count_text, frames_text, size_text
 
 # Summary of a job's frames.
 
@@ -129,10 +129,11 @@ def errata_text(summary: HistorySummary) -> str:
         return ""
     worst = int(np.argmax(np.round(summary.errata_sigmas, 6)))  # of two alike the first
     angle = ANGLES[TESTED[worst]].replace("_", " ")
+    sigmas = size_text(summary.errata_sigmas[worst])
     some = f"{summary.errata} of {count_text(summary.frames, 'frame')}"
     return (
         f"errata of the original program, in no sigma, change {angle} by up to "
-        f"{summary.errata_deg[worst]:.3g} degree ({summary.errata_sigmas[worst]:.2g} sigmas), some "
+        f"{summary.errata_deg[worst]:.3g} degree ({sigmas} sigmas), some "
         f"angle by more than a sigma in {some}: --fix all corrects them"
     )
 

@@ -12,6 +12,7 @@ from vopd.arrays import Floats, Ints
 from vopd.attitude.history import History
 from vopd.attitude.sigmas import INPUTS, Sigmas, angle_gains, given_components, in_force
 from vopd.estimate import Block, Estimate, Units
+from vopd.findings import size_text
 
 if TYPE_CHECKING:
     from vopd.attitude.mean import MeanAttitude
@@ -74,7 +75,7 @@ def included_text(history: History, mean: MeanAttitude | None = None) -> str:
     sizes: dict[str, list[str]] = {OF_VEHICLE: [], "alpha, beta and eta": []}
     for name, own in each.items():
         angles, size_deg = _largest(own)
-        size = f"below {LEAST_DEG}" if size_deg < LEAST_DEG else f"{size_deg:.2g}"
+        size = f"below {LEAST_DEG}" if size_deg < LEAST_DEG else size_text(size_deg)
         sizes[angles].append(f"{label(name)} {size}")
     texts = [
         f"{', '.join(some)} degree, the largest of {angles}"
@@ -192,7 +193,7 @@ def usual_effects(estimate: Estimate, names: Collection[str]) -> dict[str, str]:
         if own:
             _, degrees = _largest(np.sqrt(sum((one**2).sum(axis=2) for one in own)))
             if 0.0 < degrees < np.inf:
-                found[name] = f"{text} is {degrees:.2g} degree"
+                found[name] = f"{text} is {size_text(degrees)} degree"
     return found
 
 

@@ -17,7 +17,7 @@ from vopd.attitude.history import History
 from vopd.attitude.included import errors_texts
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.uncertainty import ANGLES
-from vopd.findings import Finding, count_text, first_of_each_kind, frames_text
+from vopd.findings import Finding, count_text, first_of_each_kind, frames_text, size_text
 from vopd.screen import LEAST, aligned, shortened, width, wrapped
 
 ROWS = 20  # frames of a table
@@ -284,7 +284,7 @@ def sure_text(frames: ShownFrames) -> str:
         if "misfit" in frames.flagged:
             told += f" ({CONTRADICTED}: the residuals contradict it)"
         told += f": {median}" + ", ".join(
-            f"{name} {'free' if not isfinite(size) else f'{size:.2g}'}"
+            f"{name} {'free' if not isfinite(size) else size_text(size)}"
             for name, size in zip(("yaw", "pitch", "roll"), middle.tolist(), strict=True)
         )
     included = dict.fromkeys(one for _, one, _ in errors_texts([job.head for job in frames.jobs]))

@@ -35,7 +35,7 @@ from vopd.figures.image import FRAME_SHOWN
 from vopd.figures.stars import StarPicture, draw_star_residuals
 from vopd.figures.style import SUFFIXES, Inches, ready, save, short
 from vopd.files import whole_file
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, count_text, size_text
 
 if TYPE_CHECKING:
     from vopd.figures import Photograph
@@ -92,7 +92,7 @@ def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
     rms = float(np.sqrt(np.mean(one.residuals**2)))
     title = (
         f"{name}{image}: {one.method}, {count_text(len(one.images), point)}, "
-        f"rms of a coordinate {rms:.3g} {one.unit}\n{', '.join(told)} degrees{axes}"
+        f"rms of a coordinate {size_text(rms, 3)} {one.unit}\n{', '.join(told)} degrees{axes}"
     )
     if None in one.half_95_deg:
         title += "; no uncertainty is known"

@@ -19,7 +19,7 @@ from vopd.cards.numbers import rounded_to_fit, write_number
 from vopd.cards.read import read_jobs
 from vopd.convert.deck_to_flight import M_PER_FT, deck_flight, landmark_positions_m
 from vopd.errata import Fixes
-from vopd.findings import VopdError
+from vopd.findings import VopdError, size_text
 from vopd.flight.adjust.adjustment import Adjustment, adjust
 from vopd.flight.coordinates import coordinates_at
 from vopd.flight.parameters import Parameter
@@ -308,7 +308,8 @@ def _notes(
     where = "along its line of sight" if sighted else "along the longest axis"
     across = float(along_ft[1])
     notes = [
-        f"landmark {number} is known to {along_ft[0]:.3g} ft {where} and to {across:.3g} ft across"
+        f"landmark {number} is known to {size_text(along_ft[0], 3)} ft {where} and to "
+        f"{size_text(across, 3)} ft across"
     ]
     if not held:
         notes.append(
@@ -316,7 +317,7 @@ def _notes(
             "other places"
         )
     notes.append(
-        f"group 9 has it to .00001 minute and .1 ft, {rounded_ft:.2g} ft from the solution: "
-        f"{rounded_ft / along_ft[2]:.2g} of its smallest standard deviation"
+        f"group 9 has it to .00001 minute and .1 ft, {size_text(rounded_ft)} ft from the solution: "
+        f"{size_text(rounded_ft / along_ft[2])} of its smallest standard deviation"
     )
     return notes

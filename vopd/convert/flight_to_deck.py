@@ -10,7 +10,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.cards.numbers import rounded_to_fit
 from vopd.estimate import Estimate
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, count_text, size_text
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.result import FlightResult
 from vopd.flight.solve.free import FREE, OF_A_LENS
@@ -119,8 +119,8 @@ def places_note(solved: SolvedFlight, estimate: Estimate) -> list[str]:
     if apart_m < NOTED_M:
         return []
     return [
-        f"landmarks and positions are where the flight's solve has them, up to {apart_m:.2g} m "
-        "from where they are stated, so that the deck has its angles"
+        "landmarks and positions are where the flight's solve has them, up to "
+        f"{size_text(apart_m)} m from where they are stated, so that the deck has its angles"
     ]
 
 
@@ -225,8 +225,8 @@ def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
     moved = _moved_px(flight, solved, ideal)
     if moved > NOTED_PX:
         notes.append(
-            f"picks are up to {moved:.2g} px from where the lens shows them, so that the 1974 "
-            "solve, which weighs them without the lens, has the flight's solution"
+            f"picks are up to {size_text(moved)} px from where the lens shows them, so that the "
+            "1974 solve, which weighs them without the lens, has the flight's solution"
         )
     film = ideal
     if np.any(added):

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, size_text
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight
 from vopd.geometry.earth import NED_FROM_ENU
@@ -89,9 +89,9 @@ def mount_findings(flight: Flight) -> list[Finding]:
         return []
     times = off_deg / expected_deg
     message = (
-        f"free mount: attitudes of {flight.vehicle.name} are {off_deg:.2g} degrees from those of "
-        f"the camera and one mount, {times:.1f} times what the standard deviations explain: "
-        "are they degrees, of this vehicle and on this clock?"
+        f"free mount: attitudes of {flight.vehicle.name} are {size_text(off_deg)} degrees from "
+        f"those of the camera and one mount, {times:.1f} times what the standard deviations "
+        "explain: are they degrees, of this vehicle and on this clock?"
     )
     return [Finding(message, flight.source, severity="warning")]
 

@@ -9,6 +9,7 @@ from math import isfinite
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.findings import size_text
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.mounting import AXES
 from vopd.flight.settled import settled, with_named_picks
@@ -150,7 +151,7 @@ def text_row(one: Parameter) -> list[str]:
     before, after = (f"{value:.{digits}f}" if digits is not None else f"{value:.7g}"
                      for value in (one.before, one.after))  # fmt: skip
     sigmas = [
-        f"{sigma:.2g}" if isfinite(sigma) else NOT_STATED
+        size_text(sigma) if isfinite(sigma) else NOT_STATED
         for sigma in (one.sigma_before, one.sigma_after)
     ]
     kept = not one.held and one.after == one.before

@@ -7,7 +7,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.conventions import POSITION
 from vopd.estimate import Words
-from vopd.findings import count_text
+from vopd.findings import count_text, size_text
 from vopd.flight.angles import camera_angles
 from vopd.flight.flight import Flight, Refraction
 from vopd.flight.solve.clicks import ClickEquations
@@ -165,7 +165,7 @@ def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
         if raised_deg >= LEAST_RAISED_DEG:
             keys["refraction"] = (
                 f"[atmosphere] refraction: the standard one raises lines of sight by "
-                f"{raised_deg:.2g} degree at most"
+                f"{size_text(raised_deg)} degree at most"
             )
     return keys
 
@@ -229,5 +229,5 @@ def clicks_text(joint: JointSolution) -> str:
     stated_px = float(np.sqrt((clicks.sigma_px[model.clicked] ** 2).mean()))
     return (
         f"{count}, off by {np.sqrt((error**2).mean()):.2f} px rms of u and v "
-        f"({stated_px:.2g} stated), known to {np.sqrt(left.mean()):.2f} px"
+        f"({size_text(stated_px)} stated), known to {np.sqrt(left.mean()):.2f} px"
     )

@@ -8,7 +8,7 @@ import json
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from vopd.findings import count_text
+from vopd.findings import count_text, size_text
 from vopd.flight.parameters import text_row
 from vopd.screen import aligned
 
@@ -61,7 +61,7 @@ def _solved_text(made: Adjustment) -> str:
     result = made.result
     frames = count_text(int(result.solved.sum()), "frame")
     reading = result.estimates.reading
-    sigma = "" if reading is None else f", reading sigma {reading.sigma:.3g} px"
+    sigma = "" if reading is None else f", reading sigma {size_text(reading.sigma, 3)} px"
     picks = count_text(int(result.estimates.solved.used.sum()), "pick")
     return f"{result.flight.source}: {frames}, {picks}{sigma}"
 

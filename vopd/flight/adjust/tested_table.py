@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.export.tables import not_a_formula
-from vopd.findings import count_text
+from vopd.findings import count_text, size_text
 from vopd.flight.adjust.tested import Named, Prediction, TestedFlight
 from vopd.flight.angles import turned_vehicle_deg
 from vopd.flight.flight import Flight, frame_label, pick_label
@@ -177,7 +177,7 @@ def as_text(tested: TestedFlight, prediction: Prediction | None, free: Sequence[
     assert joint is not None
     rms_px = _rms(joint.normal.residual / joint.model.scale[:, None])
     without = " without what does not fit" * bool(tested.named)
-    lines = [f"left out one by one: {counted}; residuals{without} {rms_px:.3g} px rms"]
+    lines = [f"left out one by one: {counted}; residuals{without} {size_text(rms_px, 3)} px rms"]
     limit = f"{SIGNIFICANCE:g} with all tests counted".removeprefix("0")
     if tested.named:
         lines += [f"does not fit (chance below {limit}):"]
@@ -227,7 +227,7 @@ def _degrees(value: float) -> str:
     """Write the size of a turn, which beyond half a circle says nothing."""
     if not value <= 180.0:
         return "over 180" if np.isfinite(value) else ""
-    return f"{value:.2g}" if value < 100.0 else f"{value:.0f}"
+    return size_text(value)
 
 
 HEAD = (
@@ -249,7 +249,7 @@ def _table(tested: TestedFlight) -> list[str]:
         moved, mean = (
             np.degrees(np.linalg.norm(one[k])) for one in (tests.moved_rad, tests.mean_moved_rad)
         )
-        rms = f"{tests.rms_px[k]:.3g} px" if np.isfinite(tests.rms_px[k]) else ""
+        rms = f"{size_text(tests.rms_px[k], 3)} px" if np.isfinite(tests.rms_px[k]) else ""
         table.append([
             label(tests, k, flight), f"{tests.normalised[k]:.2f}", chance_text(tests.chance[k]),
             chance_text(tests.chance_of_all[k]), _off(tests, k), _degrees(moved), _degrees(mean),
@@ -269,12 +269,12 @@ def _table(tested: TestedFlight) -> list[str]:
 
 def _off(tests: LeftOut, k: int) -> str:
     if np.isfinite(tests.off_px[k, 0]):
-        return f"{np.hypot(*tests.off_px[k]):.3g} px"
+        return f"{size_text(np.hypot(*tests.off_px[k]), 3)} px"
     if np.isnan(tests.error[k, 0]):
         return ""
     if tests.kind[k] == TIME:
-        return f"{abs(tests.error[k, 0]):.3g} s"
-    return f"{norm(tests.error[k]):.3g} m"
+        return f"{size_text(abs(tests.error[k, 0]), 3)} s"
+    return f"{size_text(float(norm(tests.error[k])), 3)} m"
 
 
 def prediction_lines(
@@ -292,8 +292,8 @@ def prediction_lines(
         if not len(own):
             return ["no pick is predicted by others"]
         return [
-            f"{count_text(len(own), 'pick')} predicted by all others: error {_median(own):.3g} px "
-            f"in the median, {_rms(own):.3g} px rms"
+            f"{count_text(len(own), 'pick')} predicted by all others: error "
+            f"{size_text(_median(own), 3)} px in the median, {size_text(_rms(own), 3)} px rms"
         ]
     (stated, freed), (rms_stated, rms_freed) = prediction.median_px, prediction.rms_px
     names, frames = ", ".join(free), count_text(prediction.frames, "frame")
@@ -305,8 +305,8 @@ def prediction_lines(
         verdict = "keep what is stated"
     return [
         f"{count_text(prediction.picks, 'pick')} predicted by all others: with all as stated "
-        f"{stated:.3g} px in the median, with {names} free {freed:.3g} px "
-        f"(rms {rms_stated:.3g} and {rms_freed:.3g} px)",
+        f"{size_text(stated, 3)} px in the median, with {names} free {size_text(freed, 3)} px "
+        f"(rms {size_text(rms_stated, 3)} and {size_text(rms_freed, 3)} px)",
         f"better in {prediction.better} of {frames} (chance {chance_text(prediction.chance)}): "
         f"{verdict}",
     ]

@@ -16,7 +16,7 @@ from scipy.special import chdtrc
 from vopd.arrays import Bools
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
-from vopd.findings import Finding, VopdError
+from vopd.findings import Finding, VopdError, size_text
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight
 from vopd.flight.misfits.input_errors import (
@@ -66,8 +66,8 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
             if reading.source == "given":
                 return (
                     f"{MISFITS}: the given reading sigma of {reading.sigma:g} px is smaller than "
-                    f"its residuals show, {ratio * reading.sigma:.2g} px: {ratio:.1f} times what "
-                    "it and the stated standard deviations explain "
+                    f"its residuals show, {size_text(ratio * reading.sigma)} px: "
+                    f"{ratio:.1f} times what it and the stated standard deviations explain "
                     f"(chance below {SIGNIFICANCE:g})"
                 )
             return (
@@ -79,14 +79,15 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
     expected_px, of = USUAL_PX, f"the usual {USUAL_PX:g} px"
     if picks.clicks is not None:
         assert stated_px is not None
-        expected_px, of = stated_px, f"what tracks of such a sigma_px should have, {stated_px:.2g}"
+        expected_px = stated_px
+        of = f"what tracks of such a sigma_px should have, {size_text(stated_px)}"
     elif stated_px is not None:
         expected_px, of = stated_px, f"the stated sigma_px = {stated_px:g}"
     else:  # a point that is picked several times is not identified better for it
         sigma_px *= float(np.median(picks.sigma_px)) / picks.one_sigma_px
         if picks.repeatability_px > 1.0:
             expected_px *= picks.repeatability_px
-            of = f"{expected_px:.2g} px, {USUAL_PX:g} times the spread of repeated picks"
+            of = f"{size_text(expected_px)} px, {USUAL_PX:g} times the spread of repeated picks"
         of += ", as sigma_px is not stated"
     ratio, freedom = sigma_px / expected_px, reading.freedom
     large = np.isfinite(freedom) and ratio > REJECTED
@@ -99,7 +100,7 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
     # picks may fit each other for it, whatever is wrong
     moved_m, stated_m = moved_places_m(joint)
     if moved_m > BEYOND * stated_m > 0.0:
-        far = f"{moved_m:.0f}" if moved_m >= 10.0 else f"{moved_m:.2g}"
+        far = size_text(moved_m)
         return (
             f"{MISFITS}: the cameras come out {far} m from where they are stated, "
             f"{moved_m / stated_m:.0f} times the standard deviations of their places"
@@ -168,7 +169,8 @@ def sizes_text(flight: Flight, left_out: Bools | None = None) -> str:
     alike = [name for name, (_, gain) in found.items() if gain > best - ALIKE]
     if not best > LEAST_GAIN or alike == ["reading"]:
         return ""
-    parts = [f"{SIZES[name]} {found[name][0]:.2g} times as uncertain as stated" for name in alike]
+    times = {name: size_text(found[name][0]) for name in alike}
+    parts = [f"{SIZES[name]} {times[name]} times as uncertain as stated" for name in alike]
     return f"the picks speak for {' or '.join(parts)}{_metres(first, alike, found)}"
 
 
@@ -187,7 +189,7 @@ def _metres(joint: JointSolution, alike: list[str], found: dict[str, tuple[float
         return ""
     stated_m = float(np.median(own))
     spoken_m = stated_m * found[alike[0]][0]
-    return f": for {spoken_m:.2g} m where {stated_m:.2g} m is stated ({key})"
+    return f": for {size_text(spoken_m)} m where {size_text(stated_m)} m is stated ({key})"
 
 
 def size_spoken_for(first: JointSolution, component: str) -> tuple[float, float]:

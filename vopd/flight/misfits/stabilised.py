@@ -16,6 +16,7 @@ from scipy.special import fdtrc
 
 from vopd.arrays import Floats, Ints
 from vopd.attitude.residuals import SIGNIFICANCE
+from vopd.findings import size_text
 from vopd.flight.misfits.input_errors import (
     ALIKE,
     LEAST_FREEDOM,
@@ -64,11 +65,11 @@ def shifts_text(joint: JointSolution) -> str:
     if found.evidence < ALIKE:
         or_positions = ", or for positions that are as far off from frame to frame ([track])"
     return (
-        f"{SHIFTED}, by {found.size_px:.2g} px rms "
+        f"{SHIFTED}, by {size_text(found.size_px)} px rms "
         f"or more (chance below {SIGNIFICANCE:g}), as stabilisation does{or_positions}: the angles "
-        f"take a shift for a turn of the camera, {turn_deg:.2g} degree; give the file that is not "
-        "stabilised as [picks] video, and click and track in it; or switch stabilisation off and "
-        "fly again"
+        f"take a shift for a turn of the camera, {size_text(turn_deg)} degree; give the file that "
+        "is not stabilised as [picks] video, and click and track in it; or switch stabilisation "
+        "off and fly again"
     )
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.findings import first_of
+from vopd.findings import first_of, size_text
 from vopd.flight.coordinates import (
     HeightDatum,
     crs_name,
@@ -254,7 +254,7 @@ def velocity_by_fit(
     if np.isnan(variance).all():
         notes.said.append(f"{said}, which are too few to show how uncertain it is")
         return velocity, acceleration, None
-    sizes = "{:.2g}, {:.2g} and {:.2g} m east, north and up".format(*noise)
+    sizes = "{}, {} and {} m east, north and up".format(*map(size_text, noise))
     sizes = sizes if noise.max() >= LEAST_TOLD_M else "less than 1 mm"
     notes.said.append(f"{said}, whose noise is {sizes}")
     return velocity, acceleration, np.sqrt(variance)
@@ -635,7 +635,7 @@ def doubts_of_scatter(
     sigma_m = np.median(fixes.of_positions_m, axis=0)
     if not ((scatter_m > SCATTER * sigma_m) & (scatter_m > LEAST_SCATTER_M)).any():
         return []
-    found, said = ("{:.2g}, {:.2g} and {:.2g} m".format(*one) for one in (scatter_m, sigma_m))
+    found, said = ("{}, {} and {} m".format(*map(size_text, one)) for one in (scatter_m, sigma_m))
     stated = toml_numbers(*(float(f"{one:.2g}") for one in scatter_m))
     return [
         f"{name}: positions scatter by {found} east, north and up about a smooth path, and {said} "
@@ -724,6 +724,6 @@ def covering_text(own_s: Floats, time_s: Floats, offset_s: float) -> str:
     if late_s > 0.0:
         how, needed_s = "ends {} s earlier", offset_s + by_s
     return (
-        f": it {how.format(f'{gap_s:.2g}')}; if its clock may be off by that, "
+        f": it {how.format(size_text(gap_s))}; if its clock may be off by that, "
         f"[track] offset_s = {needed_s:.10g} covers all frames"
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, VopdError, did_you_mean
+from vopd.findings import Finding, VopdError, did_you_mean, size_text
 from vopd.flight.flight import Flight, NotHeld
 from vopd.flight.solve.equations import LENS_COEFFICIENTS, SHIFT, with_parameters
 from vopd.flight.solve.readout import row_shifts_px
@@ -331,8 +331,9 @@ def value_text(parameter: str, value: float, sigma: float, sign: str = "") -> st
         sign: "+" writes it before positive values
     """
     unit, digits = UNIT.get(parameter, ""), decimals(sigma)
-    text = f"{value:{sign}.7g}" if digits is None else f"{value:{sign}.{digits}f} +- {sigma:.2g}"
-    return f"{text} {unit}".rstrip()
+    if digits is None:
+        return f"{value:{sign}.7g} {unit}".rstrip()
+    return f"{value:{sign}.{digits}f} +- {size_text(sigma)} {unit}".rstrip()
 
 
 def decimals(sigma: float) -> int | None:

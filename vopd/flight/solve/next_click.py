@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.findings import size_text
 from vopd.flight.flight import Flight, Picks, frame_label
 from vopd.flight.solve.equations import Model
 from vopd.flight.solve.joint import JointSolution
@@ -185,7 +186,8 @@ def next_places(joint: JointSolution, count: int = 3) -> list[NextPlace]:
         name = flight.landmarks.name[one.landmark]
         text = (
             f"{name} in {frame_label(flight, one.frame)}, near {u:.0f}, {v:.0f}: the sigma of a "
-            f"typical frame falls from {one.before_deg:.3g} to {one.after_deg:.3g} degree"
+            f"typical frame falls from {size_text(one.before_deg, 3)} to "
+            f"{size_text(one.after_deg, 3)} degree"
         )
         found.append(NextPlace(frame_name(flight, one.frame), name, text, (float(u), float(v))))
     return found

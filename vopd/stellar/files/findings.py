@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding
+from vopd.findings import Finding, size_text
 from vopd.geometry.linear import transform
 from vopd.stellar.field import DEGENERATE, REASONS, Failure, StarField, coincide
 from vopd.stellar.files.mistakes import Plausibility
@@ -124,7 +124,8 @@ def explain(solved: SolvedStars, file: StarFile, stars: StarField) -> list[KindO
         text += f" in {LIMIT} corrections"
     elif solved.failure == Failure.TOO_UNCERTAIN and solved.rotation_sigma_arcsec is not None:
         sigma_deg = max(solved.rotation_sigma_arcsec) / 3600.0
-        text += f": its standard deviation is {sigma_deg:.2g} degrees, above {LARGEST_SIGMA_DEG:g}"
+        text += f": its standard deviation is {size_text(sigma_deg)} degrees"
+        text += f", above {LARGEST_SIGMA_DEG:g}"
     finding = file.finding(f"{solved.method}: {text}", *used)
     return [(f"{solved.method}: {solved.failure.name}", finding)]
 
@@ -167,19 +168,21 @@ def explain_plausibility(
     only_stars = judged.about_stars
     if judged.expected and not (rejected and only_stars):
         known = np.isfinite(judged.sigma)
-        size = f"{judged.sigma:.3g} {file.unit}" if known else "no attitude fits"
+        size = f"{size_text(judged.sigma, 3)} {file.unit}" if known else "no attitude fits"
         text = f"the residuals are implausible: {size}, where {judged.expected}"
         found.append(file.finding(text))
         if mistake is None:
             found.append(file.finding(judged.unexplained))
         else:
-            text = f"{mistake.advice}; the residuals are then {mistake.residual:.3g} {file.unit}"
+            left = size_text(mistake.residual, 3)
+            text = f"{mistake.advice}; the residuals are then {left} {file.unit}"
             found.append(file.finding(text, *mistake.points))
     for outlier in judged.outliers if rejected or not only_stars else ():
         fate = "left out" if rejected else "does not fit the others"
+        far = size_text(outlier.distance_mm, 3)
         text = (
             f"star {outlier.star + 1} {'is ' if rejected else ''}{fate}: "
-            f"its image is {outlier.distance_mm:.3g} {file.unit} from where their attitude puts it "
+            f"its image is {far} {file.unit} from where their attitude puts it "
             f"(chance {outlier.chance:.1g})"
         )
         found.append(file.finding(text, outlier.star))

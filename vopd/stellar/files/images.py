@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import Finding, VopdError, input_error
+from vopd.findings import Finding, VopdError, input_error, size_text
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.calibration import LensOfStars, without_lens
 
@@ -101,9 +101,10 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
             raise file.error(text, int(outside[0]))
         times = np.hypot(*far.T) / np.maximum(np.hypot(*points.T), np.finfo(float).tiny)
         if times.max(initial=0.0) > MOST_TIMES:
+            most = size_text(times.max(), 3)
             text = (
-                f"--k1 {axes.k1:g} puts the image {times.max():.3g} times as far out as a lens "
-                "without it, which no lens does: write the lens's own, as -0.1, or --free k1"
+                f"--k1 {axes.k1:g} puts the image {most} times as far out as a lens without it, "
+                "which no lens does: write the lens's own, as -0.1, or --free k1"
             )
             raise file.error(text, int(times.argmax()))
     return points, focal

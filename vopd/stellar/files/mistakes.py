@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.findings import VopdError
+from vopd.findings import VopdError, size_text
 from vopd.geometry.linear import transform
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 from vopd.stellar.field import Failure, StarField, image_points_mm, star_directions
@@ -116,13 +116,17 @@ def judge(
         if expected and mistake is None:
             mistake = two_mistakes(file, stars, fit, axes)
     if not expected and mistake is not None:
-        expected = f"mending the mistake named below leaves {mistake.residual:.3g} {file.unit}"
+        expected = (
+            f"mending the mistake named below leaves {size_text(mistake.residual, 3)} {file.unit}"
+        )
     unexplained = ""
     if expected and mistake is None:
         agree = reading_sigma is not None and not implausible_residuals(
             fit, stars, None, file.unit, fitted.interstar_mm
         )
-        unexplained = unexplained_advice(file, f"{sigma:.3g} {file.unit}" if agree else "")
+        unexplained = unexplained_advice(
+            file, f"{size_text(sigma, 3)} {file.unit}" if agree else ""
+        )
     kept = tuple(outliers) if mistake is None or mistake.points else ()
     return Plausibility(sigma, expected, mistake, kept, unexplained)
 
@@ -177,13 +181,13 @@ def implausible_residuals(
 
         ratio = fit.variance_mm2 / reading_sigma**2
         large = chdtrc(fit.freedom, fit.freedom * ratio) < IMPLAUSIBLE_CHANCE
-        return f"the stated sigma allows {reading_sigma:.3g} {unit}" if large else ""
+        return f"the stated sigma allows {size_text(reading_sigma, 3)} {unit}" if large else ""
     ratio = MIRROR_RATIO if int(stars.count) > FEW else MIRROR_RATIO_OF_FEW
     known = bool(np.isfinite(interstar))  # it takes three stars
     if known and fit.variance_mm2 > max(ratio * interstar, ROUNDING * focal) ** 2:
-        return f"the interstar angles allow {interstar:.3g} {unit}"
+        return f"the interstar angles allow {size_text(interstar, 3)} {unit}"
     if fit.variance_mm2 > (LARGEST_RESIDUAL * focal) ** 2:
-        return f"a photograph allows {LARGEST_RESIDUAL * focal:.3g} {unit} at most"
+        return f"a photograph allows {size_text(LARGEST_RESIDUAL * focal, 3)} {unit} at most"
     return ""
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.findings import Finding, InputError, Report, input_error
+from vopd.findings import Finding, InputError, Report, input_error, size_text
 from vopd.stellar.field import REASONS, Failure, StarField, ground_directions
 from vopd.stellar.files.findings import (
     KindOfFinding,
@@ -751,7 +751,8 @@ def solve_calibration(
         size, unit = (1.0, "") if name == "k1" else (lens.focal, f" {file.unit}")
         if deviation > LARGEST_SIGMA * size:
             doubts.append(
-                f"the stars do not hold {name}: its standard deviation is {deviation:.3g}{unit}"
+                f"the stars do not hold {name}: its standard deviation is "
+                f"{size_text(deviation, 3)}{unit}"
             )
     kinds = [(f"calibration {k}", file.finding(text).warned()) for k, text in enumerate(doubts)]
     return corrected, solved, kinds

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import stdtrit
 
-from vopd.findings import count_text
+from vopd.findings import count_text, size_text
 from vopd.geometry.sexagesimal import format_dms
 from vopd.screen import aligned
 from vopd.stellar.files.images import in_file_coordinates
@@ -145,7 +145,7 @@ def _answer(photograph: SolvedPhotograph, one: SolvedStars, size_px: Sequence[fl
     rows.append(["field", f"{wide:.4g} x {high:.4g}", "", "deg", what])
     known = [f"; {HALF_WIDTHS}"] if halves[0] is not None else []
     head = f"{photograph.file.source}: {count_text(len(one.stars), 'star')}, {one.method}, rms "
-    head += f"{one.rms:.3g} {unit}{''.join(known)}"
+    head += f"{size_text(one.rms, 3)} {unit}{''.join(known)}"
     lines = aligned(rows, {0, 2, 3, 4}, {2, 3})
     return "\n".join([head, *lines]) + "\n"
 
@@ -164,7 +164,7 @@ def _directions(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
             for value, half in zip(_pointed(one), _half_widths(one), strict=True)
             for cell in with_half(value, half)
         ]
-        rms = [f"{one.rms:.3g}" if photograph.file.unit == unit else "" for unit in units]
+        rms = [size_text(one.rms, 3) if photograph.file.unit == unit else "" for unit in units]
         table.append([photograph.label, one.method, _stars(one.stars), *cells, *rms])
     if not any(row[0] for row in table[2:]):
         table = [row[1:] for row in table]
@@ -274,7 +274,7 @@ def _camera(one: SolvedStars, of_file: str) -> list[str]:
     for name, value in (one.camera or {}).items():
         sigma = (one.camera_sigmas or {}).get(name)
         unit = "" if name == "k1" else f" {of_file}"
-        stated = "" if sigma is None else f", standard deviation {sigma:.2g}{unit}"
+        stated = "" if sigma is None else f", standard deviation {size_text(sigma)}{unit}"
         lines.append(f"{name} {value:.8g}{unit}{stated}")
     return lines
 
@@ -314,13 +314,14 @@ def _pointing(sky: dict[str, float]) -> list[str]:
 def _uncertainty(one: SolvedStars, unit: str) -> list[str]:
     """Format the standard deviations of axes and angles, and the region of the optical axis."""
     assert one.rotation_sigma_arcsec and one.angle_sigmas_deg and one.boresight_95_arcsec
+    assert one.reading_sigma is not None
     x, y, z = one.rotation_sigma_arcsec
     known = "as stated" if one.reading_freedom is None else "as the residuals tell"
     major, minor = one.boresight_95_arcsec
     lines = [
         "",
-        f"standard deviations, for image coordinates good to {one.reading_sigma:.3g} {unit} "
-        f"({known}):",
+        "standard deviations, for image coordinates good to "
+        f"{size_text(one.reading_sigma, 3)} {unit} ({known}):",
         f"about the camera's x, y, z {x:.1f} {y:.1f} {z:.1f} seconds of arc",
         "in degrees "
         + ", ".join(
@@ -333,7 +334,7 @@ def _uncertainty(one: SolvedStars, unit: str) -> list[str]:
         "toward east",
     ]
     if one.weighted_rms is not None:
-        lines.append(f"weighted rms of the residuals {one.weighted_rms:.3g} {unit}")
+        lines.append(f"weighted rms of the residuals {size_text(one.weighted_rms, 3)} {unit}")
     return lines
 
 
