@@ -234,6 +234,72 @@ def test_names_of_the_project_join_those_that_were_kept(opened: Any) -> None:
     assert opened.execute_script("return names") == [*LANDMARKS, "old"]
 
 
+def test_the_landmark_that_was_chosen_is_known_by_its_name(opened: Any) -> None:
+    """It was the first of two then, and is the third now."""
+    kept = '{names: ["old", "mast"], picks: [], hidden: [], frame: 0, landmark: 0}'
+    opened.execute_script(f"localStorage.setItem(place, JSON.stringify({kept}))")
+    opened.refresh()
+    ready(opened)
+    assert opened.execute_script("return names[landmark]") == "old"
+
+
+def test_nothing_is_picked_before_the_image_is_there(opened: Any) -> None:
+    opened.execute_script("choose(1); put(5, 5)")
+    assert rows(opened) == []
+    wait_for_picture(opened)
+    opened.execute_script("put(5, 5)")
+    assert rows(opened) == ["1.png,mast,5.00,5.00"]
+
+
+def test_keys_of_the_browser_stay_its_own(opened: Any) -> None:
+    """Alt and Left is the page before, Ctrl and + its size; a locked Ctrl Z is one, too."""
+    press(opened, Keys.ENTER)
+    before, zoom = rows(opened), where(opened)[2]
+    pressed = """
+      return arguments[0].map(([key, more]) => !canvas.dispatchEvent(
+        new KeyboardEvent("keydown", {key, bubbles: true, cancelable: true, ...more})))
+    """
+    own = [["ArrowLeft", {"altKey": True}], *([key, {"ctrlKey": True}] for key in "+-0")]
+    assert opened.execute_script(pressed, own) == [False] * 4
+    assert rows(opened) == before and where(opened)[2] == zoom
+    assert opened.execute_script(pressed, [["Z", {"ctrlKey": True}]]) == [True]
+    assert rows(opened) == []
+
+
+def test_two_fingers_zoom_and_pick_nothing(opened: Any) -> None:
+    """Their distance grows from 100 to 160 px; one that the system takes away ends the drag."""
+    script = """
+      const box = canvas.getBoundingClientRect(), [x, y] = [box.left + 300, box.top + 300];
+      canvas.setPointerCapture = () => {};
+      return arguments[0].map(([kind, pointerId, away]) => {
+        const given = {pointerId, clientX: x + away, clientY: y, button: 0};
+        canvas.dispatchEvent(new PointerEvent("pointer" + kind, given));
+        return view.scale;
+      });
+    """
+    down = [["down", 1, 0], ["down", 2, 100]]
+    scale = opened.execute_script(script, [*down, ["move", 2, 140], ["move", 2, 160]])
+    assert scale[0] == scale[1] == scale[2] < scale[3]
+    narrow = opened.execute_script(script, [["move", 2, 100], ["up", 2, 100], ["up", 1, 0]])
+    assert narrow[0] < scale[3] and rows(opened) == []
+    opened.execute_script(script, [["down", 1, 0], ["cancel", 1, 0]])
+    place = opened.execute_script("return view.x")
+    opened.execute_script(script, [["move", 1, 50]])
+    assert opened.execute_script("return view.x") == place and rows(opened) == []
+
+
+def test_a_wheel_that_goes_sideways_does_not_zoom(opened: Any) -> None:
+    script = """
+      const turn = (deltaX, deltaY) => {
+        canvas.dispatchEvent(new WheelEvent("wheel", {deltaX, deltaY, cancelable: true}));
+        return view.scale;
+      };
+      return [view.scale, turn(80, 0), turn(0, 100)];
+    """
+    before, sideways, out = opened.execute_script(script)
+    assert sideways == before > out
+
+
 def test_letters_in_a_field_are_no_commands_and_the_hidden_is_not_asked_for(opened: Any) -> None:
     opened.find_element(By.ID, "name").send_keys("hnp", Keys.ENTER)
     assert opened.execute_script("return [names, hidden]") == [[*LANDMARKS, "hnp"], []]

@@ -16,8 +16,9 @@ function restore() {
   try {
     const kept = JSON.parse(localStorage.getItem(place));
     if (!kept) return data.places.length ? data.places[0].frame : 0;
-    ({ picks, hidden, landmark } = kept);
+    ({ picks, hidden } = kept);
     names = [...new Set([...names, ...kept.names])];
+    landmark = Math.max(names.indexOf(kept.names[kept.landmark]), 0);
     part("kept").textContent = picks.length + (picks.length === 1 ? " pick" : " picks") + " restored";
     return kept.frame;
   } catch { return 0; /* no storage, or not of this page */ }
@@ -53,6 +54,7 @@ function mean(at, name) {  // of the readings of a point, with how far one of th
 
 function put(u, v, again = false) {  // again: one more reading of the point
   if (!names.length) return part("name").focus();
+  if (!picture) return void (part("kept").textContent = "the image is not shown yet: nothing is picked");
   const { width, height } = data.frames[frame], name = names[landmark], own = readings(frame, name);
   if (again && own.length >= READINGS) return void (part("kept").textContent = name + " has its three readings: N is the next one, Delete removes one");
   const next = { frame, landmark: name, u: Math.min(Math.max(u, -.5), width - .5), v: Math.min(Math.max(v, -.5), height - .5) };
@@ -413,13 +415,31 @@ function ask() {  // for the next landmark that has no pick and could be seen, o
 
 // What a person does
 
+const fingers = new Map();  // that touch the frame; two zoom by their distance
+
+function pinch() {
+  const [[x, y], [p, q]] = [...fingers.values()], apart = Math.hypot(p - x, q - y), ratio = apart / dragged.apart;
+  dragged.moved = true;
+  if (ratio > .67 && ratio < 1.5) return;
+  zoom(ratio > 1 ? 1 : -1, at({ clientX: (x + p) / 2, clientY: (y + q) / 2 }));
+  dragged.apart = apart;
+}
+
 canvas.addEventListener("pointerdown", event => {
   canvas.focus();
   canvas.setPointerCapture(event.pointerId);
+  fingers.set(event.pointerId, [event.clientX, event.clientY]);
+  if (fingers.size > 1) {
+    const [[x, y], [p, q]] = [...fingers.values()];
+    dragged = { ...dragged, apart: Math.hypot(p - x, q - y), moved: true };
+    return;
+  }
   dragged = { x: event.clientX, y: event.clientY, view: { ...view }, moved: event.button !== 0 };
 });
 canvas.addEventListener("pointermove", event => {
-  if (dragged) {
+  if (fingers.has(event.pointerId)) fingers.set(event.pointerId, [event.clientX, event.clientY]);
+  if (fingers.size > 1) return pinch();
+  if (dragged && !dragged.apart) {
     const away = [event.clientX - dragged.x, event.clientY - dragged.y].map(one => Math.round(one * devicePixelRatio));
     dragged.moved ||= Math.hypot(...away) > DRAG * devicePixelRatio;
     if (dragged.moved) view = { ...view, x: dragged.view.x + away[0], y: dragged.view.y + away[1] };
@@ -427,13 +447,20 @@ canvas.addEventListener("pointermove", event => {
   cross = at(event);
   draw();
 });
-canvas.addEventListener("pointerup", event => {
+function lift(event) {  // one finger less; the last ends the drag
   const pressed = dragged;
-  dragged = null;
+  fingers.delete(event.pointerId);
+  if (!fingers.size) dragged = null;
+  return pressed;
+}
+
+canvas.addEventListener("pointercancel", lift);
+canvas.addEventListener("pointerup", event => {
+  const pressed = lift(event);
   if (pressed && !pressed.moved) put(...at(event), event.shiftKey || !!data.deck);
 });
 canvas.addEventListener("contextmenu", event => event.preventDefault());
-canvas.addEventListener("wheel", event => { event.preventDefault(); zoom(-event.deltaY, at(event)); }, { passive: false });
+canvas.addEventListener("wheel", event => { event.preventDefault(); if (event.deltaY) zoom(-event.deltaY, at(event)); }, { passive: false });
 
 function undo() {
   if (!undone.length) return;
@@ -462,24 +489,25 @@ function repair() {
 document.addEventListener("keydown", event => {
   if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.key !== "PageUp" && event.key !== "PageDown") return;
   if (event.key === "Enter" && event.target !== canvas) return;
-  const away = NEAR_KEYS[event.key];
-  const letter = event.ctrlKey || event.metaKey || event.altKey ? "" : event.key.toLowerCase();
+  if (event.altKey) return;  // the browser's own: Alt and Left is the page before
+  const away = NEAR_KEYS[event.key], held = event.ctrlKey || event.metaKey;
+  const letter = held ? "" : event.key.toLowerCase();
   if (away) {
     const step = event.ctrlKey ? 10 : event.shiftKey ? 1 : .1, own = readings(frame, names[landmark]).at(-1);
     const [u, v] = own ? [own.u, own.v] : cross;
     cross = [u + step * away[0], v + step * away[1]];
     if (own) put(...cross); else draw();
   } else if (event.key === "Enter") put(...cross, event.shiftKey || !!data.deck);
-  else if (event.key === "+" || event.key === "=") zoom(1);
-  else if (event.key === "-") zoom(-1);
-  else if (event.key === "0") fit();
+  else if (letter === "+" || letter === "=") zoom(1);
+  else if (letter === "-") zoom(-1);
+  else if (letter === "0") fit();
   else if (event.key === "PageUp") choose(frame - 1);
   else if (event.key === "PageDown") choose(frame + 1);
   else if (letter === "n") ask();
   else if (letter === "h") hide();
   else if (letter === "p") select(landmark - 1);
   else if (event.key === "Delete") remove();
-  else if (event.key === "z" && (event.ctrlKey || event.metaKey)) undo();
+  else if (held && !event.shiftKey && event.key.toLowerCase() === "z") undo();
   else return;
   event.preventDefault();
 });
