@@ -175,6 +175,30 @@ def test_images_stand_on_the_page_as_they_are_picked(column: str, tmp_path: Path
     assert {one["frame"] for one in page["picks"]} == {*range(5)}
 
 
+@pytest.mark.parametrize("picked", [True, False])
+def test_images_whose_times_are_by_number_are_predicted(picked: bool, tmp_path: Path) -> None:
+    """Where nothing is picked yet, what is saved has numbers too: the table has no images."""
+    toml = TOML.replace("frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0", 'times = "times.csv"')
+    toml = toml.replace("[landmarks]", 'video = "photos"\n[landmarks]')
+    project = write_project(tmp_path, toml)
+    Path("photos").mkdir()
+    for k in (1, 3):
+        Image.new("L", (1920, 1080)).save(Path("photos", f"f_{k}.png"))
+    Path("times.csv").write_text("frame,t_s\n0,2\n1,2.25\n2,2.5\n3,2.75\n4,3\n")
+    head, *rows = Path("picks.csv").read_text().splitlines()
+    Path("picks.csv").write_text("\n".join([head, *(one for one in rows if one[0] in "13")]))
+    if not picked:
+        Path("picks.csv").unlink()
+    assert vopd("pick", project, "-o", "p.html").status == 0
+    page = data()
+    assert (page["column"], [one["name"] for one in page["frames"]]) == ("frame", ["1", "3"])
+    assert len(page["picks"]) == (12 if picked else 0)
+    frame, mark = np.divmod(np.arange(12), 6)
+    lines = sight_lines(camera_m(np.array([2.25, 2.75])), marks_m(), frame, mark, Refraction())
+    to = np.array([one["to"] for one in page["frames"]])
+    assert_close("direction on a page", to.reshape(-1, 3), lines.direction)
+
+
 def test_where_to_click_next_is_not_known_of_a_flight_without_a_solution(tmp_path: Path) -> None:
     toml = TOML.replace("[landmarks]", 'video = "a.mp4"\ntracked = "t.csv"\n[landmarks]')
     project = write_project(tmp_path, toml)

@@ -86,7 +86,7 @@ def command(
     from vopd.flight.formats.files import open_input
     from vopd.flight.formats.landmarks import LANDMARK_FORMATS
     from vopd.flight.formats.picks import CLICKS, HIDDEN, read_clicks, read_hidden
-    from vopd.flight.project.directions import directions_of
+    from vopd.flight.project.directions import directions_of, names_of
     from vopd.pipeline import is_flight
     from vopd.report.pick import PageContent, Predicted, pick_page
     from vopd.video import open_frames, spread, stills_in
@@ -138,10 +138,11 @@ def command(
                 chosen = sorted(there | {*spread(found, count)})
     if cards is not None and dpi is not None:
         content = _of_film(content, cards, dpi, found, chosen)
-    said = ""
+    known = {str(one[0]) for one in (*content.clicks, *content.hidden)}
+    content, said = content._replace(name=names_of(found, known, project)), ""
     if project is not None:
         try:
-            lines = directions_of(project, found, chosen)
+            lines = directions_of(project, found, chosen, content.name)
             said = f"{project.name}: {count_text(len(lines.landmark), 'landmark')}, predicted "
             said += "after two picks in a frame"
             by = Predicted(

@@ -15,7 +15,7 @@ from vopd.arrays import Floats
 from vopd.files import ESCAPED
 from vopd.findings import VopdError, count_text
 from vopd.report import page_template, style_and_script
-from vopd.video import VideoFrames, image_numbers
+from vopd.video import VideoFrames
 
 QUALITIES = (92, 85, 75)  # of JPEG: of the first one the difference is a grey level or two
 WANTED_BYTES = 240_000_000  # of a page; of more frames the quality is lower
@@ -53,6 +53,7 @@ class PageContent(NamedTuple):
     # where to click next: frame, landmark, why, and near which pixel
     deck: Mapping[str, object] | None = None  # the cards around the readings of a film
     film_number: Sequence[int] = ()  # of each frame, on those cards
+    name: Sequence[str] = ()  # of all frames as picks have them; those of the files, if empty
 
 
 def pick_page(
@@ -77,9 +78,6 @@ def pick_page(
     """
     template = page_template("pick.html")
     rows, images, size = list[dict[str, Any]](), list[str](), 0
-    numbers = image_numbers(frames.image_name)
-    picked = {one[0] for one in (*content.clicks, *content.hidden)}
-    by_number = bool(picked) and picked <= {*map(str, numbers)}  # of images: as they are picked
     for k in chosen:
         try:
             (picture,) = frames.pictures([k])
@@ -99,7 +97,7 @@ def pick_page(
         label, time_s = frames.label(k), frames.time_s[k]
         title = f"{label}, {time_s:.3f} s" if time_s == time_s else label
         width, height = picture.size
-        name = str(numbers[k]) if by_number else label
+        name = content.name[k] if content.name else label
         rows.append({"name": name, "title": title, "width": width, "height": height})
         tell()
     here = {row["name"]: k for k, row in enumerate(rows)}
@@ -130,7 +128,7 @@ def pick_page(
         data={
             "head": content.head,
             "hiddenHead": content.hidden_head,
-            "column": "image" if frames.image_name and not by_number else "frame",
+            "column": "image" if here.keys() & {*frames.image_name} else "frame",
             "key": digest.hexdigest(),
             "frames": rows,
             "landmarks": list(dict.fromkeys(names)),

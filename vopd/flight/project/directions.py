@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.flight.formats.picks import Names, PickRows
-from vopd.flight.project.keys import Project
+from vopd.flight.formats.tables import has_columns
+from vopd.flight.project.keys import VIDEO, Project
 from vopd.flight.project.read import flight_of
 from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.lenses import Lens, Lenses
-from vopd.video import VideoFrames
+from vopd.video import VideoFrames, image_numbers
 
 
 class FrameDirections(NamedTuple):
@@ -45,15 +46,52 @@ class FrameDirections(NamedTuple):
         return written, which
 
 
-def directions_of(project: Project, frames: VideoFrames, chosen: Sequence[int]) -> FrameDirections:
+def names_of(frames: VideoFrames, picked: Collection[str], project: Project | None) -> list[str]:
+    """Name all frames as rows of picks do: images by the numbers in their names, if these do.
+
+    Args:
+        frames: of a video or a folder of images
+        picked: the frames or images of the picks that there are
+        project: whose times are by number or by image where there are no picks; or none
+    """
+    label = [frames.label(k) for k in range(len(frames))]
+    number = [str(one) for one in image_numbers(frames.image_name)]
+    if not frames.image_name:
+        return label
+    by_number = {*picked} <= {*number} if picked else project is not None and _by_number(project)
+    return number if by_number else label
+
+
+def _by_number(project: Project) -> bool:
+    """Tell whether the table of a project's times has numbers of frames and no images."""
+    section = project.section("picks")
+    if not section.has("times") or section.text("times") == VIDEO:
+        return False
+    if not (project.folder / section.text("times")).is_file():
+        return False
+    file = project.open("picks", "times")
+    known = ("frame", "image")
+    return has_columns(file, known, ("frame",)) and not has_columns(file, known, ("image",))
+
+
+def directions_of(
+    project: Project, frames: VideoFrames, chosen: Sequence[int], name: Sequence[str]
+) -> FrameDirections:
     """Trace the lines of sight to all landmarks of a project in frames of its video.
+
+    Args:
+        project: with the landmarks, the lens and the camera's places
+        frames: of a video or a folder of images
+        chosen: the indices of those that are wanted
+        name: of each of the frames, as picks have it
 
     Raises:
         VopdError: where the project lacks what tells the camera's places, or the lens, or that is
             not of frames of this size
     """
-    label = [frames.label(k) for k in chosen]
-    own: Any = Names(label) if frames.image_name else np.array(list(map(int, label)))
+    label = [name[k] for k in chosen]
+    by_image = label[0] in frames.image_name
+    own: Any = Names(label) if by_image else np.array(list(map(int, label)))
     section = project.section("picks")
     sigma_px = section.number("sigma_px")
     none = np.zeros((len(label), 2))
