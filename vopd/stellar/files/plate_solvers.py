@@ -13,7 +13,7 @@ from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import Finding, InputError, Report, input_error
 from vopd.inputs import parse_json
-from vopd.stellar.files.read import PixelFormat, StarFile
+from vopd.stellar.files.read import LIMIT, LIMITS, PixelFormat, StarFile
 
 # The tetra3 family, as JSON
 #
@@ -24,6 +24,7 @@ from vopd.stellar.files.read import PixelFormat, StarFile
 
 NEEDED = ("matched_centroids", "matched_stars")
 FIRST_CENTRE = 0.5
+LEAST_FIELD_DEG = 1e-6  # of view: a principal distance of 1e11 px and more is none
 
 
 def read_plate_solutions(text: str, source: str, report: Report) -> list[StarFile]:
@@ -99,10 +100,15 @@ def _star_file(solution: Any, name: str, source: str) -> StarFile:
         raise input_error(
             f"{where}a coordinate of the plate solution is not a finite number", source
         )
-    if (np.abs(stars[:, 1]) > 90.0).any():
-        raise input_error(f"{where}a declination of the plate solution is beyond +-90", source)
-    if degrees is not None and not 0.0 < degrees < 180.0:
-        raise input_error(f"{where}FOV: {degrees:g} is not between 0 and 180 degrees", source)
+    if (np.abs(centroids) > LIMIT).any():
+        raise input_error(f"{where}a pixel of the plate solution is beyond +-{LIMIT:g}", source)
+    for k, what, column in ((0, "right ascension", "ra_deg"), (1, "declination", "dec_deg")):
+        if (np.abs(stars[:, k]) > LIMITS[column]).any():
+            beyond = f"is beyond +-{LIMITS[column]:g}"
+            raise input_error(f"{where}a {what} of the plate solution {beyond}", source)
+    if degrees is not None and not LEAST_FIELD_DEG <= degrees < 180.0:
+        limits = f"between {LEAST_FIELD_DEG:g} and 180 degrees"
+        raise input_error(f"{where}FOV: {degrees:g} is not {limits}", source)
     if not abs(distortion) < 1.0:
         raise input_error(f"{where}distortion: {distortion:g} is not between -1 and 1", source)
     return StarFile(
@@ -172,7 +178,8 @@ def read_corr_fits(data: bytes, source: str) -> StarFile:
     if not len(x):
         raise input_error("the table of matched stars is empty", source)
     rows = np.column_stack([x, y, ra_deg, dec_deg])
-    bad = ~np.isfinite(rows).all(axis=1) | (np.abs(rows[:, 3]) > 90.0)
+    most = [LIMIT, LIMIT, LIMITS["ra_deg"], LIMITS["dec_deg"]]
+    bad = ~(np.abs(rows) <= most).all(axis=1)
     if bad.any():
         raise input_error(
             f"row {int(np.argmax(bad)) + 1}: a coordinate is not a number in range", source
