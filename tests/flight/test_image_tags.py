@@ -221,6 +221,27 @@ def test_degrees_below_zero_and_sides_that_are_not_given_are_refused(tags: dict[
         exif_position(GPS | tags)
 
 
+ZERO = (0, 0, 0)
+
+
+@pytest.mark.parametrize("tags", [{2: ZERO, 4: ZERO}, {18: "TOKYO"}, {18: "Pulkovo 1942"}])
+def test_no_fix_and_another_datum_are_no_position(tags: dict[int, Any]) -> None:
+    """Tokyo is some 450 m from WGS 84 in Japan; EXIF's own example of a datum is one of both."""
+    with refused(ValueError):
+        exif_position(GPS | tags)
+
+
+@pytest.mark.parametrize("datum", ["WGS-84", "WGS 84\0", "wgs1984", " ", "JGD2011", "ETRS89"])
+def test_datums_that_are_nearly_the_same(datum: str) -> None:
+    assert exif_position(GPS | {18: datum}) == exif_position(GPS)
+
+
+def test_places_on_the_equator_and_on_the_meridian() -> None:
+    """Each of the two may be 0."""
+    assert exif_position(GPS | {2: ZERO})[:2] == (16.2525, 0.0)
+    assert exif_position(GPS | {4: ZERO})[:2] == (0.0, 47.51)
+
+
 TAKEN, PART, ZONE, OTHER_ZONE = 0x9003, 0x9291, 0x9011, 0x9010
 NOON = datetime(2026, 5, 1, 12, tzinfo=UTC).timestamp()
 AT_NOON = {TAKEN: "2026:05:01 12:00:00"}

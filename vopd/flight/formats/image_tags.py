@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from vopd.files import optional_package, reason
-from vopd.findings import VopdError
+from vopd.findings import VopdError, shown
 from vopd.inputs import no_file, plain_number
 from vopd.video import ORIENTATION, open_image, stills_in
 
@@ -33,6 +33,9 @@ ACCURACIES = (  # of XMP: names for east, north and up, m
     ("RtkStdLon", "RtkStdLat", "RtkStdHgt"),
     ("GPSXYAccuracy", "GPSXYAccuracy", "GPSZAccuracy"),
 )
+DATUM = 0x12  # GPSMapDatum
+AS_WGS84 = re.compile(r"WGS(19)?84|ITRF|ETRS|JGD|GDA|NZGD2000|CGCS2000|SIRGAS", re.IGNORECASE)
+"""Beginnings of datums that are WGS 84 within two metres, without blanks and hyphens."""
 HORIZONTAL_ERROR, DILUTION = 0x1F, 0x0B  # GPSHPositioningError, GPSDOP
 FOCAL_ON_FILM, FOCAL = 0xA405, 0x920A  # FocalLengthIn35mmFilm, FocalLength
 PIXELS_A_UNIT, PIXEL_UNIT = 0xA20E, 0xA210  # FocalPlaneXResolution, FocalPlaneResolutionUnit
@@ -97,7 +100,7 @@ def read_tags(path: Path) -> ImageTags:
         longitude, latitude, altitude = exif_position(gps)
     except UNREADABLE as error:  # of one image, which costs the others nothing
         longitude = latitude = altitude = NONE
-        why = f"the GPS tags are not as EXIF has them: {reason(error)}"
+        why = f"the GPS tags give no position: {reason(error)}"
     own = [xmp_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
     if abs(own[0]) <= 360.0 and abs(own[1]) <= 90.0 and any(own[:2]):
         longitude, latitude = own[:2]
@@ -187,6 +190,11 @@ def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
         if size > most or not (degrees >= 0.0 <= minutes <= 60.0 and 0.0 <= seconds <= 60.0):
             raise ValueError(f"GPS{axis} is {degrees:g} degrees {minutes:g}' {seconds:g}\"")
         angles.append(-size if side.startswith(signs[1]) else size)
+    if not any(angles):
+        raise ValueError("latitude and longitude are 0: a receiver without a fix writes that")
+    datum = re.sub(r"\W", "", _text(gps.get(DATUM, "")))
+    if datum and not AS_WGS84.match(datum):
+        raise ValueError(f"GPSMapDatum is {shown(_text(gps[DATUM]))}, not WGS-84")
     altitude = float(gps[6]) if 6 in gps else NONE
     below = gps.get(5, b"\0")
     if below in (1, 3, b"\x01", b"\x03"):
