@@ -92,6 +92,7 @@ def test_what_is_no_gcp_list(text: str) -> None:
         "16.5 47.5 301 1 2 c.jpg Mast",
         "16.5 47.25 300 1 2 c.jpg Mast",
         "16.25 47.5 300 1 2 c.jpg Mast",
+        "16.5 47.5 300 1 2 IMG 1.JPG Mast",
     ],
 )  # fmt: skip
 def test_lines_of_a_gcp_list_that_are_refused(line: str) -> None:
@@ -143,6 +144,15 @@ def test_features_that_are_no_points_are_passed_over() -> None:
     text = collection(feature(1, 2, 3))
     assert_approved(told(text[:-1]))
     assert_approved(told(f"[{text}]"))
+
+
+def test_a_multipoint_of_one_point_is_a_point() -> None:
+    """Layers of QGIS are of many points a feature, also where each has one."""
+    marks = read(collection(feature([16.5, 47.5, 300.0], kind="MultiPoint")))
+    assert marks.name == ["A"] and marks.coordinate.tolist() == [[16.5, 47.5, 300.0]]
+    two = feature([16.5, 47.5, 300.0], [16.5, 47.5, 301.0], kind="MultiPoint")
+    assert read(collection(two, feature(1, 2, 3, properties={"name": "B"}))).name == ["B"]
+    assert_approved(told(collection(feature([16.5, 47.5], kind="MultiPoint"))))
 
 
 def test_points_of_geojson() -> None:

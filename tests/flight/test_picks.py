@@ -164,6 +164,11 @@ def test_landmarks_that_the_project_does_not_have_are_told_by_name() -> None:
     assert picks.pixel.tolist() == [[5.0, 6.0], [7.0, 8.0]]
 
 
+def test_a_name_that_begins_with_a_number_sign_is_no_comment_in_quotes() -> None:
+    _, findings = joined((0, "#3", 1, 2, 1.0), (0, "mast", 5, 6, 1.0))
+    assert_approved([one.message for one in findings])
+
+
 # The rows as they stand
 
 

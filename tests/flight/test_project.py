@@ -357,6 +357,8 @@ def test_a_header_alone_is_no_section(tmp_path: Path) -> None:
 
 def test_values_as_toml() -> None:
     assert toml_text('é "a" \\ b') == '"é \\"a\\" \\\\ b"'
+    every = "".join(map(chr, [*range(0x300), 0x2028, 0x1F600]))  # TOML has no delete in a text
+    assert tomllib.loads(f"x = {toml_text(every)}")["x"] == every
     assert toml_numbers(1920, 0.1, 123456.789012) == "[1920, 0.1, 123456.789012]"
 
 

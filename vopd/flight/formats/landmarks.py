@@ -50,6 +50,9 @@ class LandmarkRows:
 CRS = re.compile(r"^(EPSG:\d+(\+\d+)?|['\"]?\+proj=.*|WGS ?84.*)$", re.I)
 
 
+IMAGE_END = re.compile(r"\.(jpe?g|png|tiff?|dng|heic|webp|bmp)\b", re.I)
+
+
 class GcpList(NamedTuple):
     """The rows of a gcp_list.txt."""
 
@@ -86,6 +89,9 @@ def read_gcp_list(file: InputFile) -> GcpList:
             raise file.error(
                 f"{count_text(len(fields), 'field')}, not x y z u v image [name]", number
             )
+        if IMAGE_END.search(" ".join(fields[6:])) and not IMAGE_END.search(fields[5]):
+            message = "the name of an image has a blank, which ends it here: rename the image"
+            raise file.error(message, number)
         try:
             values = [plain_number(field) for field in fields[:5]]
         except ValueError as error:
@@ -262,12 +268,14 @@ def read_geojson(file: InputFile) -> LandmarkRows:
     for k, feature in enumerate(features):
         where = f"feature {k}"
         geometry, properties = feature.get("geometry") or {}, feature.get("properties") or {}
-        if geometry.get("type") != "Point":
+        values = geometry.get("coordinates", [])
+        if geometry.get("type") == "MultiPoint" and isinstance(values, list) and len(values) == 1:
+            values = values[0]  # as a layer of QGIS has them that may have several
+        elif geometry.get("type") != "Point":
             continue
         name = next((properties[key] for key in NAMES if key in properties), feature.get("id"))
         if name is None:
             raise file.error(f"no name: a property {', '.join(NAMES[:2])} is needed", column=where)
-        values = geometry.get("coordinates", [])
         if len(values) != 3 or not all(map(is_real_number, values)):
             raise file.error("a landmark needs longitude, latitude and height", column=where)
         if geodetic and abs(values[1]) > 90.0:

@@ -500,7 +500,8 @@ class Section:
                 return value.astimezone(UTC)
         except OverflowError:  # before the year 1 or after 9999 once it is in UTC
             pass
-        raise self.error(key, f"is a date and time with its zone, as {row.example}")
+        unquoted = ", without quotes" * isinstance(value, str)
+        raise self.error(key, f"is a date and time with its zone, as {row.example}{unquoted}")
 
     def section(self, key: str) -> Section:
         """Read an inline table, whose keys are all known."""
@@ -691,7 +692,7 @@ def toml_text(text: str) -> str:
     Raises:
         VopdError: for the name of a file that is not UTF-8, which TOML is
     """
-    quoted = json.dumps(text, ensure_ascii=False)
+    quoted = json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
     if any("\ud800" <= one <= "\udfff" for one in quoted):
         raise VopdError(f"{shown(text)}: is not UTF-8, and has no place in a project: rename it")
     return quoted

@@ -139,6 +139,7 @@ def known_landmarks(
         if name not in index:
             many = count_text(picked, "pick")
             message = f"{NO_LANDMARK} {name} ({many}){did_you_mean(name, landmarks[:20])}"
+            message += f"; {COMMENTS}" * name.startswith("#")
             findings.append(Finding(message, project, severity="warning"))
     return in_four_bytes(np.array([index.get(name, -1) for name in names.known])), findings
 
@@ -146,6 +147,8 @@ def known_landmarks(
 LARGE_SPREAD_PX = 10.0  # of picks of one landmark in one frame: no hand is so unsure
 NONE_USED = "none of these picks is used"
 MOST_PX = 1e6  # from the image's middle: squares of such a pick would hide all others
+
+COMMENTS = "a line that begins with # is a comment: write a name that begins so in quotes"
 
 NO_LANDMARK = "no landmark"
 """How a warning about picks of an unknown landmark begins."""

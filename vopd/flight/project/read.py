@@ -35,7 +35,7 @@ from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project.camera import CameraLens, doubts_of_lens, read_camera
 from vopd.flight.project.covariance import with_held, with_stated_offset
 from vopd.flight.project.keys import ROWS, Project, Section, read_project
-from vopd.flight.project.picks import COPIED_PX, join_picks, sizes_px
+from vopd.flight.project.picks import COMMENTS, COPIED_PX, join_picks, sizes_px
 from vopd.flight.project.stated import (
     Notes,
     RowSigmas,
@@ -344,7 +344,9 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
     file = project.open("landmarks")
     rows = read_by_content(LANDMARK_FORMATS, file)
     if not rows.name:
-        raise file.error("no landmark is in the file")
+        below = file.head.splitlines()[1:]
+        commented = f": {COMMENTS}" * any(line.lstrip().startswith("#") for line in below)
+        raise file.error(f"no landmark is in the file{commented}")
     _refuse_long(file, rows.name)
     doubled = [name for name, count in Counter(rows.name).items() if count > 1]
     if doubled:
