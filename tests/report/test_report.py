@@ -30,6 +30,7 @@ from tests.kit.video import write_video
 from tests.tolerances import assert_close
 from vopd.attitude.flags import MEANING
 from vopd.attitude.history import History, history
+from vopd.attitude.included import one_turn_texts
 from vopd.attitude.long_history import with_about
 from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import column_name
@@ -115,6 +116,15 @@ def test_where_nothing_is_known_it_says_so() -> None:
     text, _ = page(histories("regression/vanished"))
     assert "unknown" in Page(text).tables["angles-table"][1]
     assert "; 1 frame</dd>" in text
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_how_sure_an_attitude_is_whose_yaw_and_roll_are_not() -> None:
+    """The camera of case 4 looks down, that of case 1 does not."""
+    made = histories("appendix_h/case4")
+    (told,) = one_turn_texts(made)
+    assert f"<p>{told}.</p>" in page(made)[0].partition('<section id="frames">')[0]
+    assert not one_turn_texts(histories("appendix_h/case1"))
 
 
 @pytest.mark.usefixtures("no_figures")

@@ -261,6 +261,20 @@ def has_photographs(one: History) -> bool:
     return e.scene().has_photograph(*e.frame_key(frames[0]))
 
 
+def is_turned(history: History) -> bool:
+    """Tell whether the camera's angles are others than the vehicle's.
+
+    Args:
+        history: of a job
+    """
+    e = history.estimate
+    apart = np.abs((e.camera_deg - e.vehicle_deg + 180.0) % 360.0 - 180.0)
+    return bool((np.nan_to_num(apart) > SAME_DEG).any())
+
+
+SAME_DEG = 1e-9
+
+
 def check_rate(max_rate_deg_s: float | None) -> None:
     """Refuse a maximum rate that is not above 0 degrees a second."""
     if max_rate_deg_s is None:

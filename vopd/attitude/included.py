@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.attitude.history import History
+from vopd.attitude.history import History, is_turned
 from vopd.attitude.sigmas import INPUTS, Sigmas, angle_gains, given_components, in_force
+from vopd.attitude.uncertainty import ANGLES
 from vopd.estimate import Block, Estimate, Units
 from vopd.findings import size_text
 
@@ -82,7 +83,63 @@ def included_text(history: History, mean: MeanAttitude | None = None) -> str:
         for angles, some in sizes.items()
         if some
     ]
-    return f"{'; '.join(texts)}; {of}"
+    turn = one_turn_text(history, mean)
+    return "; ".join([*texts, of, *filter(None, [turn])])
+
+
+def one_turn_text(history: History, mean: MeanAttitude | None = None, body: str = "vehicle") -> str:
+    """Say how sure the attitude is where yaw and roll are nearly one turn, and so unsure.
+
+    Args:
+        history: of a job
+        mean: the mean attitude of the job, if its standard deviations are meant; else medians of
+            the frames are
+        body: whose angles: of the vehicle, or the camera
+
+    Returns:
+        A sentence; nothing where yaw and roll are two turns.
+    """
+    doubt, has = (history.uncertainty, history.has_attitude) if mean is None else (mean, True)
+    columns = [ANGLES.index(f"{body}_{name}") for name in ("yaw", "roll")]
+    total, half = (np.atleast_2d(one)[:, columns] for one in (doubt.total, doubt.half_width_95))
+    covariance = doubt.covariance_deg2.reshape(-1, 3, 3)
+    known = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(total).all(axis=1) & has
+    known &= (total > 0.0).all(axis=1)
+    if not known.any():
+        return ""
+    total, half = total[known], half[known]
+    turn = np.sqrt(np.linalg.eigvalsh(covariance[known])[:, 2])
+    if np.median(total.min(axis=1) / turn) < NEARLY_ONE:
+        return ""
+    size = size_text(float(np.median(turn * half[:, 0] / total[:, 0])))
+    turned = is_turned(history)
+    pitch_deg = float(np.median(history.estimate.vehicle_deg[history.has_attitude, 1]))
+    by_mount = history.about.words.source == "project" and not turned and pitch_deg < 0.0
+    return (
+        f"{f'{body} ' * turned}yaw and roll are nearly one turn at this pitch, each by itself is "
+        f"unsure; the attitude, as one turn about any axis, is sure to {size} degree (95 %)"
+        + MOUNTED_DOWN
+        * by_mount
+    )
+
+
+def one_turn_texts(histories: Iterable[History]) -> list[str]:
+    """Say how sure attitudes are where yaw and roll of vehicle or camera are unsure by their pitch.
+
+    Args:
+        histories: the jobs
+    """
+    found, jobs = dict[str, History](), list(histories)
+    for h in jobs:
+        for body in ("vehicle", "camera")[: 1 + is_turned(h)]:
+            if told := one_turn_text(h, body=body):
+                found.setdefault(told, h)
+    several = len(found) > 1 and len(jobs) > 1
+    return [(f"{h.about.label}: " if several else "") + told for told, h in found.items()]
+
+
+NEARLY_ONE = 2.0  # yaw and roll both are so many times as unsure as a turn about any axis
+MOUNTED_DOWN = '; [vehicle] mount = "down" gives angles of the vehicle, each of them sure'
 
 
 def largest_component(history: History) -> str:

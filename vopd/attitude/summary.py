@@ -14,7 +14,7 @@ from vopd.arrays import Bools, Floats
 from vopd.attitude.findings import HistorySummary, errata_text, misfits
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History
-from vopd.attitude.included import errors_texts
+from vopd.attitude.included import MOUNTED_DOWN, errors_texts, one_turn_texts
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.uncertainty import ANGLES
 from vopd.findings import Finding, count_text, first_of_each_kind, frames_text, size_text
@@ -288,6 +288,8 @@ def sure_text(frames: ShownFrames) -> str:
             for name, size in zip(("yaw", "pitch", "roll"), middle.tolist(), strict=True)
         )
     included = dict.fromkeys(one for _, one, _ in errors_texts([job.head for job in frames.jobs]))
+    of_decks = one_turn_texts(job.head for job in frames.jobs if not job.about.words.sigma_keys)
+    told = "; ".join([told, *of_decks[:1]])
     return "; ".join([told, *(f"the sigmas include errors of: {one}" for one in included if one)])
 
 
@@ -410,15 +412,16 @@ def text(
         doubts += findings
         if printed:
             doubts.append(f"{count_text(printed, 'warning')} above")
+        sure = sure_text(frames)
         paragraphs = (
             [*filter(None, [azimuth_text(frames)])],
-            [sure_text(frames)],
+            [sure],
             [left_text(frames) or "nothing that can be stated"],
             doubts or ["no frame has a flag"],
             [
                 steps["next"]
                 + f"; {steps['table']}" * (not frames.more_text)
-                + LOOKS_DOWN * looks_down(frames)
+                + LOOKS_DOWN * (looks_down(frames) and MOUNTED_DOWN not in sure)
             ],
         )
         lines.append("")

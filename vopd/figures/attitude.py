@@ -9,7 +9,8 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.conventions import conventions
-from vopd.attitude.history import History
+from vopd.attitude.history import History, is_turned
+from vopd.attitude.included import one_turn_texts
 from vopd.attitude.uncertainty import ANGLES
 from vopd.figures.style import (
     COLOURS,
@@ -187,21 +188,8 @@ def draw_attitude(
         axes[4, 1].tick_params(labelleft=False)
     draw_legend(figure, histories)
     one = "" if len(bodies) > 1 else "\ncamera and vehicle are one: no mount turns them apart"
-    return caption(histories) + one + why
-
-
-def is_turned(history: History) -> bool:
-    """Tell whether the camera's angles are others than the vehicle's.
-
-    Args:
-        history: of a job
-    """
-    e = history.estimate
-    apart = np.abs((e.camera_deg - e.vehicle_deg + 180.0) % 360.0 - 180.0)
-    return bool((np.nan_to_num(apart) > SAME_DEG).any())
-
-
-SAME_DEG = 1e-9
+    turn = "".join(f"\n{plain(told)}" for told in one_turn_texts(histories)[:1])
+    return caption(histories) + one + turn + why
 
 
 def _grid(figure: Any, histories: Sequence[History], panels: int, columns: int) -> Any:

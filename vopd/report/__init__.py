@@ -17,13 +17,14 @@ from vopd.attitude.conventions import conventions, reading_sigma_text
 from vopd.attitude.findings import errata_text, misfits, summary_of
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History, has_photographs
+from vopd.attitude.included import one_turn_texts
 from vopd.attitude.long_history import frame_landmarks
 from vopd.figures import FIGURES, draw, drawn_jobs, figure_names, left_out_text
 from vopd.figures.adjust import draw_adjusted
 from vopd.figures.style import ready, svg
 from vopd.files import optional_package
 from vopd.findings import VopdError, count_text
-from vopd.report.answer import Sigma, angle_table, doubts, not_included, sigmas_in_force
+from vopd.report.answer import MOST, Sigma, angle_table, doubts, not_included, sigmas_in_force
 from vopd.report.frames import (
     WORDS,
     frames_json,
@@ -96,6 +97,7 @@ def report(
         job_labels=[h.about.label for h in histories],
         residual_names=residual_names(histories[0].estimate.units),
         angles=angle_table(histories),
+        one_turn=one_turn_texts(histories)[:MOST],
         doubts=doubts(histories),
         not_included=not_included(histories),
         flags=flag_rows(histories),

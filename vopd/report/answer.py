@@ -12,14 +12,13 @@ from vopd.arrays import Floats
 from vopd.attitude.conventions import included_statements
 from vopd.attitude.findings import errata_text, summary_of
 from vopd.attitude.flags import meanings
-from vopd.attitude.history import History
+from vopd.attitude.history import History, is_turned
 from vopd.figures.attitude import (
     TOLD_BY,
     brought_by,
     from_cut,
     in_range,
     interval_of,
-    is_turned,
     shows_attack,
     unwrapped_about,
     values_of,

@@ -10,12 +10,12 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.flags import meanings
-from vopd.attitude.history import History
+from vopd.attitude.history import History, is_turned
 from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table import TableColumn, column_name, columns_of, table_values
 from vopd.estimate import Units
 from vopd.export.tables import as_text
-from vopd.figures.attitude import TOLD_BY, is_turned, shows_attack
+from vopd.figures.attitude import TOLD_BY, shows_attack
 from vopd.figures.image import camera_index, film_ends, film_frames, horizon_dip_deg, toward
 from vopd.figures.map import MISSED, ground, rise_m
 from vopd.findings import count_text
