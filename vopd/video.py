@@ -45,6 +45,7 @@ WITH_LUMA = (
     "yuv420p", "yuv422p", "yuv444p", "yuvj420p", "yuvj422p", "yuvj444p", "nv12", "nv21", "gray",
 )  # fmt: skip
 """Formats of pixels whose luminance in eight bits is taken as it is stored."""
+REORDERED = ("h264", "hevc")  # frames that refer to later ones, of which an AVI has no times
 ORIENTATION = 274  # EXIF's tag of how an image is turned; 1: upright
 BAND = 250_000  # pixels of more than eight bits that are scaled at once
 SOONER_S = 10.0  # than a frame that is asked for ffmpeg begins to decode
@@ -420,12 +421,21 @@ def presentation(path: Path) -> tuple[Ints, float, int, int]:
                 if one.pts is not None:
                     hidden += one.is_discard
                     shown += [] if one.is_discard else [one.pts]
+            codec = stream.codec_context
+            if container.format.name == "avi" and codec.name in REORDERED and codec.has_b_frames:
+                raise VopdError(
+                    f"{path.name}: an AVI does not say when frames of its codec are shown; write "
+                    f"it anew: {_written_anew(path)}"
+                )
             unit_s = float(stream.time_base)
             lost = max(stream.frames - len(shown) - hidden, 0)
     else:
         shown, unit_s, hidden = _packets_by_ffmpeg(path)
     if not shown:
-        raise VopdError(f"{path.name}: no frame of the video has a time of presentation")
+        raise VopdError(
+            f"{path.name}: no frame of the video has a time of presentation; write it with the "
+            f"camera's frames a second, here 30: {_written_anew(path, '-r 30 ')}"
+        )
     return np.sort(np.array(shown, dtype=np.int64)), unit_s, lost, hidden
 
 
@@ -450,15 +460,26 @@ def _is_installed() -> bool:
     return True
 
 
+def _written_anew(path: Path, before: str = "") -> str:
+    """Write the command by which ffmpeg writes a video in H.264, each frame at its time.
+
+    Args:
+        path: of the video
+        before: options that stand before it
+    """
+    return (
+        f"ffmpeg {before}-i {shlex.quote(path.name)} -fps_mode passthrough -c:v libx264 -crf 15 "
+        f"{shlex.quote(path.stem + '-h264.mp4')}"
+    )
+
+
 class NoDecoderError(VopdError):
     """No decoder is there for the codec of a video."""
 
     def __init__(self, path: Path, program: str) -> None:
         super().__init__(
             f"{path.name}: {program} has no decoder for its codec; write it in H.264 by the "
-            f"camera maker's program, or by an ffmpeg that has one: ffmpeg -i "
-            f"{shlex.quote(path.name)} -fps_mode passthrough -c:v libx264 -crf 15 "
-            f"{shlex.quote(path.stem + '-h264.mp4')}"
+            f"camera maker's program, or by an ffmpeg that has one: {_written_anew(path)}"
         )
 
 
@@ -493,7 +514,9 @@ def _by_pyav(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[An
     """
     k = first
     for sooner_s in (0.0, SOONER_S, np.inf):  # some files are sought with errors
-        sought = -np.inf if sooner_s == np.inf else chapter.tick[first] - sooner_s / chapter.unit_s
+        sought = chapter.tick[first] - sooner_s / chapter.unit_s
+        if sought <= chapter.tick[0]:  # which some files cannot seek
+            sought = -np.inf
         for number, frame in enumerate(_decodable(chapter.path, sought)):
             if number > AT_MOST_DECODED + k - first:
                 break
@@ -558,6 +581,7 @@ def _luma(frame: Any) -> Any:
 
 
 FRAMECRC = re.compile(r"\d+,\s*-?\d+,\s*(-?\d+),[^F]*(?:F=0x([0-9A-F]+))?")
+NO_TIME = -(2**63)  # of a packet, as ffmpeg writes it
 DISCARD = 4  # a packet's flag: its frame is not shown
 
 
@@ -568,6 +592,14 @@ def _packets_by_ffmpeg(path: Path) -> tuple[list[int], float, int]:
         lines = output.read().decode("ascii", "replace").splitlines()
     unit_s = next((_tick_s(line) for line in lines if line.startswith("#tb 0:")), 1.0)
     packets = [found for line in lines if (found := FRAMECRC.match(line))]
+    timeless = sum(int(found[1]) == NO_TIME for found in packets)
+    if timeless == len(packets):
+        return [], unit_s, 0
+    if timeless:
+        raise VopdError(
+            f"{path.name}: ffmpeg does not say when its frames are shown, and PyAV does: pip "
+            f"install av; or write it anew: {_written_anew(path)}"
+        )
     shown = [int(found[1]) for found in packets if not int(found[2] or "0", 16) & DISCARD]
     return shown, unit_s, len(packets) - len(shown)
 

@@ -287,6 +287,39 @@ def test_ffmpeg_serves_where_pyav_is_not_installed(
         open_frames([video])
 
 
+@pytest.mark.skipif(os.name == "nt", reason="the stub is a script")
+@pytest.mark.parametrize("first", ["48003", str(-(2**63))])
+def test_packets_whose_times_ffmpeg_does_not_know(
+    first: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of MPEG programme streams, whose frames were at -1e14 s; a bare stream has none."""
+    stub = tmp_path / "bin" / "ffmpeg"
+    stub.parent.mkdir()
+    packets = f"0, 45000, {first}, 3003, 607, 0xc0", f"0, 48003, {-(2**63)}, 1, 2, 0"
+    lines = ["#tb 0: 1/90000", *packets]
+    stub.write_text("\n".join(["#!/bin/sh", *(f"echo '{line}'" for line in lines)]) + "\n")
+    stub.chmod(0o755)
+    monkeypatch.setenv("PATH", str(stub.parent), prepend=os.pathsep)
+    monkeypatch.setitem(sys.modules, "av", None)
+    (tmp_path / "a.mpg").write_bytes(b"any")
+    with refused(VopdError):
+        open_frames([str(tmp_path / "a.mpg")])
+
+
+def test_each_frame_of_a_file_that_cannot_seek_before_its_first(tmp_path: Path) -> None:
+    """The last frames of an FLV were told as not decodable."""
+    frames = open_frames([str(write_video(tmp_path / "a.flv", EVEN_MS))])
+    for k in range(40):
+        (picture,) = frames.pictures([k])
+        assert round(number_of(picture)) == k
+
+
+def test_an_avi_of_frames_that_refer_to_later_ones(tmp_path: Path) -> None:
+    """Seven of forty were told as damaged."""
+    with refused(VopdError):
+        open_frames([str(write_video(tmp_path / "a.avi", EVEN_MS))])
+
+
 def test_a_frame_that_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The index at the head of a file is whole, and the frames at its end are not there."""
     monkeypatch.chdir(tmp_path)
