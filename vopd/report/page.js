@@ -283,11 +283,12 @@ function work(data) {
   }
 
   function turn(by) {
+    const pressed = document.activeElement;  // some browsers take the focus off a disabled button
     first = Math.max(0, Math.min(first + by * PAGE, rows.length - (rows.length % PAGE || PAGE)));
     fill();
     of("frames-table").parentNode.scrollTop = 0;
     for (const [id, other] of [["rows-before", "rows-after"], ["rows-after", "rows-before"]]) {
-      if (of(id) === document.activeElement && of(id).disabled) of(other).focus();
+      if (of(id) === pressed && pressed.disabled) of(other).focus();
     }
   }
 
