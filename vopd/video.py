@@ -527,7 +527,7 @@ def _by_pyav(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[An
                 k += 1
             if k <= last and frame.pts == chapter.tick[k]:
                 picture = _luma(frame) if grey else frame.to_ndarray(format="rgb24")
-                yield np.rot90(picture, frame.rotation // 90) if frame.rotation else picture
+                yield _upright(picture, frame)
                 k += 1
             if k > last:
                 return
@@ -571,6 +571,24 @@ def _decodable(path: Path, sought: float) -> Iterator[Any]:
                         yield frame
             else:
                 return
+
+
+def _upright(picture: Any, frame: Any) -> Any:
+    """Turn and mirror the pixels of a frame as its display matrix says, to the nearest quarter.
+
+    Args:
+        picture: as stored, (H, W) or (H, W, 3)
+        frame: of PyAV, with the matrix [a, b, u, c, d, v, x, y, w]: a pixel goes from x, y to
+            ax + cy, bx + dy
+    """
+    own = [one for one in frame.side_data if one.type.name == "DISPLAYMATRIX"]
+    if not own:
+        return picture
+    a, b, _, c, d, *_ = np.frombuffer(bytes(own[0]), np.int32).tolist()
+    right, down = a, d
+    if abs(b) > abs(a):
+        picture, right, down = picture.swapaxes(0, 1), c, b
+    return picture[:: -1 if down < 0 else 1, :: -1 if right < 0 else 1]
 
 
 def _luma(frame: Any) -> Any:

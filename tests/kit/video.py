@@ -16,13 +16,13 @@ LEVELS = 5  # of grey a frame, from 20 on
 SIZE = (64, 48)
 
 
-def write_video(path: Path, shown_ms: Sequence[int], bright_rows: int = 0) -> Path:
+def write_video(path: Path, shown_ms: Sequence[int], bright_corner: bool = False) -> Path:
     """Write a video in H.264, with frames that refer to later ones.
 
     Args:
         path: where to
         shown_ms: when each frame is shown, milliseconds
-        bright_rows: how many rows at the top are white
+        bright_corner: whether the left half of the first eight rows is white
     """
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=25)
@@ -32,7 +32,8 @@ def write_video(path: Path, shown_ms: Sequence[int], bright_rows: int = 0) -> Pa
         stream.options = {"crf": "10", "g": "12", "bf": "2"}
         for k, ms in enumerate(shown_ms):
             level = np.full((SIZE[1], SIZE[0], 3), 20 + LEVELS * k, np.uint8)
-            level[:bright_rows] = 255
+            if bright_corner:
+                level[:8, : SIZE[0] // 2] = 255
             frame = av.VideoFrame.from_ndarray(level, "rgb24")
             frame.pts, frame.time_base = ms, Fraction(1, UNIT)
             container.mux(stream.encode(frame))

@@ -171,29 +171,46 @@ def test_the_file_of_a_photograph_serves_where_browsers_show_it_upright(tmp_path
     assert frames.jpeg(0) == (tmp_path / "a.jpg").read_bytes()
 
 
+ONE = 1 << 16
+
+
+@pytest.mark.parametrize(
+    ("matrix", "corner", "is_turned"),
+    [((0, ONE, -ONE, 0), "top right", True), ((0, -ONE, ONE, 0), "bottom left", True),
+     ((-ONE, 0, 0, -ONE), "bottom right", False), ((-ONE, 0, 0, ONE), "top right", False),
+     ((ONE, 0, 0, -ONE), "bottom left", False), ((0, ONE, ONE, 0), "top left", True)],
+    ids=["clockwise", "counter-clockwise", "upside down", "mirrored", "in water", "transposed"],
+)  # fmt: skip
 def test_a_video_of_a_turned_camera_stands_upright(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Its matrix turns it a quarter clockwise: the first row as stored is the right-hand column."""
-    path = write_video(tmp_path / "a.mp4", EVEN_MS[:3], bright_rows=8)
+    matrix: tuple[int, ...], corner: str, is_turned: bool,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Where the display matrix puts the corner at the top left as stored.
+
+    Its numbers a, b, c, d take a pixel from x, y, down, to ax + cy, bx + dy.
+    """
+    path = write_video(tmp_path / "a.mp4", EVEN_MS[:3], bright_corner=True)
     content = bytearray(path.read_bytes())
-    matrix = content.index(b"tkhd") + 44
-    content[matrix : matrix + 36] = struct.pack(
-        ">9i", 0, 1 << 16, 0, -(1 << 16), 0, 0, SIZE[1] << 16, 0, 1 << 30
-    )
+    a, b, c, d = matrix
+    start = content.index(b"tkhd") + 44
+    content[start : start + 36] = struct.pack(">9i", a, b, 0, c, d, 0, 0, 0, 1 << 30)
     path.write_bytes(content)
 
-    def seen() -> Floats:
+    def stands() -> bool:
         (picture,) = open_frames([str(path)]).pictures([1])
-        return np.asarray(picture.convert("L"), dtype=float)
+        seen: Floats = np.asarray(picture.convert("L"), dtype=float)
+        brightest = {
+            f"{row} {column}": seen[rows, columns].mean()
+            for row, rows in (("top", np.s_[:6]), ("bottom", np.s_[-6:]))
+            for column, columns in (("left", np.s_[:6]), ("right", np.s_[-6:]))
+        }
+        size = SIZE if is_turned else SIZE[::-1]
+        return seen.shape == size and max(brightest, key=lambda one: brightest[one]) == corner
 
-    def stands(turned: Floats) -> bool:
-        return turned.shape == SIZE and turned[:, -8:].mean() > 2.0 * turned[:, :-8].mean()
-
-    assert stands(seen())
+    assert stands()
     if shutil.which("ffmpeg"):
         monkeypatch.setitem(sys.modules, "av", None)
-        assert stands(seen())
+        assert stands()
 
 
 def test_frames_spread_over_a_video(tmp_path: Path) -> None:
