@@ -394,7 +394,26 @@ OPENCV_YML = (
     "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
     "   data: [ 900., 0., 45., 0., 800., 35., 0., 0., 1. ]\n"
 )
+KALIBR = """cam0:
+  camera_model: pinhole
+  distortion_coeffs: [-0.1, 0.02, 0.003, -0.004]
+  distortion_model: radtan
+  intrinsics: [900.0, 800.0, 45.0, 35.0]
+  resolution: [90, 70]
+cam1:
+  T_cn_cnm1:
+  - [1.0, 0.0, 0.0, 0.1]
+  - [0.0, 1.0, 0.0, 0.0]
+  - [0.0, 0.0, 1.0, 0.0]
+  - [0.0, 0.0, 0.0, 1.0]
+  camera_model: pinhole
+  distortion_coeffs: [0.1, 0.2, 0.3, 0.4]
+  distortion_model: equidistant
+  intrinsics: [90, 80, 4, 3]
+  resolution: [9, 7]
+"""
 RECOGNISED = {
+    "kalibr": KALIBR.partition("cam1")[0],
     "colmap": "# x\n\n  7 PINHOLE 90 70 900 800 45 35\n",
     "opensfm": "\n " + opensfm(),
     "opensfm, x": opensfm(focal_x=0.5),
@@ -582,6 +601,35 @@ def test_a_reconstruction_of_opensfm_is_the_first() -> None:
     assert lens_of(opensfm(**brown)).lens.k[:6].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 0.0]
 
 
+# Kalibr
+
+
+def test_cameras_of_kalibr_by_their_names(tmp_path: Path) -> None:
+    """OpenCV's order of coefficients, and its grid."""
+    first = read(tmp_path, KALIBR, camera="cam0")
+    assert numbers(first) == [900, 800, 45, 35, -0.1, 0.02, 0.003, -0.004]
+    assert first.lens.size_px == (90, 70) and first.lens.kind is LensKind.BROWN
+    second = read(tmp_path, KALIBR, camera="cam1")
+    assert numbers(second) == [90, 80, 4, 3, 0.1, 0.2, 0.3, 0.4]
+    assert second.lens.kind is LensKind.FISHEYE
+    assert_approved([first.said, second.said])
+    without = KALIBR.partition("cam1")[0].replace("radtan", "none")
+    assert numbers(read(tmp_path, without.replace("[-0.1, 0.02, 0.003, -0.004]", "[]"))) == [
+        900, 800, 45, 35,
+    ]  # fmt: skip
+
+
+def test_what_kalibr_s_files_are_refused_for() -> None:
+    one = KALIBR.partition("cam1")[0]
+    assert_approved([no_lens(KALIBR), no_lens(KALIBR, camera="cam2")])
+    for old, new in (
+        ("pinhole", "omni"), ("radtan", "fov"), ("900.0, ", ""), (", -0.004", ""),
+        ("radtan", "none"), ("resolution: [90, 70]", "rostopic: /cam0"),
+        ("camera_model", "model"), ("[90, 70]", "wide"),
+    ):  # fmt: skip
+        assert_approved(no_lens(one.replace(old, new)))
+
+
 # COLMAP
 
 
@@ -621,6 +669,13 @@ def metashape_of(width: int, height: int, fx: float, fy: float, cx: float, k1: f
     return "<calibration>" + "".join(f"<{n}>{v}</{n}>" for n, v in parts.items()) + "</calibration>"
 
 
+def kalibr_of(width: int, height: int, fx: float, fy: float, cx: float, k1: float) -> str:
+    rows = {"camera_model": "pinhole", "distortion_model": "radtan"}
+    rows |= {"intrinsics": f"[{fx}, {fy}, {cx}, 30]", "distortion_coeffs": f"[{k1}, 0, 0, 0]"}
+    rows |= {"resolution": f"[{width}, {height}]"}
+    return "cam0:\n" + "".join(f"  {key}: {value}\n" for key, value in rows.items())
+
+
 def mrcal_of(width: int, height: int, fx: float, fy: float, cx: float, k1: float) -> str:
     values = ", ".join(map(str, [fx, fy, cx, 30, k1, 0, 0, 0])).replace("nan", "1e999")
     model = "'lensmodel': 'LENSMODEL_OPENCV4'"
@@ -641,7 +696,9 @@ def opensfm_of(width: int, height: int, fx: float, fy: float, cx: float, k1: flo
     )
 
 
-FORMATS: list[Callable[..., str]] = [colmap_of, metashape_of, mrcal_of, opencv_of, opensfm_of]
+FORMATS: list[Callable[..., str]] = [
+    colmap_of, kalibr_of, metashape_of, mrcal_of, opencv_of, opensfm_of,
+]  # fmt: skip
 NAN = float("nan")
 
 

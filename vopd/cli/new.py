@@ -26,7 +26,7 @@ _FILES = (
     (
         "--lens",
         "lens",
-        "The lens: OpenCV, COLMAP, OpenSfM or ODM, Metashape, mrcal; or FX,FY,CX,CY,K1,K2.",
+        "The lens: OpenCV, Kalibr, COLMAP, OpenSfM or ODM, Metashape, mrcal; or FX,FY,CX,CY,K1,K2.",
     ),
     ("--picks", "picks", "The picks: CSV, CVAT, LabelMe, gcp_list.txt."),
     ("--landmarks", "landmarks", "The landmarks: CSV, GeoJSON, gcp_list.txt."),

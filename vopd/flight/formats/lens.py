@@ -1,4 +1,4 @@
-"""Lens files: mrcal, Metashape, OpenSfM, OpenCV, COLMAP, MATLAB; the lens of each image."""
+"""Lens files: mrcal, Metashape, OpenSfM, OpenCV, Kalibr, COLMAP, MATLAB; the lens of each image."""
 
 from __future__ import annotations
 
@@ -573,6 +573,49 @@ def _yaml(file: InputFile) -> Any:
         raise file.error(f"not valid YAML: {reason(error)}") from error
 
 
+# Kalibr's camchain.yaml: cameras by name, pixels from the first pixel's centre
+
+MODELS_KALIBR = {"radtan": "brown", "equidistant": "fisheye", "none": "brown"}
+
+
+def recognises_kalibr(file: InputFile) -> bool:
+    """Tell whether a line has the key of distortion coefficients, and the text intrinsics."""
+    return bool(re.search(r"^\s+distortion_coeffs\s*:", file.text, re.M)) and (
+        "intrinsics" in file.text
+    )
+
+
+def read_kalibr(file: InputFile, question: LensQuestion) -> LensRead:
+    """Read the lens of a camchain.yaml; of several cameras that which the project names."""
+    cameras = {str(name): one for name, one in _mapping(file).items() if isinstance(one, dict)}
+    name = _chosen(file, [*cameras], question, "name one, as cam0,")
+    camera = cameras[name]
+    models = [shown(camera.get(key, "none")) for key in ("camera_model", "distortion_model")]
+    bent = str(camera.get("distortion_model", "none"))
+    if camera.get("camera_model") != "pinhole" or bent not in MODELS_KALIBR:
+        message = f"camera model {models[0]} with distortion {models[1]} is not read"
+        known = "pinhole-radtan or pinhole-equi"
+        raise file.error(f"{message}: let Kalibr calibrate the camera as {known}", column=name)
+    focal_and_centre = _numbers(file, camera.get("intrinsics", []))
+    k = _numbers(file, camera.get("distortion_coeffs", []))
+    size = _numbers(file, camera.get("resolution", []))
+    for key, found, count in (
+        ("intrinsics", focal_and_centre, 4),
+        ("distortion_coeffs", k, 0 if bent == "none" else 4),
+        ("resolution", size, 2),
+    ):
+        if len(found) != count:
+            raise file.error(
+                f"{key} has {count_text(len(found), 'number')}, not {count}", column=name
+            )
+    size_px = size_of(file, *size)
+    model = MODELS_KALIBR[bent]
+    lens = make_lens(model, size_px, focal_and_centre[:2], focal_and_centre[2:], k)
+    return LensRead(
+        checked(file, lens), f"{file.name}: Kalibr, {name}, pinhole, {bent}, centre grid"
+    )
+
+
 # COLMAP's cameras.txt: one camera a line, pixels counted from the image's corner
 
 MODELS_COLMAP = {  # model here, number of focal lengths, OpenCV positions of the coefficients
@@ -781,6 +824,7 @@ LENS_FORMATS: tuple[InputFormat[LensRead], ...] = (
     InputFormat("OpenSfM or ODM cameras.json", recognises_opensfm, read_opensfm),
     InputFormat("JSON of CIRN's intrinsics", recognises_json_intrinsics, read_json_intrinsics),
     InputFormat("OpenCV yml, xml or json", recognises_opencv, read_opencv),
+    InputFormat("Kalibr camchain.yaml", recognises_kalibr, read_kalibr),
     InputFormat("COLMAP cameras.txt", recognises_colmap, read_colmap),
     InputFormat("MATLAB file of Caltech or CIRN", recognises_matlab_lens, read_matlab_lens),
 )
