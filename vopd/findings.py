@@ -138,6 +138,19 @@ def size_text(value: float, digits: int = 2) -> str:
     return f"{float(text):.0f}" if "e+" in text and abs(value) < MOST_WRITTEN_OUT else text
 
 
+def angle_text(angle_deg: float, decimals: int, half_circle: bool = False) -> str:
+    """Write an angle that is rounded and still in its range: 359.999 to two decimals is `0.00`.
+
+    Args:
+        angle_deg: degrees; NaN is written as such
+        decimals: of the text
+        half_circle: whether the range is above -180 to 180, and not from 0 to below 360
+    """
+    rounded = round(angle_deg, decimals)
+    turned = 180.0 - (180.0 - rounded) % 360.0 if half_circle else rounded % 360.0
+    return f"{turned:.{decimals}f}"
+
+
 Report = Callable[[Finding], None]
 """A function that is given a finding and keeps it, prints it or raises it."""
 

@@ -155,3 +155,13 @@ def test_lines_are_broken_at_words() -> None:
     assert wrapped("a bb ccc", 5, "  ") == "a bb\n  ccc"
     assert wrapped("    a bb ccc", 8) == "    a bb\n    ccc"
     assert wrapped("x" * 9, 5) == "x" * 9
+
+
+def test_angles_are_rounded_within_their_range() -> None:
+    """Yaw is 0 to 360, and roll above -180 to 180; a yaw beyond a circle is shown as it is."""
+    angles = np.tile([359.9996, -60.0, 180.0004], (3, 3))
+    angles[1:, [3, 5]] = [[0.0004, 179.9996], [720.5, 0.0]]
+    film = one_part(by_hand(3, angles_deg=angles, half_deg=np.full((3, 9), 0.1)))
+    cells = {one.name: one.cells for one in columns(frames_of([film])[0])}
+    assert cells["yaw"] == ["0.00", "0.00", "720.50"]
+    assert cells["roll"] == ["180.00", "180.00", "0.00"]

@@ -134,8 +134,8 @@ TICKS = {  # by the angle that is drawn: yaw from 0 to 360, all others from -180
     -10.0: ("350", "-10"),
     370.0: ("10", "10"),
     190.0: ("190", "-170"),
-    180.0: ("180", "-180"),
-    -180.0: ("180", "-180"),
+    180.0: ("180", "180"),
+    -180.0: ("180", "180"),
     360.0: ("0", "0"),
     0.1234567: ("0.123457", "0.123457"),
     123.4567: ("123.457", "123.457"),
@@ -149,6 +149,22 @@ def test_ticks_are_angles_in_their_range(value: float) -> None:
     circle, half = TICKS[value]
     said = [axis.yaxis.get_major_formatter()(value, None) for axis in axes]
     assert said == [circle] * 2 + [half] * 7
+
+
+@pytest.mark.parametrize(
+    ("rolls", "numbers"),
+    [
+        ((178.0, 182.0), {179.0: "179", 180.0: "180", 181.0: "181", -179.0: "181"}),
+        ((190.0, 192.0), {190.0: "-170", -168.0: "-168"}),
+        ((358.0, 2.0), {359.0: "-1", 0.0: "0", 1.0: "1"}),
+    ],
+)
+def test_a_roll_on_both_sides_of_180_goes_on(
+    rolls: tuple[float, ...], numbers: dict[float, str]
+) -> None:
+    """As in the table, 181 follows 180; elsewhere it is -180 to 180, as on a screen."""
+    roll = panels(alike(2, *rolls), draw_attitude)[2].yaxis.get_major_formatter()
+    assert {at: roll(at, None) for at in numbers} == numbers
 
 
 def test_all_jobs_are_cut_at_the_same_direction() -> None:

@@ -21,6 +21,7 @@ from vopd.findings import (
     Finding,
     InputError,
     VopdError,
+    angle_text,
     first_of_each_kind,
     frames_text,
     kind_of,
@@ -45,6 +46,18 @@ from vopd.synthetic.flight import make
 def test_sizes_have_few_digits_and_no_exponent(value: float, digits: int, text: str) -> None:
     """A warning spoke of 3.2e+02 standard deviations."""
     assert size_text(value, digits) == text
+
+
+@pytest.mark.parametrize(
+    ("angle_deg", "circle", "half"),
+    [(359.996, "0.00", "0.00"), (359.994, "359.99", "-0.01"), (179.996, "180.00", "180.00"),
+     (180.006, "180.01", "-179.99"), (-179.996, "180.00", "180.00"), (-1e-9, "0.00", "0.00"),
+     (725.0, "5.00", "5.00"), (-90.0, "270.00", "-90.00"), (np.nan, "nan", "nan")],
+)  # fmt: skip
+def test_an_angle_that_is_rounded_stays_in_its_range(
+    angle_deg: float, circle: str, half: str
+) -> None:
+    assert [angle_text(angle_deg, 2, one) for one in (False, True)] == [circle, half]
 
 
 @pytest.mark.parametrize(

@@ -366,6 +366,19 @@ def test_curves_as_people_read_them(browser: Any, tmp_path: Path) -> None:
     assert line.count("M") == 2 and line.count("L") == 3
 
 
+def test_a_roll_on_both_sides_of_180_goes_on_and_angles_round_into_their_range(
+    browser: Any, tmp_path: Path
+) -> None:
+    """As in the table: 181 follows 180. A yaw of 359.9999 is 0.00, and no 360."""
+    angles = np.tile([359.9999, -60.0, 182.0], (3, 3))
+    angles[:, 5] = [182.0, 178.0, 180.0]
+    load(browser, tmp_path, report([by_hand(3, angles_deg=angles, half_deg=np.full((3, 9), 0.1))]))
+    values = [text.text for text in browser.find_elements(By.CSS_SELECTOR, "#curve-box .value")]
+    assert [float(values[k].split()[0]) for k in (0, 2)] == [0.0, 182.0]
+    ticks = [text.text for text in browser.find_elements(By.CSS_SELECTOR, "#curve-box .tick")]
+    assert {"178", "180", "182"} <= {*ticks} and "-178" not in ticks
+
+
 def test_curves_are_those_of_the_chosen_job(browser: Any, tmp_path: Path) -> None:
     """Of two jobs of five and three frames: choosing a frame of the other draws its curves."""
     second = by_hand(3, said={"job": 2})

@@ -283,6 +283,27 @@ def test_angles_of_one_frame_and_about_north() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("rolls", "ends"),
+    [
+        ((179.0, 181.0), ("179.000", "181.000")),
+        ((358.0, 2.0), ("-2.000", "2.000")),
+        ((190.0, 192.0), ("-170.000", "-168.000")),
+        ((90.0, 180.0), ("90.000", "180.000")),
+        ((0.0, 359.99996), ("0.000", "0.000")),
+    ],
+)
+def test_a_range_of_roll_goes_on_beyond_180_and_rounds_to_its_range(
+    rolls: tuple[float, float], ends: tuple[str, str]
+) -> None:
+    """A yaw of the same 359.99996 rounds to 0, and not to 360."""
+    angles = np.tile([10.0, -60.0, 20.0], (2, 3))
+    angles[:, 5], angles[:, 3] = rolls, 359.99996
+    rows = angle_table([by_hand(2, angles_deg=angles, half_deg=np.full((2, 9), 0.05))])[1]
+    assert {row[0]: tuple(row[1:3]) for row in rows}["vehicle roll"] == ends
+    assert {row[0]: tuple(row[1:3]) for row in rows}["vehicle yaw"] == ("0.000", "0.000")
+
+
 def test_what_is_doubtful_and_what_no_sigma_includes() -> None:
     """A fact is told once: a second solution that two landmarks bring is no doubt of its own."""
     flags = {"jump": [0], "two_landmarks": [0, 1], "second_solution": [0, 1]}

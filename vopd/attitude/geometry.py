@@ -8,6 +8,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.estimate import Estimate
+from vopd.findings import angle_text
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.linear import eigenvectors, singular_values
 from vopd.geometry.rotation_fit import Sights, fit_rotations
@@ -70,12 +71,13 @@ def free_turn_text(estimate: Estimate, free_turn: Floats) -> list[str]:
     seen = np.where(used[..., None], estimate.direction, 0.0).sum(axis=1) @ NED_FROM_ENU
     axis = np.where((axis * seen).sum(axis=1)[:, None] < 0.0, -axis, axis)
     north, east, down = axis.T
-    azimuth = np.degrees(np.arctan2(east, north)) % 360.0
+    azimuth = np.degrees(np.arctan2(east, north))
     elevation = np.degrees(np.arcsin(np.clip(-down, -1.0, 1.0)))
     free = np.asarray(np.isfinite(axis).all(axis=1) & (np.abs(axis).max(axis=1) > 0.0))
     text = [""] * len(free)
     for k in np.flatnonzero(free):
-        text[k] = f"turn about azimuth {azimuth[k]:.1f} elevation {elevation[k]:.1f} is free"
+        toward = angle_text(float(azimuth[k]), 1)
+        text[k] = f"turn about azimuth {toward} elevation {elevation[k]:.1f} is free"
     return text
 
 

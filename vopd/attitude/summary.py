@@ -17,7 +17,14 @@ from vopd.attitude.history import History
 from vopd.attitude.included import MOUNTED_DOWN, errors_texts, one_turn_texts
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.uncertainty import ANGLES
-from vopd.findings import Finding, count_text, first_of_each_kind, frames_text, size_text
+from vopd.findings import (
+    Finding,
+    angle_text,
+    count_text,
+    first_of_each_kind,
+    frames_text,
+    size_text,
+)
 from vopd.screen import LEAST, aligned, shortened, width, wrapped
 
 ROWS = 20  # frames of a table
@@ -187,10 +194,7 @@ def _angle(
     name: str, values: Floats, half: Floats, has: Bools, digits: int
 ) -> tuple[ShownColumn, ShownColumn]:
     """List the column of an angle, roll in -180 to 180, and that of its 95 % half-width."""
-    if name.endswith("roll"):
-        values = _in_half_circle(values)
     decimals = _decimals(half[has], digits)
-    shown = np.where(has, values, np.nan)
     known = has & np.isfinite(values)
     widths = [
         _half_text(h, decimals) if one else ""
@@ -198,7 +202,11 @@ def _angle(
     ]
     body, _, angle = name.rpartition(" ")
     head = (body, angle) if body else (angle, "deg")
-    return ShownColumn(*head, _fixed(shown, decimals)), ShownColumn("+-", "", widths, close=True)
+    texts = _fixed(np.where(known, values, np.nan), decimals)
+    for k in np.flatnonzero(known).tolist():
+        if angle == "roll" or (angle == "yaw" and 0.0 <= values[k] < 360.0):
+            texts[k] = angle_text(float(values[k]), decimals, angle == "roll")
+    return ShownColumn(*head, texts), ShownColumn("+-", "", widths, close=True)
 
 
 def _half_text(half: float, decimals: int) -> str:

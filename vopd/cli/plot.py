@@ -141,7 +141,7 @@ def _with_half(angle: float, half: float | None) -> str:
     """Write an angle and half of its interval; without one to two decimals."""
     from vopd.stellar.files.text import with_half
 
-    return f"{angle:.2f}" if half is None else " ± ".join(with_half(angle, half))
+    return with_half(angle, half, 2)[0] if half is None else " ± ".join(with_half(angle, half))
 
 
 def _star_photograph(one: ReadSolution, about: StarCamera, images: str | None) -> tuple[Any, str]:

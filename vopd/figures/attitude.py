@@ -22,6 +22,7 @@ from vopd.figures.style import (
     plain,
     short,
 )
+from vopd.findings import angle_text
 
 # Break the lines of a figure where frames are missing and where angles wrap.
 
@@ -229,8 +230,8 @@ def draw_table(figure: Any, histories: Sequence[History], names: Sequence[str]) 
         for name in names:
             value = float(values_of(h, name)[k])
             low, high = interval_of(h, name)[:, k]
-            lowest = 0.0 if name.endswith("yaw") else -180.0
-            cells.append(_with_half(in_range(value, lowest), float(high - low) / 2.0))
+            half = in_half_circle(name, value, value)
+            cells.append(_with_half(value, float(high - low) / 2.0, half))
         flags = ", ".join(one.replace("_", " ") for one in flagged_frames(h)) or "none"
         rows.append(
             [label(h, histories), short(h.estimate.frame_label(k), LABEL_SHOWN), *cells, flags]
@@ -261,14 +262,14 @@ def draw_table(figure: Any, histories: Sequence[History], names: Sequence[str]) 
 MOST_UPRIGHT = 4  # jobs of a table with a column for each; more have a row each
 
 
-def _with_half(value: float, half: float) -> str:
+def _with_half(value: float, half: float, half_circle: bool) -> str:
     """Write an angle with half of its interval, to two digits of that and no more than four."""
     if not np.isfinite(value):
         return "none"
     if not np.isfinite(half):
-        return f"{value:.4f} ± ?"
+        return f"{angle_text(value, 4, half_circle)} ± ?"
     digits = 4 if half <= 0.0 else int(np.clip(1 - np.floor(np.log10(half)), 0, 4))
-    return f"{value:.{digits}f} ± {half:.{digits}f}"
+    return f"{angle_text(value, digits, half_circle)} ± {half:.{digits}f}"
 
 
 NO_ATTACK = (
@@ -332,8 +333,11 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
         for number, history in enumerate(histories):
             _angle(axis, history, name, COLOURS[number % len(COLOURS)], cut)
         axis.set_ylabel(f"{ANGLE_TEXTS[name.split('_')[-1]]}, degrees")
-        lowest = 0.0 if name.endswith("yaw") else -180.0
-        axis.yaxis.set_major_formatter(lambda y, _, low=lowest: f"{in_range(y, low):.6g}")
+        axis.yaxis.set_major_formatter(
+            lambda y, _, name=name, axis=axis: (
+                f"{in_range(y, in_half_circle(name, *axis.get_ylim())):.6g}"
+            )
+        )
     marks = ("-", "--", ":")
     for mark, name in zip(marks, names, strict=True):
         for number, history in enumerate(histories):
@@ -374,9 +378,27 @@ def interval_of(history: History, name: str) -> Floats:
     return np.where(np.isfinite(ends) & np.isfinite(half), ends, np.nan)
 
 
-def in_range(angle: float, lowest: float) -> float:
-    """Move an angle to between `lowest` and `lowest` + 360 degrees."""
-    return float(np.round(angle - lowest, 9) % 360.0 + lowest)
+def in_half_circle(name: str, low: float, high: float) -> bool:
+    """Tell whether angles in a range are written from -180 to 180, and not from 0 to 360.
+
+    Yaw is not, and a roll on both sides of 180 is not either: it goes on to 181, as in the table.
+
+    Args:
+        name: of the angle
+        low: end of the range, degrees
+        high: end of the range, less than a turn above
+    """
+    beyond = name.endswith("roll") and np.floor((low + 180.0) / 360.0) < np.floor(
+        (high + 180.0) / 360.0
+    )
+    around_zero = np.floor(low / 360.0) < np.floor(high / 360.0)
+    return not (name.endswith("yaw") or (beyond and not around_zero))
+
+
+def in_range(angle: float, half_circle: bool) -> float:
+    """Move an angle to above -180 to 180 degrees, or to 0 to 360."""
+    rounded = np.round(angle, 9)
+    return float(180.0 - (180.0 - rounded) % 360.0 if half_circle else rounded % 360.0)
 
 
 def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> None:

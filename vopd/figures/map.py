@@ -28,7 +28,7 @@ from vopd.figures.style import (
     place_names,
     round_number,
 )
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, angle_text, count_text
 from vopd.geometry.earth import geodetic, local_axes
 
 if TYPE_CHECKING:
@@ -178,8 +178,8 @@ def draw_map(
     where = f"in {scene.crs}, m" if scene.plane is not None else f"of this frame's camera, {unit}"
     above.set_xlabel(f"easting {where}" if scene.plane is not None else f"east {where}")
     above.set_ylabel("northing, m" if scene.plane is not None else f"north, {unit}")
-    toward = azimuth % 360.0 if gathered else 90.0
-    side.set_xlabel(f"distance from the camera toward {toward:.0f}° from true north, {unit}")
+    toward = angle_text(azimuth if gathered else 90.0, 0)
+    side.set_xlabel(f"distance from the camera toward {toward}° from true north, {unit}")
     side.set_ylabel(f"height, {unit}")
     for axis in (above, side):
         axis.ticklabel_format(style="plain", useOffset=False)

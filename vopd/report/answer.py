@@ -17,14 +17,14 @@ from vopd.figures.attitude import (
     TOLD_BY,
     brought_by,
     from_cut,
-    in_range,
+    in_half_circle,
     interval_of,
     shows_attack,
     unwrapped_about,
     values_of,
 )
 from vopd.figures.style import doubts_text
-from vopd.findings import count_text
+from vopd.findings import angle_text, count_text
 
 Rows = list[list[str]]
 
@@ -70,10 +70,10 @@ def _angle_row(histories: Sequence[History], name: str, single: bool) -> list[st
     known = half[np.isfinite(half)]
     widths = [np.median(known), known.max()] if len(known) else []
     decimals = _decimals(float(widths[0])) if widths else 2
-    lowest = 0.0 if name.endswith("yaw") else -180.0
     whole = from_cut(angle, unwrapped_about(angle))
     shown = [whole[0]] if single else [whole.min(), whole.max()]
-    texts = [f"{in_range(float(one), lowest):.{decimals}f}" for one in shown]
+    half_circle = in_half_circle(name, float(whole.min()), float(whole.max()))
+    texts = [angle_text(float(one), decimals, half_circle) for one in shown]
     widths_text = [
         f"{one:#.2g}" if one < 9.95 else f"{one:.0f}" for one in widths[: 1 if single else 2]
     ]

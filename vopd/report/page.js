@@ -322,17 +322,29 @@ function work(data) {
     return typeof half === "number" ? [at - half, at + half] : [NaN, NaN];
   }
 
-  // Beside its curve: a roll from -180 to 180, an angle to two digits of half its interval. The table has all digits.
-  function asDrawn(one) {
+  // In 0 to 360, or above -180 to 180 degrees, where a rounded angle stays.
+  function inRange(angle, halfCircle, digits) {
+    const turned = (v) => ((v % 360) + 360) % 360;
+    const rounded = Number(angle.toFixed(digits));
+    return (halfCircle ? 180 - turned(180 - rounded) : turned(rounded)).toFixed(digits);
+  }
+
+  // Yaw is from 0, and a roll on both sides of 180 too: it goes on to 181, as in the table.
+  function inHalfCircle(one, least, most) {
+    const parted = (at) => Math.floor((least - at) / 360) < Math.floor((most - at) / 360);
+    return !(one.name.includes("yaw") || (one.name.includes("roll") && parted(180) && !parted(0)));
+  }
+
+  // Beside its curve: an angle to two digits of half its interval, in the range of its scale. The table has all digits.
+  function asDrawn(one, halfCircle) {
     const written = text(one, now);
     if (written === "") return "none";
     if (one === rms) return Number(written).toPrecision(3);
-    const angle = one.name.endsWith("roll_deg") && Number(written) > 180 ? Number(written) - 360 : Number(written);
     const [lowEnd, highEnd] = ends(one, now, 0);
     const half = (highEnd - lowEnd) / 2;
-    if (!Number.isFinite(half)) return `${angle.toFixed(2)} ± ? °`;
+    if (!Number.isFinite(half)) return `${inRange(Number(written), halfCircle, 2)} ± ? °`;
     const digits = half > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(half)))) : 6;
-    return `${angle.toFixed(digits)} ± ${half.toFixed(digits)} °`;
+    return `${inRange(Number(written), halfCircle, digits)} ± ${half.toFixed(digits)} °`;
   }
 
   function curves() {
@@ -346,13 +358,13 @@ function work(data) {
     const place = x(at[now - job.first]);
     const cursor = node("g", { class: "cursor" });
     if (Number.isFinite(place)) for (const top of tops) cursor.append(line(place, top + 14, place, top + tall, "chosen"));
-    for (const { one, y, top, values } of panels) {
+    for (const { one, y, top, values, halfCircle } of panels) {
       const own = values[now - job.first];
       if (Number.isFinite(own) && Number.isFinite(place)) cursor.append(node("circle", { cx: round(place), cy: round(y(own)), r: 4, class: "chosen" }));
-      cursor.append(label(svg.viewBox.baseVal.width - 6, top + 11, asDrawn(one), "value", "end"));
+      cursor.append(label(svg.viewBox.baseVal.width - 6, top + 11, asDrawn(one, halfCircle), "value", "end"));
     }
     svg.append(cursor);
-    svg.setAttribute("aria-label", `${drawn.said}; chosen: ${described(now)}, ${panels.map(({ one }) => `${one.name} ${asDrawn(one)}`).join(", ")}`);
+    svg.setAttribute("aria-label", `${drawn.said}; chosen: ${described(now)}, ${panels.map(({ one, halfCircle }) => `${one.name} ${asDrawn(one, halfCircle)}`).join(", ")}`);
   }
 
   function drawCurves(box, job) {
@@ -404,11 +416,11 @@ function work(data) {
       const room = 0.06 * (most - least);
       [least, most] = [angle ? least - room : 0, most + room];
       const y = (v) => top + 14 + (1 - (Math.max(least, Math.min(most, v)) - least) / (most - least)) * (tall - 14);
-      const lowest = one.name.includes("yaw") ? 0 : -180;
+      const halfCircle = inHalfCircle(one, least, most);
       const [levels, digits] = ticks(least, most, 4);
       for (const level of levels) {
-        const shownLevel = angle ? ((((level - lowest) % 360) + 360) % 360) + lowest : level;
-        svg.append(line(left, y(level), width - right, y(level), "grid"), label(left - 4, y(level) + 4, shownLevel.toFixed(digits), "tick", "end"));
+        const shownLevel = angle ? inRange(level, halfCircle, digits) : level.toFixed(digits);
+        svg.append(line(left, y(level), width - right, y(level), "grid"), label(left - 4, y(level) + 4, shownLevel, "tick", "end"));
       }
       svg.append(label(left, top + 11, one.name.replaceAll("_", " ").replace(/ deg$/, ", °") + beyond, "title"));
       let [d, before] = ["", null];
@@ -431,7 +443,7 @@ function work(data) {
       svg.append(path(d, "curve"), path(alone.map((k) => `M${round(x(at[k]) - 2.5)} ${round(y(values[k]))}h5m-2.5 -2.5v5`).join(""), "curve"));
       const [a, b] = extent(inside.map((k) => raw[k]));
       told.push(`${one.name} ${a} to ${b}`);
-      return { one, y, top, values };
+      return { one, y, top, values, halfCircle };
     });
     drawWidths(svg, list.length * (tall + gap) + gap, tall, left, width - right, x, widths, widths.map((one) => inside.map((k) => {
       const [lowEnd, highEnd] = ends(one, job.first + k, value(one, job.first + k) ?? NaN);
@@ -696,7 +708,7 @@ function work(data) {
     const sy = (h) => base + 6 + (1 - (h - heights[0]) / lift) * (side - 12);
     svg.append(node("rect", { x: left, y: base, width: round(inner), height: side, class: "border" }));
     for (const h of ticks(heights[0], heights[1] > heights[0] ? heights[1] : heights[0] + 1, 5)[0]) svg.append(line(left, sy(h), width - right, sy(h), "grid"), label(left - 3, sy(h) + 4, String(Math.round(h)), "tick", "end"));
-    svg.append(label(left + inner / 2, base + side + 27, `distance toward ${Math.round(((azimuth * 180) / Math.PI + job.convergence + 360) % 360)}° from true north, ${name}`, "tick", "middle"), label(left, base - 3, "from the side: heights, m", "tick"));
+    svg.append(label(left + inner / 2, base + side + 27, `distance toward ${Math.round((azimuth * 180) / Math.PI + job.convergence + 360) % 360}° from true north, ${name}`, "tick", "middle"), label(left, base - 3, "from the side: heights, m", "tick"));
     for (const s of ticks(start / far, end / far, inner / 90)[0]) svg.append(label(sx(s * far), base + side + 13, String(Number(s.toPrecision(6))), "tick", "middle"));
     const ended = new Map((job.missed?.pick ?? []).map((n, row) => [n, row]));
     if (known) {

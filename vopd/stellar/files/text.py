@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import stdtrit
 
-from vopd.findings import count_text, size_text
+from vopd.findings import angle_text, count_text, size_text
 from vopd.geometry.sexagesimal import format_dms
 from vopd.screen import aligned
 from vopd.stellar.files.images import in_file_coordinates
@@ -89,9 +89,15 @@ def _decimals(half: float | None) -> int:
     return 5 if not half else min(max(1 - math.floor(math.log10(half * 1.005)), 0), 7)
 
 
-def with_half(value: float, half: float | None) -> list[str]:
-    """Write an angle and half of its interval to two digits of that; empty where it is unknown."""
-    decimals = _decimals(half)
+def with_half(value: float, half: float | None, unknown: int = 5) -> list[str]:
+    """Write an angle and half of its interval, to two digits of that.
+
+    Args:
+        value: degrees
+        half: of its 95 % interval; empty where it is unknown
+        unknown: decimals of the angle where it is
+    """
+    decimals = _decimals(half) if half else unknown
     value = round(value, decimals) + 0.0  # no -0
     value = 0.0 if value == WHOLE_TURN else value
     return [f"{value:.{decimals}f}", "" if half is None else f"{half:.{decimals}f}"]
@@ -297,17 +303,22 @@ def _pointing(sky: dict[str, float]) -> list[str]:
     if "ra_of_date_deg" in sky:
         ra_deg, dec_deg = sky["ra_of_date_deg"], sky["dec_of_date_deg"]
         lines.append(
-            f"optical axis: right ascension of date {ra_deg:.5f} = {hours_text(ra_deg, 3)}, "
-            f"declination {dec_deg:.5f} = {format_dms(dec_deg)}"
+            f"optical axis: right ascension of date {angle_text(ra_deg, 5)} = "
+            f"{hours_text(ra_deg, 3)}, declination {dec_deg:.5f} = {format_dms(dec_deg)}"
         )
     if "azimuth_deg" in sky:
         azimuth, elevation, roll = (
             sky[name] for name in ("azimuth_deg", "elevation_deg", "camera_roll_deg")
         )
-        lines.append(f"azimuth {azimuth:.5f}, elevation {elevation:.5f}, camera roll {roll:.5f}")
+        lines.append(
+            f"azimuth {angle_text(azimuth, 5)}, elevation {elevation:.5f}, "
+            f"camera roll {angle_text(roll, 5)}"
+        )
     if "vehicle_yaw_deg" in sky:
         yaw, pitch, roll = (sky[f"vehicle_{name}_deg"] for name in ("yaw", "pitch", "roll"))
-        lines.append(f"vehicle yaw {yaw:.5f}, pitch {pitch:.5f}, roll {roll:.5f}")
+        lines.append(
+            f"vehicle yaw {angle_text(yaw, 5)}, pitch {pitch:.5f}, roll {angle_text(roll, 5)}"
+        )
     return lines
 
 
