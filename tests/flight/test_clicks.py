@@ -568,6 +568,11 @@ def test_tracks_that_are_not_of_one_camera_that_moves_are_refused(tmp_path: Path
         solve_flight(path)
     tracked.write_text(with_last_at("-19199.5"))
     assert read_flight(str(path)).picks.pixel[-1, 0] == -19199.5
+    click = next(line for line in rows.splitlines() if line.endswith(",clicked"))
+    frame, mark, _, *others = click.split(",")
+    tracked.write_text(rows.replace(click, ",".join([frame, mark, "1e6", *others])))
+    with refused(VopdError):  # tracking again alone would not help
+        solve_flight(path)
     tracked.write_text(rows)
     (tmp_path / "lenses.csv").write_text("frame,lens\n0,a.json\n1,b.json\n")
     for name in "ab":

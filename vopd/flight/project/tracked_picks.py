@@ -69,7 +69,8 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
     if far.any():
         k = int(np.argmax(far))
         message = f"{rows.landmark[k]} in frame {rows.frame[k]} is far outside the image"
-        raise file.error(f"{message} of {size_px[0]} x {size_px[1]}: {AGAIN}")
+        click = "click it again, and " * bool(rows.status[k] == CLICKED)
+        raise file.error(f"{message} of {size_px[0]} x {size_px[1]}: {click}{AGAIN}")
     clicked = int((rows.status == CLICKED).sum())
     said = f"{file.name}: {count_text(clicked, 'click')} and {len(rows.frame) - clicked} tracked "
     said += "places from them"
