@@ -328,11 +328,11 @@ def _bare_word(word: str) -> str:
 
 
 def _seen(word: str) -> str:
-    """Leave out of a word what is not seen, such as blanks without width."""
+    """Leave out of a word what is not seen, such as blanks at its ends, or without width."""
     import unicodedata  # of few starts
 
     shown_part = (one for one in unicodedata.normalize("NFKC", word) if one.isprintable())
-    return "".join(shown_part)
+    return " ".join("".join(shown_part).split())
 
 
 MANY_NAMED = 40  # words that are listed

@@ -147,6 +147,8 @@ def test_hints_for_mistyped_words() -> None:
     assert_approved(did_you_mean("abcde", ["abcxy"]))
     assert_approved(did_you_mean("ab\u200bc", ["abc"]))
     assert_approved(did_you_mean("Ko\u0308", ["Ks", "K\xf6"]))  # as macOS writes it
+    assert_approved(did_you_mean("church ", ["church"]))  # as a label of JSON or XML
+    assert_approved(did_you_mean("old\xa0 church", ["old church"]))
     assert_approved(did_you_mean("1", ["11", "10", "01"]))
     assert did_you_mean("abcde", ["abxyz", "b"]) == "; known are abxyz, b"  # ratio .4
 
