@@ -16,7 +16,7 @@ from tests.kit.flight_blunders import BlunderRow
 from tests.kit.flight_project import uneven_flight
 from tests.kit.simulated_flights import write_flight
 from tests.tolerances import assert_close
-from vopd.flight.flight import FlightOptions
+from vopd.flight.flight import FlightOptions, Picks
 from vopd.flight.misfits import exchanged
 from vopd.flight.misfits.blunders import ARE_EXCHANGED
 from vopd.flight.misfits.unsolved import picks_outside
@@ -92,16 +92,26 @@ def test_trials_of_a_frame_are_counted_before_they_are_made(landmarks: int, gros
     assert exchanged._picks_of_trials(plain, out) == made > 0
 
 
-def told(counts: list[int], frames: list[int], drop: bool = False) -> list[str]:
-    """Findings of a flight in some of whose frames the first two landmarks are exchanged."""
+def told(
+    counts: list[int], frames: list[int], drop: bool = False, together: int = 99
+) -> list[str]:
+    """Findings of a flight in some of whose frames the first two landmarks are exchanged.
+
+    Args:
+        counts: of landmarks of each frame
+        frames: those with exchanged ones
+        drop: whether blunders are left out
+        together: from which frame on the first landmark is not picked
+    """
     flight = replace(uneven_flight(counts), options=replace(HELD, drop_blunders=drop))
     landmark = flight.picks.landmark.copy()
     for frame in frames:
         first = np.flatnonzero(flight.picks.frame == frame)[:2]
         landmark[first] = landmark[first[::-1]]
-    return messages(
-        solve_flight_read(replace(flight, picks=replace(flight.picks, landmark=landmark)))
-    )
+    picks = flight.picks
+    kept = (picks.frame < together) | (landmark != landmark[0])
+    picks = Picks(picks.frame[kept], landmark[kept], picks.pixel[kept], picks.sigma_px[kept])
+    return messages(solve_flight_read(replace(flight, picks=picks)))
 
 
 def test_frames_are_named_in_order() -> None:
@@ -123,6 +133,13 @@ def test_of_exchanges_with_a_pick_in_common_the_likeliest_is_kept() -> None:
 
 def test_labels_exchanged_in_most_frames_are_the_flight_s() -> None:
     assert not any(ARE_EXCHANGED in one for one in told([5] * 12, list(range(9))))
+
+
+@pytest.mark.parametrize(("together", "named"), [(5, False), (12, True)])
+def test_most_frames_are_counted_of_those_that_show_both(together: int, named: bool) -> None:
+    """Exchanged in the first four, of five or of all twelve frames that show both landmarks."""
+    texts = told([6] * 12, [0, 1, 2, 3], together=together)
+    assert any(ARE_EXCHANGED in one for one in texts) == named
 
 
 def test_frames_that_are_not_searched_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
