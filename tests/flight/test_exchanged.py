@@ -92,9 +92,7 @@ def test_trials_of_a_frame_are_counted_before_they_are_made(landmarks: int, gros
     assert exchanged._picks_of_trials(plain, out) == made > 0
 
 
-def told(
-    counts: list[int], frames: list[int], drop: bool = False, together: int = 99
-) -> list[str]:
+def told(counts: list[int], frames: list[int], drop: bool = False, together: int = 99) -> list[str]:
     """Findings of a flight in some of whose frames the first two landmarks are exchanged.
 
     Args:

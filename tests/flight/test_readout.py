@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.clicked_flights import clicked_flight
+from tests.kit.clicked_flights import clicked_flight, with_rows
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
@@ -203,6 +203,21 @@ def test_picks_that_are_equally_late_turn_their_frame_by_their_lateness() -> Non
     assert_close("table value", even, np.tile(0.02 * np.eye(3), (7, 1, 1)))
     turns = np.linalg.eigvals(uneven)
     assert (turns.real > late.min()).all() and (turns.real < late.max()).all()
+
+
+def test_a_frame_without_an_attitude_costs_no_other_its_turning_rate() -> None:
+    """Also in the second round, whose rates are counted from those of the first."""
+    one = clicked_flight(np.random.default_rng(1), frames=12)
+    marks = np.array(one.rows.landmark)
+    flight = with_rows(one.flight, one.rows.where((one.rows.frame != 6) | (marks == marks[0])))
+    flight = shifted = replace(flight, shutter=Shutter(0.016, "down", False))
+    for _ in range(2):
+        solved = solve(shifted)
+        assert np.flatnonzero(np.isnan(solved.attitudes.rotation[:, 0, 0])).tolist() == [6]
+        shifted = picks_at_frame_times(flight, solved)
+        rates = shifted.path.turning_rad_s
+        assert rates is not None
+        assert np.flatnonzero(np.isnan(rates).any(axis=1)).tolist() == [6]
 
 
 def test_a_long_readout_of_a_tracked_flight_is_told() -> None:
