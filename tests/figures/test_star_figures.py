@@ -428,6 +428,24 @@ def test_the_border_and_stars_outside(tmp_path: Path) -> None:
     assert "2 stars outside the image" in text and ">y, px, down<" in text
 
 
+@pytest.mark.usefixtures("not_laid_out")
+@pytest.mark.parametrize("y_down", [True, False])
+def test_images_beyond_the_border_are_inside_the_axes(y_down: bool) -> None:
+    """Of 64 by 48 pixels and 3 percent around them, and images to y = 95 and a tenth of 37.5 more.
+
+    x -.5 - .96 to 63.5 + .96; y -.5 - .72 to 95 + 3.75.
+    """
+    edges = (-0.5, 63.5, 47.5, -0.5) if y_down else (-0.5, 63.5, -0.5, 47.5)
+    picture = StarPicture(
+        "", np.array([[10.0, 20.0], [50.0, 95.0]]), np.full((2, 2), 0.01), ("a", "b"), "px",
+        edges=edges, y_down=y_down, in_file=True,
+    )  # fmt: skip
+    (axis,) = draw_star_residuals(picture).axes
+    low, high = -1.22, 98.75
+    assert_close("table value", axis.get_xlim(), [-1.46, 64.46])
+    assert_close("table value", axis.get_ylim(), [high, low] if y_down else [low, high])
+
+
 def test_errors_by_pair() -> None:
     """A panel for each angle; the marks of a pair stand side by side, .12 apart."""
     methods = [f"method {k}" for k in range(7)]

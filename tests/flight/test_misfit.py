@@ -145,6 +145,7 @@ def test_a_camera_on_a_post_that_is_stated_too_low(
         assert done.status == (3 if misfits or strict else 0)
         assert ("the flight misfits: " in done.stderr) == misfits
         (said,) = (one for one in done.stderr.splitlines() if SPEAK_FOR in one)
+        assert not done.stdout
         assert "[position] height" in said  # one value that explains it, not three
 
 
