@@ -526,6 +526,8 @@ def test_what_metashape_s_files_are_refused_for() -> None:
         assert_approved(no_lens(calibration(f"{SIZE}<cy>{cy}</cy>")))
     assert_approved(no_lens("<a><sensor/>" + "<calibration/>" + "</a>"))
     assert_approved(no_lens(calibration(SIZE)[:-1]), others_after="not valid XML:")
+    covariance = "<covariance><params>f</params><coeffs>1e300</coeffs></covariance>"
+    assert_approved(no_lens(calibration(SIZE + covariance)))
     filled = f"\n <?xml version='1.0'?><!-- {'x' * 30_000}\n -->"
     assert lens_of(filled + calibration(SIZE)).lens.size_px == (400, 300)
 
@@ -578,6 +580,8 @@ def test_what_opensfm_s_files_are_refused_for() -> None:
             assert_approved(no_lens(opensfm(**{key: wrong})))
     assert_approved(no_lens(opensfm(focal=1500)))
     assert_approved(no_lens(opensfm(focal_x=0.75, focal_y=100.5)))
+    assert_approved(no_lens(opensfm(c_x=200.0)))
+    assert_approved(no_lens(opensfm(c_y=-1.01)))
     missing = json.dumps({"b": {"width": 400, "focal": 0.5}})
     assert_approved(no_lens(missing))
     assert_approved(no_lens(opensfm()[:-1]))
@@ -642,6 +646,7 @@ def test_what_colmap_s_files_are_refused_for() -> None:
         assert_approved(no_lens(text), parts=[number])
     assert_approved(no_lens("1 PINHOLE 90 70 9 8 3\n"))
     assert_approved(no_lens("1 RADIAL 90 70 9 8 3\n"))
+    assert_approved(no_lens("1 PINHOLE 90 70 9 8 4 3\n2 PINHOLE 90.7 70 9 8 4 3\n", camera="2"))
     two = "1 PINHOLE 90 70 9 8 4 3\n2 PINHOLE 90 70 9 7 4 3\n"
     assert_approved(no_lens(two))
     assert_approved(no_lens(two, camera="3"))

@@ -18,6 +18,7 @@ from vopd.flight.formats.tables import has_columns, read_csv
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.inputs import (
     MOST_SETTINGS,
+    MOST_SIGMA,
     check_yaml,
     parse_json,
     parse_xml,
@@ -269,6 +270,9 @@ def _calibration_sigma(file: InputFile, found: ElementTree.Element) -> dict[str,
         raise file.error(message, column="covariance") from error
     if not (variance >= 0.0).all() or not np.isfinite(variance).all():
         raise file.error("a variance is below 0 or not finite", column="covariance")
+    if (np.sqrt(variance) > MOST_SIGMA).any():
+        message = f"a variance is above {MOST_SIGMA**2:g}: calibrate again, or leave it out"
+        raise file.error(message, column="covariance")
     sigma = dict(zip(names, np.sqrt(variance).tolist(), strict=True))
     return {ours: sigma[own] for own, ours in METASHAPE_PARAMETERS.items() if own in sigma}
 
@@ -276,6 +280,7 @@ def _calibration_sigma(file: InputFile, found: ElementTree.Element) -> dict[str,
 # OpenSfM's and ODM's cameras.json: numbers by the image's longer side, from its centre
 
 MOST_FRACTION = 100.0  # of the longer side: a picture half a degree wide; more is in pixels
+MOST_SHIFT = 1.0  # of the longer side from the middle: a principal point far outside the image
 BROWN = ("k1", "k2", "p1", "p2", "k3")
 FISHEYE = ("k1", "k2", "k3", "k4")
 MODELS_OPENSFM = {  # model here, keys of the coefficients in OpenCV's order
@@ -361,6 +366,12 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         raise file.error(
             f"focal {max(focals):g} is more than {MOST_FRACTION:g} times the image's longer side, "
             f"by which it counts: is it in pixels? write {max(focals) / max(1, *size_px):.4g}",
+            column=name,
+        )
+    if max(map(abs, shift)) > MOST_SHIFT:
+        raise file.error(
+            f"c_x, c_y = {shift[0]:g}, {shift[1]:g}: they count from the image's middle by its "
+            "longer side; are they in pixels?",
             column=name,
         )
     scale = float(max(size_px))
@@ -678,7 +689,8 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
     for place, value in zip(places, values[focals + 2 :], strict=True):
         k[place] = value
     centre = values[focals] - 0.5, values[focals + 1] - 0.5
-    lens = make_lens(model, (int(width), int(height)), (values[0], values[focals - 1]), centre, k)
+    size_px = size_of(file, width, height)
+    lens = make_lens(model, size_px, (values[0], values[focals - 1]), centre, k)
     said = f"{file.name}: COLMAP, {name}, corner grid, half a pixel taken off"
     return LensRead(checked(file, lens), said)
 
