@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.command import DECKS, vopd
+from tests.kit.command import CASE_1, DECKS, vopd
 from vopd.cli import demo, new
 from vopd.convert import flight_to_deck
 from vopd.files import OutputError
@@ -259,7 +259,7 @@ def test_notes_and_errors_of_a_deck_that_becomes_a_project(
 
     monkeypatch.setattr("vopd.convert.deck_to_flight.deck_project", refusal)
     ran = vopd("new", tmp_path / "a", "--deck", STACK, "--job", "2")
-    assert (ran.status, ran.stderr) == (1, f"{STACK}, job 2: wrong\n")
+    assert (ran.status, ran.stderr.splitlines()[-1]) == (1, f"{STACK}, job 2: wrong")
     monkeypatch.setattr("vopd.convert.deck_to_flight.deck_project", converted)
     monkeypatch.setattr(
         "vopd.pipeline.read_deck",
@@ -271,3 +271,12 @@ def test_notes_and_errors_of_a_deck_that_becomes_a_project(
 
 
 # punch
+
+
+def test_a_deck_s_warnings_are_those_of_a_check(tmp_path: Path) -> None:
+    """Card 59 of case 1 has a reading .020 inch off, which becomes a pick."""
+    ran = vopd("new", tmp_path / "a", "--deck", CASE_1)
+    checked = vopd("check", CASE_1).stdout.splitlines()
+    warned = checked[: checked.index("")]
+    assert ran.status == 0 and warned[0].startswith("warning:")
+    assert ran.stderr.splitlines() == warned

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from vopd.cli.console import Messages
 from vopd.cli.options import FILE_NAME, FOLDER_NAME, WholeRange
 from vopd.files import OutputError, whole_file
 from vopd.findings import VopdError, count_text
@@ -116,7 +117,7 @@ def command(
     inside it, or DJI's .SRT beside it. Without picks vopd pick is next.
 
     With --deck it writes the project that is the same problem as one job of a card
-    deck; vopd punch goes the other way.
+    deck, and warns as vopd check does; vopd punch goes the other way.
 
     Given none, it writes an example that runs at once, with a short video, six
     clicks, landmarks, track, lens, wind, and the true angles.
@@ -310,11 +311,15 @@ def _ask(new: NewProject, values: KeyValues) -> None:
 
 
 def _of_deck(name: str, number: int | None) -> NewProject:
-    """Write the project of one job of a deck."""
+    """Write the project of one job of a deck, and warn of what is doubtful on its cards."""
     from vopd.convert.deck_to_flight import deck_project
     from vopd.pipeline import read_deck
 
-    job = read_deck(name).chosen(number)
+    deck = read_deck(name)
+    job, messages = deck.chosen(number), Messages()
+    for finding in deck.findings:
+        messages(finding)
+    messages.close()
     try:
         new = deck_project(job)
     except VopdError as error:
