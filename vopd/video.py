@@ -8,6 +8,7 @@ is not installed, `ffmpeg`.
 
 from __future__ import annotations
 
+import codecs
 import io
 import re
 import shlex
@@ -409,10 +410,13 @@ def presentation(path: Path) -> tuple[Ints, float, int, int]:
     """
     lost = hidden = 0
     with path.open("rb") as file:
-        if file.read(8).startswith(LISTS):
-            raise VopdError(
-                f"{path.name}: is a list of other files, not a video: name these, in their order"
-            )
+        head = file.read(512)
+    if head.startswith(LISTS):
+        raise VopdError(
+            f"{path.name}: is a list of other files, not a video: name these, in their order"
+        )
+    if _is_text(head):
+        raise VopdError(f"{path.name}: is a text, not a video")
     if has_pyav():
         with opened(path) as (container, stream):
             # the packets themselves are the whole file, and are not kept
@@ -437,6 +441,16 @@ def presentation(path: Path) -> tuple[Ints, float, int, int]:
             f"camera's frames a second, here 30: {_written_anew(path, '-r 30 ')}"
         )
     return np.sort(np.array(shown, dtype=np.int64)), unit_s, lost, hidden
+
+
+def _is_text(head: bytes) -> bool:
+    """Tell whether a file begins as text, whose lines ffmpeg may draw as the frames of a video."""
+    try:
+        text = codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return False
+    plain = all(one.isprintable() or one in "\t\r\n\f\x1b" for one in text)
+    return bool(text) and plain and not head.startswith(b"YUV4MPEG")
 
 
 # Decoders: PyAV, or the program ffmpeg

@@ -224,7 +224,9 @@ def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     video = write_video(tmp_path / "a.mp4", EVEN_MS)
     Path("list.mp4").write_text("#EXTM3U\n#EXTINF:10,\na.mp4\n")
     Path("cut.mp4").write_bytes(video.read_bytes()[: video.stat().st_size // 2])
-    Path("words.mp4").write_text("frame,landmark\n" * 9)
+    Path("words.mp4").write_bytes(b"\0frame,landmark\n" * 9)
+    Path("geo.txt").write_text("EPSG:32633\n" + "F0.JPG 600000 5200000 540 0 0 0\n" * 60)
+    Path("\xe4.nfo").write_bytes(511 * b"a" + "\xe4".encode() + b"a" * 9)  # cut within a letter
     Path("empty.png").write_bytes(b"")
     Path("folder").mkdir()
     with wave.open("sound.wav", "wb") as sound:
@@ -238,7 +240,7 @@ def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         ["none.mp4"], ["words.mp4"], ["cut.mp4"], ["folder"], ["a.mp4", "a.mp4"],
         ["a.mp4", "empty.png"],
         ["a", "empty.png"], ["a/same.png", "b/same.png"], ["/dev/zero"], ["list.mp4"],
-        ["sound.wav"], ["bare.h264"],
+        ["sound.wav"], ["bare.h264"], ["geo.txt"], ["\xe4.nfo"],
     ):  # fmt: skip
         with refused(VopdError):
             open_frames(names)
@@ -295,7 +297,7 @@ def test_ffmpeg_serves_where_pyav_is_not_installed(
     found = dict(frames.decoded(3, 6, grey=True))
     assert list(found) == [3, 4, 5, 6]
     assert all((found[k] == grey[k]).all() for k in found)
-    (tmp_path / "words.mp4").write_text("frame,landmark\n" * 9)
+    (tmp_path / "words.mp4").write_bytes(b"\0frame,landmark\n" * 9)
     monkeypatch.chdir(tmp_path)
     with refused(VopdError):
         open_frames(["words.mp4"])
@@ -318,7 +320,7 @@ def test_packets_whose_times_ffmpeg_does_not_know(
     stub.chmod(0o755)
     monkeypatch.setenv("PATH", str(stub.parent), prepend=os.pathsep)
     monkeypatch.setitem(sys.modules, "av", None)
-    (tmp_path / "a.mpg").write_bytes(b"any")
+    (tmp_path / "a.mpg").write_bytes(b"\0any")
     with refused(VopdError):
         open_frames([str(tmp_path / "a.mpg")])
 
