@@ -40,10 +40,9 @@ def _vopd(name: str, where: str, original: str, fix: str, evidence: str, effect:
 VOPD_ERRATA = (
     _vopd(
         "latitude-series",
-        "A 195 and A 196, the landmarks' geocentric latitude",
+        "A 195, the landmarks' geocentric latitude",
         "+ .0000325861111111 sin 4PHI: one zero too many",
-        "+ .0003258611111111 sin 4PHI, as for the origin (A 56, A 57) and in Appendix A "
-        "(1.1731 seconds)",
+        "+ .0003258611111111 sin 4PHI, as for the origin (A 56) and in Appendix A (1.1731 seconds)",
         "Appendix H prints LAT-GOCN 32.66227 for 32.83833; the correct series gives 32.66249",
         "landmarks are up to 33 m from their true position: .02 degree in the angles, and .4 "
         "degree in yaw and roll of a camera that looks straight down",
@@ -66,7 +65,7 @@ VOPD_ERRATA = (
     ),
     _vopd(
         "earth",
-        "A 168 to A 199 and TGTCAM",
+        "A 49 to A 61, A 186 to A 199 and TGTCAM",
         "one Earth radius for every landmark, and a spherical vertical for origin and camera",
         "an ellipsoid: heights are geodetic, and up is along the geodetic vertical",
         "a sphere is an approximation; Appendix H prints one RAD ER KM for several latitudes",
@@ -75,7 +74,7 @@ VOPD_ERRATA = (
     ),
     _vopd(
         "sin-6phi",
-        "A 56 and A 196, geodetic to geocentric latitude",
+        "A 56, A 57, A 195 and A 196, geodetic to geocentric latitude",
         "+ 7.2222222222E-07 sin 6PHI",
         "- 7.2222222222E-07 sin 6PHI; Appendix A has - 0.0025 seconds",
         "Appendix A and the series for an ellipsoid have the other sign",

@@ -44,7 +44,7 @@ def test_there_are_no_others() -> None:
 
 
 def test_the_series_of_the_latitude() -> None:
-    """A 55 and A 195, which has one zero too many; sin 6PHI has the wrong sign in both."""
+    """A 56 and A 195, which has one zero too many; sin 6PHI has the wrong sign in both."""
     assert geocentric.ORIGIN_FOUR_PHI == 0.0003258611111111
     assert geocentric.LANDMARK_FOUR_PHI == 0.0000325861111111
     assert geocentric.SIX_PHI == 7.2222222222e-07

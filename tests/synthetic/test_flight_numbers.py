@@ -297,14 +297,14 @@ def test_readings_are_three_of_each_point_and_each_time_has_other_noise() -> Non
 
 
 def series(latitude_deg: float, four_phi: float) -> float:
-    """The program's series, A 55 and A 195, with the sign of its last term as it ran."""
+    """The program's series, A 56 and A 195, with the sign of its last term as it ran."""
     phi = radians(latitude_deg)
     first = -0.1932398611111 * sin(2 * phi) + four_phi * sin(4 * phi)
     return latitude_deg + first + 7.2222222222e-07 * sin(6 * phi)
 
 
 def test_the_camera_and_landmarks_stand_where_the_program_has_them() -> None:
-    """The origin by the series of A 55, a landmark by that of A 195, which has one zero more."""
+    """The origin by the series of A 56, a landmark by that of A 195, which has one zero more."""
     path = trajectory(Plan(), 60.0)
     at = np.array([[0.0, 0.0, 0.0], [3000.0, 2000.0, 9000.0]])
     seen = view(path, at, np.zeros((2, 3)))

@@ -1,4 +1,4 @@
-"""The program's constants (A 19 to A 23, C 4 and C 5), digit for digit."""
+"""The program's constants (A 19 to A 23, A 59, B 7, C 4, C 5), digit for digit."""
 
 rad = 57.29577951  # degrees in a radian; DPR in TGTCAM, RD in ALPBET
 dr = 0.0174532925  # radians in a degree, in ALPBET only

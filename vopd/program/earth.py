@@ -1,6 +1,6 @@
 """The fix `earth`: compute positions on an ellipsoid instead of the program's sphere.
 
-It replaces TGTCAM and A 168 to A 199. Earth-centred axes are those of
+It replaces A 49 to A 61, A 186 to A 199 and TGTCAM. Earth-centred axes are those of
 `vopd.geometry.earth`; lengths are kilometres, angles radians.
 """
 

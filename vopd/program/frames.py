@@ -34,7 +34,7 @@ class Frames(NamedTuple):
 
     readings: Readings
     dropped: Bools  # (F,) by group 11
-    slot: Ints  # (N,) where each landmark that takes part (INJ) stands among all that are read
+    slot: Ints  # (N,) where each that takes part (INJ, A 162) stands among all that are read
     of: Ints  # (N,) its frame
     nj: Ints  # (F,) how many take part in each frame (A 201, A 202)
     card: Ints  # (N,) its card among all of group 9 (A 165 to A 169), -1 where there is none

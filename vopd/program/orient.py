@@ -182,8 +182,8 @@ def _iterate(going: Ints, start: Floats, sight: Sight, done: Orientation) -> Non
     radians = start / rad  # A 279 to A 281
     before = np.full_like(radians, np.inf)
     open_ = np.ones(len(going), bool)
-    for iteration in range(1, PASSES + 1):  # A 288 to A 295, A 441 to A 443
-        eps, b = equations(radians, sight)  # A 314 to A 359, A 386 to A 404
+    for iteration in range(1, PASSES + 1):  # A 288, A 289, A 292 to A 295, A 441 to A 443
+        eps, b = equations(radians, sight)  # A 314 to A 350, A 386 to A 404
         exact = (eps == 0).all(axis=(0, 1))  # A 364 to A 375, V = 0: the frame ends here
         correction, singular = _correction(eps, b)  # A 376 to A 380, A 405 to A 421
         after = wrapped(radians + correction)  # A 429 to A 437
@@ -278,7 +278,7 @@ def equations(radians: Floats, sight: Sight) -> tuple[Floats, Floats]:
 
 
 def _correction(eps: Floats, b: Floats) -> tuple[Floats, Bools]:
-    """Solve for the correction C (3, F), radians, in the order of the listing (A 405 to A 421).
+    """Solve for the correction C (3, F), radians, in the order of the listing.
 
     A singular matrix is marked, and its C taken as MATINV leaves it: VOPD never looks at DETERM.
     """

@@ -1,16 +1,18 @@
 """Program VOPD beside its listing (A 84 to A 455), for all frames at once.
 
 The steps stand in the order of the listing but for six. The landmarks that are ignored (A 129
-to A 161) are left out at the beginning, when the frames are put together; the origin (A 47 to
-A 61) is converted with TGTCAM; the lens table (A 343 to A 348) depends on no angle, and stands
-before the 22 passes; the start (A 109, A 449) stands with them; in a pass the residuals are looked
-at for zeros (A 364 to A 375) after the partial derivatives (A 386 to A 404), not before; the
-vehicle's angles and ALPBET (A 296, A 308), done in pass 22 there, stand after them. Group 9 is
-converted once (A 174 to A 199), and not in each frame.
+to A 161) are left out at the beginning, when the frames are put together; the origin (A 49 to
+A 61, and the lost card before them) is converted with TGTCAM; the lens table (A 343 to A 348)
+depends on no angle, and stands before the 22 passes; the start (A 109 to A 111, A 449 to A 454)
+stands with them; in a pass the residuals are looked at for zeros (A 364 to A 375) after the partial
+derivatives (A 386 to A 404), not before; the vehicle's angles and ALPBET (A 296 to A 304, A 308),
+done in pass 22 there, stand after them. Group 9 is converted once (A 174 to A 199), and not in each
+frame.
 
 Beside the report: a comment names the cards that the lines below it stand for. A name of the
 listing has its meaning here, but x and y stand in one array: `x` holds X and Y, `xco` XCO and
-YCO, `xpc` XPC and YPC. docs/names.md has all names. Arrays are by frame (F, ...), or by landmark
+YCO, `xpc` XPC and YPC. docs/names.md has all names, and under "The three angles" the many that yaw,
+pitch and roll have from step to step. Arrays are by frame (F, ...), or by landmark
 that takes part (N, ...), frame after frame; `of` (N,) is the frame of each landmark. The control
 cards and basic data (A 26 to A 82, A 87) are read by `vopd.cards`. The page (all WRITE, with the
 loops and jumps around them, such as A 305 to A 307 and A 354 to A 358) is written by
@@ -161,7 +163,7 @@ def vopd(
 
     stage, going = Stage.TIME, np.ones(frames, bool)
     try:
-        # A 119 to A 128: time, and the vehicle's position at that time; no time is printed where
+        # A 121 to A 128: time, and the vehicle's position at that time; no time is printed where
         # the second look-up stops the run, so that `ti` waits for it
         xfram = readings.frame.astype(np.float64)
         at = ftlup_each(xfram, table, film.clock)
@@ -169,7 +171,7 @@ def vopd(
         outside_clock = outside(xfram, table, film.clock)
         outside_path = outside(ti, table, film.position)
 
-        # A 162 to A 199: the landmarks; those that are ignored (A 129 to A 161) are out already,
+        # A 165 to A 199: the landmarks; those that are ignored (A 129 to A 161) are out already,
         # by `vopd.program.ignored.kept`, which `frames_of` calls. One without a card of group 9
         # is an error here; there it had what the tables held
         check_landmarks(film)
@@ -177,7 +179,7 @@ def vopd(
         geodetic = geodetic_latitude_deg(film.landmarks)[film.card]
         altitude = film.landmarks.altitude_ft[film.card]
 
-        # A 200 to A 217: direction cosines XLAM, XMU, XNU, by TGTCAM
+        # A 213 to A 217: direction cosines XLAM, XMU, XNU, by TGTCAM, of NJ (A 201, A 202)
         dircos = directions(film.origin, fixes, xyztab, thj, phij, rj, of)
 
         # The loop over runs and what it saves (A 204 to A 208, A 221 to A 228, A 255 to A 272),
@@ -188,7 +190,7 @@ def vopd(
         # A 248), which are times RN = 0, do nothing here. Passes are counted and tested (A 288,
         # A 289, A 292 to A 295, A 441 to A 443) by the loop in `vopd.program.orient`.
 
-        # A 218 to A 254: centres and landmarks in millimetres on the film. There XPC and X keep
+        # A 233 to A 254: centres and landmarks in millimetres on the film. There XPC and X keep
         # their names; here they are `centre_in`, `point_in` before, and `centre`, `x` from here on.
         # The page has both centres: XPC, YPC in inches, and as XP, YP in millimetres
         centre_in, centre, point_in, x = xpc, xpc * factor, xco, xco * factor
@@ -203,7 +205,7 @@ def vopd(
             # DISTR = 1 - DRR / RR; at the centre 1, where the listing divides zero by zero
             away *= radial_factor(rr, drr)[:, None]
 
-            # A 273 to A 443: the camera's angles; A 109 to A 111, A 449 to A 454: their start
+            # A 274 to A 443: the camera's angles; A 109 to A 111, A 449 to A 454: their start
             xmu1 = dircos[:, 1]
             if Fix.FIRST_LANDMARK not in fixes:  # A 394
                 xmu1 = xmu1[(np.cumsum(nj) - nj)[of]]  # XMU(1) of the frame
@@ -236,7 +238,7 @@ def vopd(
             psi, theta, phi = sigma.T
             alfa, beta, eta, cvp = alpbet(velocity, wind, theta, psi, phi)
 
-            # A 444 to A 448: the root mean square of the residuals, x and y by turns; the page
+            # A 444 to A 447: the root mean square of the residuals, x and y by turns; the page
             # calls it their standard deviation
             squares = np.bincount(np.repeat(of, 2), (eps**2).ravel(), frames)
             fitted = 3 if Fix.STANDARD_DEVIATION in fixes else 0
