@@ -270,12 +270,41 @@ def test_parquet_of_an_earlier_run_does_not_contradict_this_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Without pyarrow the table of an earlier run would stay beside the other files."""
-    (tmp_path / "summary.parquet").write_text("")
+    pytest.importorskip("pyarrow")
+    (tmp_path / "working").mkdir()
+    settings = replace(USUAL, folder=str(tmp_path), working=str(tmp_path / "working"))
+    write_summary(settings, [RECORD])
+    assert (tmp_path / "summary.parquet").exists()
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    write_summary(settings, [RECORD])
+    assert sorted(one.name for one in tmp_path.glob("*.*")) == ["summary.jsonl", "times.jsonl"]
+
+
+@pytest.mark.parametrize("content", [b"", b"PAR1", b"mine", b"PAR1\x01\0\0\0PAR1", b"\xff" * 9])
+def test_a_parquet_file_that_no_batch_has_written_stays(
+    content: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "summary.parquet").write_bytes(content)
     (tmp_path / "working").mkdir()
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     settings = replace(USUAL, folder=str(tmp_path), working=str(tmp_path / "working"))
     write_summary(settings, [RECORD])
-    assert sorted(one.name for one in tmp_path.glob("*.*")) == ["summary.jsonl", "times.jsonl"]
+    assert (tmp_path / "summary.parquet").read_bytes() == content
+
+
+def test_another_table_of_the_package_under_that_name_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("pyarrow")
+    from vopd.export.tables import table_file
+
+    mine = table_file({"a": np.ones(2)}, {"table": "mine"}, {"a": {"unit": "", "meaning": ""}})
+    (tmp_path / "summary.parquet").write_bytes(mine)
+    (tmp_path / "working").mkdir()
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    settings = replace(USUAL, folder=str(tmp_path), working=str(tmp_path / "working"))
+    write_summary(settings, [RECORD])
+    assert (tmp_path / "summary.parquet").read_bytes() == mine
 
 
 # What earlier runs have left; the size of chunks

@@ -20,6 +20,9 @@ from vopd.attitude.flags import MEANING
 from vopd.batch.sources import (
     BATCH_PAGE,
     PAGE,
+    SUMMARY,
+    SUMMARY_TABLE,
+    TIMES,
     BatchSettings,
     BatchSource,
     file_sha256,
@@ -222,7 +225,6 @@ def _is_sound(record: SourceRecord) -> bool:
 # have their names. The shard that ends last writes the summary and removes the hidden folder.
 
 HIDDEN = ".vopd-batch"
-SUMMARY, TIMES = "summary.jsonl", "times.jsonl"
 
 Records = dict[str, SourceRecord]  # records by the names of their sources
 
@@ -489,18 +491,18 @@ COLUMNS = {
 
 
 def write_summary(settings: BatchSettings, records: Sequence[SourceRecord]) -> None:
-    """Write `summary.jsonl`, `times.jsonl`, with pyarrow `summary.parquet`, and the page."""
+    """Write the summary, the times, with pyarrow the summary as Parquet, and the page."""
     files = {
-        "summary.jsonl": b"".join(json_line(one.row()) for one in records),
-        "times.jsonl": b"".join(
+        SUMMARY: b"".join(json_line(one.row()) for one in records),
+        TIMES: b"".join(
             json_line({"source": one.source, "seconds": round(one.seconds, 6)}) for one in records
         ),
     }
-    parquet = _parquet(records)
+    parquet, earlier = _parquet(records), Path(settings.folder) / SUMMARY_TABLE
     if parquet is not None:
-        files["summary.parquet"] = parquet
-    else:  # that of an earlier run would contradict the other files
-        (Path(settings.folder) / "summary.parquet").unlink(missing_ok=True)
+        files[SUMMARY_TABLE] = parquet
+    elif _is_of_a_batch(earlier):  # it would contradict the other files
+        earlier.unlink()
     if settings.report:
         files[BATCH_PAGE] = _summary_page(records)
     for name, content in files.items():
@@ -519,6 +521,23 @@ def _summary_page(records: Sequence[SourceRecord]) -> bytes:
     return batch_page(rows, totals(records), sum(one.status == FAILED for one in records))
 
 
+STATED = {"table": "a row for each source of a batch"}
+PARQUET_END = b"PAR1"  # behind four bytes for the length of what describes the columns
+
+
+def _is_of_a_batch(file: Path) -> bool:
+    """Tell whether a Parquet file is the summary of a batch; without pyarrow, which has gone."""
+    if not file.is_file():
+        return False
+    with suppress(OSError), file.open("rb") as content:
+        size = content.seek(0, os.SEEK_END)
+        content.seek(max(size - 8, 0))
+        end = content.read()
+        content.seek(max(size - 8 - int.from_bytes(end[:4], "little"), 0))
+        return end[4:] == PARQUET_END and json.dumps(STATED).encode() in content.read()
+    return False
+
+
 def _parquet(records: Sequence[SourceRecord]) -> bytes | None:
     """Write the summary as Parquet, with a column for each flag; None without pyarrow."""
     from vopd.export.tables import table_file
@@ -535,7 +554,7 @@ def _parquet(records: Sequence[SourceRecord]) -> bytes | None:
         f"flag_{name}": np.array([one.flags.get(name, 0) for one in records]) for name in MEANING
     }
     described = {name: {"unit": "", "meaning": meaning} for name, meaning in meanings.items()}
-    return table_file(values, {"table": "a row for each source of a batch"}, described)
+    return table_file(values, STATED, described)
 
 
 def worst_first(records: Sequence[SourceRecord]) -> list[SourceRecord]:

@@ -203,8 +203,9 @@ def _within(path: str, folder: str) -> bool:
     return path == folder or path.startswith(os.path.join(folder, ""))  # noqa: PTH118
 
 
+SUMMARY, SUMMARY_TABLE, TIMES = "summary.jsonl", "summary.parquet", "times.jsonl"
 BATCH_PAGE = "index.html"
-OWN_FILES = ("summary.jsonl", "summary.parquet", "times.jsonl", BATCH_PAGE)
+OWN_FILES = (SUMMARY, SUMMARY_TABLE, TIMES, BATCH_PAGE)
 """The files of a batch itself, in the output folder."""
 
 
