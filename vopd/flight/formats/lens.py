@@ -591,7 +591,7 @@ MODELS_KALIBR = {"radtan": "brown", "equidistant": "fisheye", "none": "brown"}
 
 def recognises_kalibr(file: InputFile) -> bool:
     """Tell whether a line has the key of distortion coefficients, and the text intrinsics."""
-    return bool(re.search(r"^\s+distortion_coeffs\s*:", file.text, re.M)) and (
+    return bool(re.search(r"^[ \t]+distortion_coeffs[ \t]*:", file.text, re.M)) and (
         "intrinsics" in file.text
     )
 
