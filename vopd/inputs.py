@@ -11,9 +11,8 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from datetime import datetime
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from vopd.findings import count_text
@@ -134,68 +133,6 @@ def parse_toml(data: bytes) -> dict[str, Any]:
         line = text.count("\n", 0, found.start()) + 1
         raise ValueError(f"line {line}: a key has more than {MOST_PARTS} parts")
     return tomllib.loads(text)
-
-
-def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
-    """List the files that texts of a project name, and those of the folders that they name.
-
-    After them come those that its table of lenses names, `[camera] of_images`.
-
-    Args:
-        project: the content of the project file
-        folder: the project's
-    """
-    try:
-        keys = parse_toml(project)
-    except (ValueError, RecursionError):  # solving it says what is wrong
-        return
-    for text in sorted(set(_texts(keys))):
-        path = folder / text
-        try:
-            if path.is_dir():
-                inside = sorted(one for one in path.iterdir() if one.is_file())
-                yield from ((f"{text}/{one.name}", one) for one in inside)
-            elif path.is_file():
-                yield text, path
-        except (OSError, ValueError):  # a text that cannot be a path
-            continue
-    camera = keys.get("camera")
-    table = camera.get("of_images") if isinstance(camera, dict) else None
-    if isinstance(table, str):
-        beside = Path(table).parent
-        yield from (((beside / name).as_posix(), one) for name, one in lenses_of(folder / table))
-
-
-def lenses_of(table: Path) -> list[tuple[str, Path]]:
-    """List the files that a table of lenses, of images of several cameras, names in its column.
-
-    Args:
-        table: the path of the file, which need not be such a table
-    """
-    import csv  # of few projects
-
-    try:
-        if not table.is_file():
-            return []
-        with table.open("rb") as file:
-            lines = file.read(MOST_SETTINGS).decode("utf-8-sig", "replace").splitlines()
-        rows = [line for line in lines if line.strip() and not line.startswith("#")]
-        separator = max(",;\t", key=rows[0].count) if rows else ","
-        header, *cells = [*csv.reader(rows, delimiter=separator)] or [[]]
-        column = [name.strip().lower() for name in header].index("lens")
-        names = {row[column].strip() for row in cells if column < len(row)} - {""}
-        return [(name, one) for name in sorted(names) if (one := table.parent / name).is_file()]
-    except (OSError, ValueError, csv.Error):  # reading it says what is wrong
-        return []
-
-
-def _texts(value: Any) -> Iterator[str]:
-    """List all texts among the values of a project."""
-    if isinstance(value, str) and value:
-        yield value
-    elif isinstance(value, dict | list):
-        for one in value.values() if isinstance(value, dict) else value:
-            yield from _texts(one)
 
 
 def parse_json(text: str) -> Any:

@@ -51,7 +51,7 @@ from vopd.batch.workers import (
 from vopd.errata import fixes
 from vopd.export import FORMATS
 from vopd.findings import VopdError
-from vopd.inputs import named_files
+from vopd.flight.project.named import named_files
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
 

@@ -16,15 +16,15 @@ from vopd.arrays import Floats
 from vopd.batch.sources import input_sha256
 from vopd.convert.flight_to_deck import flight_job
 from vopd.findings import VopdError
-from vopd.flight.formats.lens import make_lens
+from vopd.flight.formats.lens import lens_files, make_lens
 from vopd.flight.project.camera import read_camera
 from vopd.flight.project.keys import read_project
+from vopd.flight.project.named import named_files
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight
 from vopd.flight.solve.equations import by_lens_parameters, with_parameters
 from vopd.geometry.earth import local_axes
 from vopd.geometry.lenses import Lens, Lenses, project, ray_of_pixel
-from vopd.inputs import lenses_of, named_files
 from vopd.report.frames import frames_json
 
 OTHER = make_lens("fisheye", (1280, 960), (700.0, 700.0), (641.2, 476.4), (0.03, -0.01))
@@ -196,7 +196,11 @@ def test_the_lenses_are_of_what_a_project_names(tmp_path: Path) -> None:
     ("text", "names"),
     [
         ("# of two\n\nimage;Lens ;camera\na.jpg;'b.json;1\na.jpg; a.json ;1\n", ["a.json"]),
-        ('image,lens\na.jpg,"a.json"\nb.jpg\nc.jpg,../own/a.json\n', ["../own/a.json", "a.json"]),
+        ('image,lens\na.jpg,"a.json"\nc.jpg,../own/a.json\n', ["../own/a.json", "a.json"]),
+        ("image,lens\na.jpg,a.json\nb.jpg\n", []),  # it is refused
+        ("image,lens\n" + "a.jpg,b.json\n" * 100_000 + "b.jpg,a.json\n", ["a.json"]),
+        ("image,lens\na.jpg," + "x" * 5000 + "\nb.jpg,a.json\n", ["a.json"]),
+        ('[{"shots": {}}]', []),
         ("image,camera\na.jpg,a.json\n", []),
         ("", []),
         ("image,lens\na.jpg,\x00\n", []),
@@ -207,8 +211,8 @@ def test_tables_of_lenses(text: str, names: list[str], tmp_path: Path) -> None:
     own.mkdir()
     (own / "a.json").write_text("")
     (own / "t.csv").write_text(text)
-    assert [name for name, _ in lenses_of(own / "t.csv")] == names
-    assert lenses_of(own) == lenses_of(own / "none.csv") == []
+    assert [name for name, _ in lens_files(own / "t.csv")] == names
+    assert lens_files(own) == lens_files(own / "none.csv") == []
 
 
 def test_the_cards_have_one_lens(tmp_path: Path) -> None:

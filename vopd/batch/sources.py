@@ -17,7 +17,8 @@ from vopd.attitude.history import HistoryOptions
 from vopd.export import FORMATS
 from vopd.files import A_VIDEO, ENDS, kind_by_first_bytes, not_utf8, size_and_ends
 from vopd.findings import VopdError
-from vopd.inputs import named_files, no_file, read_limited
+from vopd.flight.project.named import named_files
+from vopd.inputs import no_file, read_limited
 from vopd.pipeline import SolveOptions, is_flight
 
 IN_FOLDERS = (".dat", ".deck", ".cards", ".toml")

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from vopd.files import OutputError, optional_package
 from vopd.findings import VopdError
-from vopd.inputs import named_files
+from vopd.flight.project.named import named_files
 from vopd.version import __version__
 
 if TYPE_CHECKING:  # what solves is loaded by other processes while this one finds its sources

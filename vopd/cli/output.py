@@ -9,7 +9,7 @@ import stat
 from pathlib import Path
 
 from vopd.files import OutputError, file_status, is_plain
-from vopd.inputs import MOST_BYTES, MOST_SETTINGS, named_files, no_file, read_limited
+from vopd.inputs import MOST_BYTES, MOST_SETTINGS, no_file, read_limited
 
 
 def refuse_to_overwrite(inputs: tuple[str, ...], *outputs: str | None) -> None:
@@ -50,6 +50,8 @@ def _files_of(path: str) -> list[str]:
         except OSError:  # reading it says why
             return []
     if path.lower().endswith(".toml"):
+        from vopd.flight.project.named import named_files
+
         content = _content(path, MOST_SETTINGS)
         return [str(file) for _, file in named_files(content, Path(path).parent)]
     if path.lower().endswith(".json"):

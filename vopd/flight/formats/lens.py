@@ -5,15 +5,17 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
 from vopd.files import optional_package, reason
-from vopd.findings import count_text, first_of, shown
+from vopd.findings import VopdError, count_text, first_of, shown
 from vopd.flight.formats.by_content import InputFormat
-from vopd.flight.formats.files import UNEXPECTED, InputFile
+from vopd.flight.formats.files import UNEXPECTED, InputFile, open_input
 from vopd.flight.formats.tables import has_columns, read_csv
 from vopd.geometry.lenses import MODELS, Lens, LensKind
 from vopd.inputs import (
@@ -789,6 +791,25 @@ def read_csv_lenses(file: InputFile) -> ImageLenses:
         table.column(one) if table.has(one) else [""] * len(name) for one in ("lens", "camera")
     )
     return ImageLenses(name, lens, camera, f"CSV{table.read_as}")
+
+
+def lens_files(table: Path) -> list[tuple[str, Path]]:
+    """List the files that such a table names, as far as they are there, by the names it has.
+
+    Args:
+        table: its path, which need not be one that can be read: reading it says what is wrong
+    """
+    try:
+        file = open_input(table.name, table.parent)
+        names = {*read_csv_lenses(file).file} - {""} if recognises_csv_lenses(file) else set()
+    except (VopdError, OSError):
+        return []
+    found = []
+    for name in sorted(names):
+        with suppress(OSError, ValueError):  # a name that cannot be a path
+            if (table.parent / name).is_file():
+                found.append((name, table.parent / name))
+    return found
 
 
 def recognises_reconstruction(file: InputFile) -> bool:

@@ -23,11 +23,12 @@ from vopd.files import reason
 from vopd.findings import count_text, did_you_mean, shown
 from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.formats.files import InputFile
+from vopd.flight.formats.lens import lens_files
 from vopd.flight.project.keys import Project, Section
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
-from vopd.inputs import MOST_NUMBER, beyond_sigmas, lenses_of, parse_json
+from vopd.inputs import MOST_NUMBER, beyond_sigmas, parse_json
 
 # The file
 
@@ -107,7 +108,7 @@ def digests(files: dict[str, bytes | Path]) -> dict[str, str]:
         if isinstance(one, Path):
             content = _folder(one) if one.is_dir() else one.read_bytes()
             if key == "[camera] of_images":
-                content += b"".join(lens.read_bytes() for _, lens in lenses_of(one))
+                content += b"".join(lens.read_bytes() for _, lens in lens_files(one))
         found[key] = sha256(content).hexdigest()  # type: ignore[arg-type]
     return found
 
