@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.container import ErrorbarContainer
 
 from tests.approved.texts import assert_approved
 from tests.kit.command import ROOT, vopd
@@ -42,6 +43,9 @@ def test_a_row_for_each_parameter() -> None:
     assert_close("table value", sorted(map(np.ravel, ends), key=lambda end: end[1]),
                  [[0.25, 0.0, 0.75, 0.0], [-3.0, 1.0, -1.0, 1.0]])  # fmt: skip
     assert points(labelled(above)["not held: kept as stated"]) == [[0.0, 2.0]]
+    crosses = (one for one in above.containers if isinstance(one, ErrorbarContainer))
+    marks = {one.get_label(): one[0].get_marker() for one in crosses}
+    assert_approved([f"{label}: {marker}" for label, marker in marks.items()])
     names = [text.get_text() for text in above.get_yticklabels()]
     assert names == ["focal", "k1", "centre_u"]
     assert [text.get_text() for text in values.get_yticklabels()] == [one.told for one in CHANGES]

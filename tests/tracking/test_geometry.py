@@ -33,6 +33,15 @@ from vopd.tracking.scene import Scene, View, turn_between, turned_by
 from vopd.tracking.tracker import RESIDUAL_PX, Tracker, agreement
 
 EARTH_M = 6378137.0
+
+
+def test_gaps_are_before_beginnings_and_as_long_as_nothing_is_known() -> None:
+    """Frames 0 to 3, 7, 8 and 10 have no attitude; 4, 6, 9 and 11 begin."""
+    known = np.array([0, 0, 0, 0, 2, 2, 1, 0, 0, 2, 0, 2])
+    tracker: Any = SimpleNamespace(starts={4, 6, 9, 11}, attitudes=SimpleNamespace(known=known))
+    assert Tracker.gaps(tracker) == [(4, 0), (9, 7), (11, 10)]
+
+
 SIZE = (201, 161)
 LENS = Lens(LensKind.BROWN, SIZE, np.full(2, 1000.0), np.array([100.0, 80.0]), np.zeros(12))
 NADIR = np.diag([1.0, -1.0, -1.0])  # right is east, the top of the picture north
