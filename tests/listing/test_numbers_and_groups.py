@@ -106,7 +106,7 @@ def test_many_fields_at_once(pages: int, lines: int) -> None:
     kinds = ("film heading", *["film"] * lines, "standard deviation")
     rng = np.random.default_rng(pages * 100 + lines)
     values = np.round(rng.normal(0.0, 10.0, (pages, lines, 5)) ** 3, 6)
-    numbers = [7, -99, 1000, 99999, 100000, -9999, -10000]  # of five columns
+    numbers = [7, -9, 999, 1000, -99, -100]  # in three columns
     values[:, :, 0] = rng.choice(numbers, (pages, lines))
     odd = [0.0, -0.0, 0.5, -0.015625, 0.046875, 0.000005, 1e9, -1e8, 1e300, np.nan, np.inf, -np.inf]
     odd += [99999999.999994, -9999999.999996, 2147483.648, 4e15, 99999999.999996]
