@@ -285,7 +285,7 @@ def test_landmarks_300_km_away_are_far(height_km: float, told: bool, tmp_path: P
     found = far(one, camera)
     assert bool(found) == bool(told)
     assert_approved(found)
-    camera[3:] = np.nan  # frames without a position do not count
+    camera[[0, 3, 4]] = np.nan  # frames without a position do not count
     found = far(one, camera)
     assert bool(found) == bool(told)
     assert_approved(found)
