@@ -444,6 +444,7 @@ def test_images_beyond_the_border_are_inside_the_axes(y_down: bool) -> None:
     low, high = -1.22, 98.75
     assert_close("table value", axis.get_xlim(), [-1.46, 64.46])
     assert_close("table value", axis.get_ylim(), [high, low] if y_down else [low, high])
+    assert axis.get_ylabel().endswith("down" if y_down else "up")
 
 
 def test_errors_by_pair() -> None:

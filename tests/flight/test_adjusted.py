@@ -425,6 +425,8 @@ def crooked(values: dict[str, Any]) -> None:
         put("sigma_px", value=1e-300),
         put("reading_sigma_px", value=1e-300),
         put("covariance", 0, value=[1.0, 2.0]),
+        lambda values: values["covariance"][0].append(0.0),
+        lambda values: values["values"].append(1.0),
         put("covariance", 0, value="row"),
         put("sha256", "[wind] file", value="0" * 64),
     ],

@@ -249,6 +249,19 @@ def test_subtitles_repeat_positions(tmp_path: Path) -> None:
     assert_approved(rows.said)
 
 
+@pytest.mark.parametrize("last", [3, 9])
+def test_a_drone_that_hovers_at_the_end_stays_where_it_is(last: int, tmp_path: Path) -> None:
+    """It moves for two seconds; the last block is kept, so that later frames have a position."""
+    lines = []
+    for k in range(last + 1):
+        place = f"[latitude: 47.{min(k, 2)}] [longitude: 15.5] [abs_alt: 500.0]"
+        lines += [f"{k + 1}", f"00:00:0{k},000 --> 00:00:0{k},900", place, ""]
+    path = tmp_path / "DJI_0003.SRT"
+    path.write_text("\n".join(lines))
+    rows = read(path)
+    assert_close("place or time as a file has it", rows.time_s, [0.0, 1.0, 2.0, last])
+
+
 def test_damaged_subtitles_cost_no_others(tmp_path: Path) -> None:
     """A place that is cut off, a time that is, and the end of the file."""
     lines = []
