@@ -267,8 +267,6 @@ def _effects(
         found["reading"] = gains.readings(sigma)
     else:
         found |= {name: input_effect(estimate, one) for name, one in estimate.errors.items()}
-        if not reading_sigma.any():  # left out
-            found["reading"] = Effect(*(0.0 * one for one in found["reading"]))
     known = {name.removesuffix(COMMON_PART) for name in found}
     for one in given:
         if one.name not in known:
