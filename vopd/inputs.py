@@ -269,7 +269,7 @@ def read_moment(text: str) -> datetime:
     return datetime.fromisoformat(text)
 
 
-LEAP_SECOND = re.compile(r"[\d-]*[T ]\d\d:?59:?60(?!\d)[\d.Z:+-]*")
+LEAP_SECOND = re.compile(r"(?<![\d-])[\d-]*[T ]\d\d:?59:?60(?!\d)[\d.Z:+-]*")
 
 
 def leap_second(text: str) -> str:

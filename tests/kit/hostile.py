@@ -327,6 +327,10 @@ TABLE = (
     Hostile("srt digits", {"t.srt": SRT + "1" * 900_000}, ("new made --track t.srt",)),
     Hostile("srt blank lines", other("track", "t.srt", "1" + "\n" * 19_999 + " " * 900_000)),
     Hostile("srt decimal comma", other("track", "t.srt", SRT.replace("47.6435", "47,6435"))),
+    Hostile("gpx without a time, 300,000 digits", other("track", "t.gpx", GPX.format(
+        '<trk><trkseg><trkpt lat="1" lon="2"><ele>1</ele><desc>' + "1" * 300_000
+        + "</desc></trkpt></trkseg></trk>"))),
+    Hostile("wind of blank lines", project('\n[wind]\nfile = "w.txt"\n', w__txt="\n" * 300_000)),
     Hostile("gpx latitude of nan", other("track", "t.gpx", GPX.format('<trk><trkseg><trkpt '
             'lat="nan.6" lon="16"/></trkseg></trk>'))),
     Hostile("srt longitude of 400 digits", other("track", "t.srt", SRT.replace("16.4759", LARGE))),

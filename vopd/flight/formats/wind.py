@@ -119,7 +119,7 @@ UNITS = {
 }  # fmt: skip
 """The unit of each column, and others that may stand below its name."""
 WIDTH = 7  # columns of each field
-HEAD = re.compile(r"^\s*PRES\s+HGHT\s+.*\bDRCT\s+(SKNT|SPED)\b", re.M)
+HEAD = re.compile(r"^[ \t]*PRES[ \t]+HGHT[ \t]+.*\bDRCT[ \t]+(SKNT|SPED)\b", re.M)
 KINDS = ("geopotential height", "wind direction", "wind speed")
 
 
