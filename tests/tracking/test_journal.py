@@ -30,6 +30,23 @@ def test_a_run_goes_on_with_the_blocks_of_the_one_before(tmp_path: Path) -> None
     assert [len(block) for block in Journal(path, {"clicks": "b"}).blocks("row")] == [2]
 
 
+@pytest.mark.parametrize("at", [1, 9, 17, 20, -1])
+def test_a_block_that_is_damaged_is_made_again_and_all_behind_it(at: int, tmp_path: Path) -> None:
+    """Its kind, its number of rows, its sum or a number of it: tracks of zeros were taken."""
+    path = tmp_path / "t.part"
+    journal = Journal(path, ABOUT)
+    for count in (3, 2, 1):
+        journal.add("row", ROWS[:count])
+    content = bytearray(path.read_bytes())
+    behind = len(content) - 20 - ROWS[:1].nbytes  # the end of the second block, 20 bytes its head
+    content[behind - 20 - ROWS[:2].nbytes + at if at > 0 else behind - 1] ^= 64
+    path.write_bytes(content)
+    again = Journal(path, ABOUT)
+    assert [len(block) for block in again.blocks("row")] == [3]
+    again.add("row", ROWS[:2])
+    assert [len(block) for block in Journal(path, ABOUT).blocks("row")] == [3, 2]
+
+
 @pytest.mark.parametrize("begun", [False, True])
 def test_two_runs_at_a_time_do_not_mix_their_rows(begun: bool, tmp_path: Path) -> None:
     """Tracks were in the file twice, as independent ones with too small standard deviations."""

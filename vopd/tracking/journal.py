@@ -10,6 +10,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,12 @@ KINDS = {"forward": ATTITUDE, "backward": ATTITUDE, "row": ROW}
 AT_ONCE = 40  # frames a block
 
 Block = NDArray[Any]
+SUM = 4  # bytes of a block's check sum
+
+
+def _sum(head: bytes, content: bytes) -> bytes:
+    """Make the check sum of a block."""
+    return crc32(content, crc32(head)).to_bytes(SUM, "little")
 
 
 class Journal:
@@ -70,10 +77,11 @@ class Journal:
             )
         name = kind.encode().ljust(8)
         size = len(block).to_bytes(8, "little")
+        content = np.ascontiguousarray(block, KINDS[kind]).tobytes()
         head = b"" if self._begun else self._head
         try:
             with self.path.open("ab" if self._begun else "wb") as file:
-                file.write(head + name + size + np.ascontiguousarray(block, KINDS[kind]).tobytes())
+                file.write(head + name + size + _sum(name + size, content) + content)
         except OSError as error:
             raise VopdError(f"{self.path}: cannot be written: {error.strerror}") from error
         self._begun = True
@@ -88,25 +96,27 @@ class Journal:
                     yield np.frombuffer(file.read(size), KINDS[kind])
 
     def _scan(self) -> Iterator[tuple[str, int, int]]:
-        """Find the kinds of whole blocks, and where they are."""
+        """Find the kinds of whole blocks, and where they are, as far as none is damaged.
+
+        After a failure of the power a file may have zeros within it that were never written.
+        """
         if not self._begun:
             return
         with self.path.open("rb") as file:
             file.readline()
             end = self.path.stat().st_size
-            while len(head := file.read(16)) == 16:
+            while len(head := file.read(16 + SUM)) == 16 + SUM:
                 kind = head[:8].strip().decode("ascii", "replace")
                 if kind not in KINDS:
                     return
-                size = int.from_bytes(head[8:], "little") * KINDS[kind].itemsize
+                size = int.from_bytes(head[8:16], "little") * KINDS[kind].itemsize
                 place = file.tell()
-                if place + size > end:
+                if place + size > end or _sum(head[:16], file.read(size)) != head[16:]:
                     return
-                file.seek(place + size)
                 yield kind, place, size
 
     def _cut(self) -> None:
-        """Cut off a block that is not whole."""
+        """Cut off a block that is not whole, and what follows it."""
         end = len(self._head)
         for _, place, size in self._scan():
             end = place + size
