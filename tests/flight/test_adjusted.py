@@ -117,6 +117,15 @@ def assert_alike(both: Both) -> None:
     assert_close("part of a sigma", means[0].half_width_95 / means[1].half_width_95, 1.0)
 
 
+def assert_sigmas_are_of_one_unit(both: Both) -> None:
+    """Those of the parameters, as ppm and ms, and the roots of their covariance."""
+    held = np.array([one.held for one in both.joint.parameters])
+    sigma = np.array([one.sigma_after for one in both.joint.parameters])
+    variance = np.diag(both.joint.covariance)
+    assert held.any()
+    assert_close("part of a sigma", sigma[held] / np.sqrt(variance[held]), 1.0)
+
+
 def test_a_drone(drone: Both) -> None:
     assert_alike(drone)
     assert "adjusted" in drone.again.history().uncertainty.components
@@ -141,6 +150,7 @@ def test_angles_and_sigmas_are_those_of_the_joint_solution(
 ) -> None:
     both = adjusted(tmp_path, plan, *free, more=more)
     assert_alike(both)
+    assert_sigmas_are_of_one_unit(both)
     one, other = (r.history().estimate for r in (both.joint.result, both.again))
     if plan is not EXACT and "fixed" not in more:  # where a clock alone moves the places
         assert one.position_sigma is not None and other.position_sigma is not None
@@ -174,6 +184,7 @@ def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:
     file.write_text(text, encoding="utf-8")
     both = again(tmp_path, file, "readout")
     (readout,) = both.joint.parameters
+    assert_sigmas_are_of_one_unit(both)
     project = tomllib.loads((both.folder / "flight.toml").read_text(encoding="utf-8"))
     assert readout.after < readout.before / 2.0
     assert_close("table value", project["camera"]["readout_ms"], readout.after)
