@@ -265,6 +265,7 @@ def test_what_a_file_answers_and_leaves_open(
         if not one.startswith(f"{section} ") and not (one == "camera image_size_px" and values)
     }  # fmt: skip
     assert of_others.items() <= asks.items()
+    assert not (values and "camera image_size_px" in asks)
     assert_approved([one for one in new.said if one.startswith(path)], parts=[path])
     own = {one: why for one, why in asks.items() if one not in of_others}
     if own:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 import re
 import sys
+import threading
 import time
 import warnings
 from datetime import UTC, datetime
@@ -1322,3 +1324,14 @@ ADVICE = [
 @pytest.mark.parametrize(("unit", "pitch", "said"), ADVICE)
 def test_a_principal_distance_in_words(unit: str, pitch: float | None, said: str) -> None:
     assert ImageAxes(pitch_um=pitch).focal_advice(1234.56789, unit) == said
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such pipes")
+def test_a_named_pipe_is_read_as_a_file(tmp_path: Path) -> None:
+    """As of `vopd stars solve <(command)`."""
+    pipe, file = tmp_path / "pipe", DECKS / "stars" / "orion.csv"
+    os.mkfifo(pipe)
+    threading.Thread(target=pipe.write_bytes, args=[file.read_bytes()], daemon=True).start()
+    done, own = (vopd("stars", "solve", one, "--focal", "76") for one in (pipe, file))
+    assert done.status == 0
+    assert done.stdout == own.stdout.replace(str(file), str(pipe))
