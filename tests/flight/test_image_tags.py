@@ -321,6 +321,46 @@ def test_positions_of_xmp_stand_before_those_of_exif(tmp_path: Path) -> None:
     assert read_tags(tmp_path / "a.jpg").gimbal_deg == (1.0, 2.0, 3.0)
 
 
+def test_places_of_xmp_and_exif_that_are_far_apart(tmp_path: Path) -> None:
+    """A second of latitude is 30.89 m at 47.5 degrees: told, and .95 of it, 29.3 m, is not.
+
+    From 47.5 N, 16.5 E to 47.5 S, 16.5 E it is 2 (N (1 - e^2)) sin 47.5 degrees through the Earth.
+    """
+    images = tmp_path / "images"
+    images.mkdir()
+    sine = np.sin(np.radians(47.5))
+    of_e2 = 1.0 - 0.00669437999014 * sine**2
+    through_m = 2.0 * 6378137.0 * (1.0 - 0.00669437999014) / of_e2**0.5 * sine
+
+    def place(name: str, latitude: float, exif: bool = True) -> float:
+        xmp = f'd:GpsLatitude="{latitude:.9f}" d:GpsLongitude="16.5">'
+        of_exif = (47, 30, 0) if exif else None
+        tagged_image(images / name, of_exif, (16, 30, 0), "NE", 500.0, xmp=xmp)
+        return read_tags(images / name).apart_m
+
+    assert np.isnan(place("e.jpg", 10.0, exif=False))
+    file = InputFile("images", images)
+    place("a.jpg", 47.5 + 0.95 / 3600.0)
+    assert read_by_content(TRACK_FORMATS, file).doubts == ()
+    place("b.jpg", 47.5 - 1.0 / 3600.0)
+    one = read_by_content(TRACK_FORMATS, file).doubts
+    assert_close("ratio", place("c.jpg", -47.5) / through_m, 1.0)
+    place("d.jpg", 48.5)
+    place("f.jpg", 48.5)
+    assert_approved([*one, *read_by_content(TRACK_FORMATS, file).doubts])
+
+
+def test_doubts_of_places_are_warnings_of_the_flight(tmp_path: Path) -> None:
+    project = images_project(tmp_path)
+    assert not vopd.solve_flight(project).findings
+    image = tmp_path / "images" / "IMG_3.JPG"
+    plain = image.read_bytes()
+    packet = plain[2 : 4 + int.from_bytes(plain[4:6], "big")]
+    tagged_image(image, (10, 0, 0), (16, 0, 0), "NE", 500.0)
+    image.write_bytes(image.read_bytes()[:2] + packet + image.read_bytes()[2:])
+    assert_approved([str(one) for one in vopd.solve_flight(project).findings])
+
+
 def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
     """XMP is tag 700 of TIFF; letters that are not UTF-8 do no harm."""
     for name in ("d.tiff", "c.TIF", "b.JPEG", "a.jpg"):

@@ -288,6 +288,10 @@ def test_one_placemark_at_height_0_is_a_height() -> None:
     head, end = '<kml xmlns="http://www.opengis.net/kml/2.2"><Document>', "</Document></kml>"
     marks = read(head + place.format("pier", 0) + place.format("mast", 30) + end)
     assert [*marks.coordinate[:, 2]] == [0.0, 30.0] and marks.name == ["pier", "mast"]
+    heights = {"mast": 30, "pier": 0, "quay": "0.0", "buoy": "-0"}
+    more = read(head + "".join(place.format(*one) for one in heights.items()) + end)
+    assert_approved([*marks.doubts, *more.doubts])
+    assert read(head + place.format("pier", 0.01) + place.format("mast", 30) + end).doubts == ()
     assert_approved(told(head + place.format("pier", 0) + place.format("mast", 0) + end))
 
 

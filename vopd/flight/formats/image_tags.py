@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib import import_module
 from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from vopd.files import optional_package, reason
-from vopd.findings import VopdError, shown
+from vopd.findings import VopdError, first_of, shown, size_text
+from vopd.geometry.earth import earth_centred_m
 from vopd.inputs import no_file, plain_number
 from vopd.video import ORIENTATION, open_image, stills_in
 
@@ -64,6 +67,7 @@ class ImageTags(NamedTuple):
     damage: str = ""  # why some tags cannot be read
     focal_px: float = NONE
     focal_by: str = ""  # the tags it comes from
+    apart_m: float = NONE  # of the places in XMP and in EXIF, where both have one
 
     @property
     def is_placed(self) -> bool:
@@ -102,7 +106,10 @@ def read_tags(path: Path) -> ImageTags:
         longitude = latitude = altitude = NONE
         why = f"the GPS tags give no position: {reason(error)}"
     own = [xmp_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
+    apart_m = NONE
     if abs(own[0]) <= 360.0 and abs(own[1]) <= 90.0 and any(own[:2]):
+        here, there = earth_centred_m([own[1], latitude], [own[0], longitude], 0.0)
+        apart_m = float(np.linalg.norm(here - there))
         longitude, latitude = own[:2]
     if isfinite(own[2]):
         altitude = own[2]
@@ -110,8 +117,32 @@ def read_tags(path: Path) -> ImageTags:
     yaw, pitch, roll = (xmp_number(xmp, (name,)) for name in GIMBAL)
     return ImageTags(
         (longitude, latitude, altitude), (yaw, pitch, roll), size, *clock_of_tags(exif),
-        sigma_m, sigma_by, why, *focal_of_tags(exif, size),
+        sigma_m, sigma_by, why, *focal_of_tags(exif, size), apart_m,
     )  # fmt: skip
+
+
+FAR_APART_M = 30.0  # a second of latitude: EXIF's tags may be rounded to one
+MOST_NAMED = 3
+
+
+def doubts_of_places(every: Mapping[Path, ImageTags], name: str) -> tuple[str, ...]:
+    """Doubt places of XMP that are far from those of EXIF, which geotagging writes.
+
+    Args:
+        every: the tags of images
+        name: of their folder
+    """
+    apart = {path.name: one.apart_m for path, one in every.items() if one.apart_m > FAR_APART_M}
+    if not apart:
+        return ()
+    most_m = max(apart.values())
+    far = f"{size_text(most_m)} m" if most_m < 1000.0 else f"{size_text(most_m / 1000.0)} km"
+    return (
+        f"{name}: {first_of([*apart], MOST_NAMED)}: the place in XMP (GpsLatitude, GpsLongitude) "
+        f"is taken, and that in EXIF is {'up to ' * (len(apart) > 1)}{far} away: images that were "
+        "geotagged later have the newer place in EXIF; if that is the right one, give the places "
+        "as a CSV with image, lat_deg, lon_deg, h_m, or remove those in XMP",
+    )
 
 
 ReadTags = tuple[dict[Path, ImageTags], list[str]]

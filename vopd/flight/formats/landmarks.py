@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
@@ -14,7 +14,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
-from vopd.findings import count_text
+from vopd.findings import count_text, first_of
 from vopd.flight.coordinates import M_PER_FT, crs_is_geographic, crs_name, units_of_grid
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.columns import GEODETIC, HEIGHTS, PLANE, coordinate_columns
@@ -39,6 +39,7 @@ class LandmarkRows:
     sigma_by: str = ""  # the columns of `sigma_m`
     names_units: bool = False  # of heights, by their column
     patch_px: Floats | None = None  # (N,) side of the patch of `vopd track`; NaN where not given
+    doubts: Sequence[str] = ()  # sentences for warnings
 
 
 # ODM's and OpenSfM's gcp_list.txt: landmarks and their picks in one file
@@ -345,7 +346,18 @@ def read_kml(file: InputFile) -> LandmarkRows:
             points.append((name, values[0], values[1], values[2] if len(values) > 2 else None))
     if points and not any(height for *_, height in points):
         raise file.error("all heights are 0 or missing: KML often has none; give them in a CSV")
-    return _named_points(file, points, "placemark", "KML placemarks")
+    rows = _named_points(file, points, "placemark", "KML placemarks")
+    level = [name for name, *_, height in points if height == 0.0]
+    if not level:
+        return rows
+    doubt = (
+        f"{file.name}: {first_of(level, MOST_NAMED)}: the height is 0, which in KML often stands "
+        "for none, and others have one: if it is not 0, give the heights in a CSV"
+    )
+    return replace(rows, doubts=(doubt,))
+
+
+MOST_NAMED = 1  # of placemarks whose height is doubted
 
 
 def _named_points(file: InputFile, points: list[Any], what: str, said: str) -> LandmarkRows:

@@ -21,6 +21,7 @@ from vopd.flight.formats.image_tags import (
     DILUTION_SAID,
     USUAL_SIGMA_M,
     ImageTags,
+    doubts_of_places,
     images_in,
     tags_of,
 )
@@ -81,6 +82,7 @@ class TrackRows:
     image_key: Callable[[str], str] = str  # what stands in `image` for the name of an image
     names_units: bool = False  # of heights, by their column
     by_video: bool = False  # seconds after the first frame of the video that it came with
+    doubts: Sequence[str] = ()  # sentences for warnings
 
     @property
     def asks_ground(self) -> str:
@@ -453,6 +455,7 @@ def read_image_folder(file: InputFile) -> TrackRows:
         sigma_by=", ".join(dict.fromkeys(one.sigma_by for one in tags if one.sigma_by)),
         usual_sigma_m=USUAL_SIGMA_M,
         whole_seconds=any(one.whole_second for one in tags),
+        doubts=doubts_of_places(every, file.name),
     )
 
 

@@ -326,6 +326,7 @@ def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: st
         return
     file, rows = _read(new, values, folder, "landmarks", name, LANDMARK_FORMATS)
     new.said.append(f"{file.name}: {rows.said}, {count_text(len(rows.name), 'landmark')}")
+    new.said += rows.doubts
     if rows.crs is None and not rows.geodetic:
         new.needed["landmarks", "crs"] = "the file has x and y"
     ask_height(new, "landmarks", rows.crs)
@@ -385,6 +386,7 @@ def look_at_track(
         raise VopdError(f"{file.name}: {wrong}")
     what, mark, more = rows.said.partition(";")
     new.said.append(f"{file.name}: {what}{_span(rows)}{mark}{more}")
+    new.said += rows.doubts
     if NO_ZONE in rows.said and ("picks", "times") not in values:
         own = named_from(name, folder).strip('"')
         new.said.append(

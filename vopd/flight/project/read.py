@@ -231,7 +231,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     camera, wind_said, wind_doubts = add_wind(project, path.path)
     crs = landmark_crs(project.section("landmarks"), rows)
     outside = outside_area(crs, landmarks.position_m)
-    doubts = [*picks.doubts, *times.doubts, *path.doubts, *wind_doubts]
+    doubts = [*picks.doubts, *times.doubts, *rows.doubts, *path.doubts, *wind_doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
     doubts += doubt_of_heights("landmarks", rows.names_units, crs)
     if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:

@@ -331,14 +331,14 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         rows.coordinate, rows.geodetic, crs, track_height(section, rows, landmarks), where
     )
     notes = Notes([f"{file.name}: {rows.said}{_above_ground(section)}"], {})
-    doubts = doubt_of_heights("track", rows.names_units, crs)
+    doubts = [*rows.doubts, *doubt_of_heights("track", rows.names_units, crs)]
     if rows.image and (times.image or rows.time_s is None):
         times, time_s = times_of_track(section, rows, times)
         path = path_by_image(section, rows, position, times, time_s, notes)
         doubts += unused_by_image(project, rows)
     else:
         path = path_by_time(section, rows, position, times, notes, file.name)
-        doubts = doubts_of_rounded_times(section, times, path)
+        doubts += doubts_of_rounded_times(section, times, path)
         doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
         doubts += doubts_of_scatter(rows, position, path.fixes, file.name)
     if not np.isfinite(path.position_m[:, 0]).any():
