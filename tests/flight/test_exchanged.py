@@ -92,7 +92,9 @@ def test_trials_of_a_frame_are_counted_before_they_are_made(landmarks: int, gros
     assert exchanged._picks_of_trials(plain, out) == made > 0
 
 
-def told(counts: list[int], frames: list[int], drop: bool = False, together: int = 99) -> list[str]:
+def told(
+    counts: list[int], frames: list[int], drop: bool = False, together: int = 99, checks: int = 0
+) -> list[str]:
     """Findings of a flight in some of whose frames the first two landmarks are exchanged.
 
     Args:
@@ -100,6 +102,7 @@ def told(counts: list[int], frames: list[int], drop: bool = False, together: int
         frames: those with exchanged ones
         drop: whether blunders are left out
         together: from which frame on the first landmark is not picked
+        checks: how many landmarks are checks, the first ones
     """
     flight = replace(uneven_flight(counts), options=replace(HELD, drop_blunders=drop))
     landmark = flight.picks.landmark.copy()
@@ -109,7 +112,9 @@ def told(counts: list[int], frames: list[int], drop: bool = False, together: int
     picks = flight.picks
     kept = (picks.frame < together) | (landmark != landmark[0])
     picks = Picks(picks.frame[kept], landmark[kept], picks.pixel[kept], picks.sigma_px[kept])
-    return messages(solve_flight_read(replace(flight, picks=picks)))
+    used = tuple(k >= checks for k in range(len(flight.landmarks.name)))
+    marks = replace(flight.landmarks, used=used)
+    return messages(solve_flight_read(replace(flight, picks=picks, landmarks=marks)))
 
 
 def test_frames_are_named_in_order() -> None:
@@ -131,6 +136,13 @@ def test_of_exchanges_with_a_pick_in_common_the_likeliest_is_kept() -> None:
 
 def test_labels_exchanged_in_most_frames_are_the_flight_s() -> None:
     assert not any(ARE_EXCHANGED in one for one in told([5] * 12, list(range(9))))
+
+
+@pytest.mark.parametrize(("checks", "named"), [(0, True), (1, False), (2, False)])
+def test_labels_of_check_landmarks_take_no_part(checks: int, named: bool) -> None:
+    """They are of no weight: nothing tells which picks are theirs."""
+    texts = told([7] * 12, [1], checks=checks)
+    assert any(ARE_EXCHANGED in one for one in texts) == named
 
 
 @pytest.mark.parametrize(("together", "named"), [(5, False), (12, True)])
