@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.approved.texts import refused
 from tests.kit.flight_project import TOML, write_project
-from vopd.findings import Finding
+from vopd.findings import Finding, VopdError
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import flight_of
 from vopd.flight.project.terrain import read_terrain
@@ -59,3 +60,15 @@ def test_heights_above_a_geoid_that_is_not_there_are_not_compared(tmp_path: Path
     """EGM96 takes a grid of PROJ's; the shape of the ground does not need it."""
     line, findings = about(tmp_path, "EPSG:4326+5773", 7.0, '"ellipsoid"')
     assert line.endswith("heights are not compared, for want of its geoid") and not findings
+
+
+@pytest.mark.filterwarnings("ignore:Dataset has no geotransform")
+def test_a_coordinate_system_alone_is_no_place(tmp_path: Path) -> None:
+    text = TOML.replace('"landmarks.csv"', '"landmarks.csv"\nterrain = "terrain.tif"')
+    with rasterio.open(
+        tmp_path / "terrain.tif", "w", driver="GTiff", width=20, height=20, count=1,
+        dtype="float32", crs="EPSG:4326",
+    ) as file:  # fmt: skip
+        file.write(np.zeros((1, 20, 20), np.float32))
+    with refused(VopdError):
+        read_terrain(read_project(str(write_project(tmp_path, text))))
