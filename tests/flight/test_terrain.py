@@ -9,17 +9,20 @@ import pytest
 
 from tests.approved.texts import refused
 from tests.kit.flight_project import TOML, write_project
+from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import flight_of
-from vopd.flight.project.terrain import read_terrain
-from vopd.geometry.earth import geodetic
+from vopd.flight.project.terrain import Terrain, read_terrain
+from vopd.geometry.earth import earth_centred_m, geodetic
 
 rasterio = pytest.importorskip("rasterio")
 GEOID_M = 40.0
 
 
-def about(folder: Path, crs: str, lower_m: float, of_landmarks: str) -> tuple[str, list[Finding]]:
+def about(
+    folder: Path, crs: str, lower_m: float, of_landmarks: str, unit: str = "", unit_m: float = 1.0
+) -> tuple[str, list[Finding]]:
     """What is said of a level terrain so far below the mean landmark, by the numbers of files."""
     counted = f'"landmarks.csv"\nterrain = "terrain.tif"\nheight = {of_landmarks}'
     text = TOML.replace('"landmarks.csv"\nheight = "ellipsoid"', counted)
@@ -28,11 +31,13 @@ def about(folder: Path, crs: str, lower_m: float, of_landmarks: str) -> tuple[st
     place = geodetic(flight.landmarks.position_m)
     west, north = place.longitude_deg.mean() - 0.1, place.latitude_deg.mean() + 0.1
     level = np.full((1, 200, 200), float(np.median(place.height_m)) - lower_m, np.float32)
+    level /= unit_m
     with rasterio.open(
         folder / "terrain.tif", "w", driver="GTiff", width=200, height=200, count=1,
         dtype="float32", crs=crs, transform=rasterio.Affine(1e-3, 0.0, west, 0.0, -1e-3, north),
     ) as file:  # fmt: skip
         file.write(level)
+        file.units = (unit,) if unit else file.units
     project = read_project(str(write_project(folder, text)))
     terrain = read_terrain(project)
     assert terrain is not None
@@ -54,6 +59,32 @@ def about(folder: Path, crs: str, lower_m: float, of_landmarks: str) -> tuple[st
 def test_heights_of_a_terrain(crs: str, of_landmarks: str, below_m: float, tmp_path: Path) -> None:
     line, findings = about(tmp_path, crs, 7.0, of_landmarks)
     assert f" {below_m:.1f} m below the landmarks " in line and not findings
+
+
+@pytest.mark.parametrize("unit", ["ft", "foot", "US survey foot", "us-ft", "International foot"])
+def test_a_terrain_that_declares_feet(unit: str, tmp_path: Path) -> None:
+    line, findings = about(tmp_path, "EPSG:4326", 7.0, '"ellipsoid"', unit, 0.3048)
+    assert " 7.0 m below the landmarks " in line and not findings
+
+
+@pytest.mark.parametrize(("code", "unit_m"), [("6360", 1200.0 / 3937.0), ("5703", 1.0)])
+def test_slopes_of_a_terrain_whose_crs_counts_heights_in_feet(
+    code: str, unit_m: float, tmp_path: Path
+) -> None:
+    """Cells of 10 m that rise by a metre each to the east: 2 m in 20, in both units."""
+    path = tmp_path / "terrain.tif"
+    cells = (np.tile(np.arange(20.0), (10, 1)) + 300.0) / unit_m
+    with rasterio.open(
+        path, "w", driver="GTiff", width=20, height=10, count=1, dtype="float64",
+        crs=f"EPSG:32633+{code}", transform=rasterio.Affine(10.0, 0.0, 6e5, 0.0, -10.0, 53e5),
+    ) as file:  # fmt: skip
+        file.write(cells[None])
+    project = read_project(str(write_project(tmp_path, TOML)))
+    with rasterio.open(path) as file:
+        terrain = Terrain("terrain.tif", file, project.section("landmarks"))
+        x, y = rasterio.warp.transform(file.crs, "EPSG:4326", [600055.0, 600075.0], [5299955.0] * 2)
+        found = terrain.heights_m(earth_centred_m(y, x, [0.0, 0.0]))
+    assert_close("height of a terrain", found, [305.0, 307.0])
 
 
 def test_heights_above_a_geoid_that_is_not_there_are_not_compared(tmp_path: Path) -> None:

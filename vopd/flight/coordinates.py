@@ -196,6 +196,13 @@ def has_height_axis(name: str, where: str) -> bool:
     return len(_crs(name, where).axis_info) == 3
 
 
+def height_unit_m(name: str, where: str) -> float:
+    """Find the metres in a unit of a CRS's height axis; 1 where it has none."""
+    if name in WGS84_NAMES or not has_height_axis(name, where):
+        return 1.0
+    return float(_crs(name, where).axis_info[2].unit_conversion_factor)
+
+
 class AxisUnit(NamedTuple):
     """The unit of an axis of a grid."""
 

@@ -6,7 +6,9 @@ it goes through the landmark, so that its shape alone counts.
 
 from __future__ import annotations
 
+import re
 import warnings
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,13 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.files import optional_package
 from vopd.findings import Finding, VopdError, first_of
-from vopd.flight.coordinates import HeightDatum, earth_centred_positions, has_height_axis
+from vopd.flight.coordinates import (
+    M_PER_FT,
+    HeightDatum,
+    earth_centred_positions,
+    has_height_axis,
+    height_unit_m,
+)
 from vopd.flight.flight import LandmarkSet
 from vopd.flight.project.keys import Project, Section
 from vopd.flight.project.track import height_datum
@@ -31,6 +39,8 @@ LEVELS_M = 110.0  # of all: no geoid is farther from the ellipsoid
 RELIEF, RELIEF_M = 0.03, 10.0  # of landmarks' heights, of their extent and in metres
 UNKNOWN_CODE = "unretrievable"  # GDAL's word: it takes WGS 84 in its place
 NAMED = 3  # landmarks in a sentence
+FEET = re.compile(r"(us[ -]?)?(survey[ -]?)?(ft|foot|feet)([ -]?us)?|international foot", re.I)
+"""Units that a GeoTIFF declares of its heights; where it declares another it is metres."""
 
 
 class Terrain:
@@ -48,10 +58,14 @@ class Terrain:
         self._transform = optional_package("rasterio.warp", "terrain").transform
         self._refused = optional_package("rasterio._err", "terrain")  # GDAL's own, not public
         self._covered = np.zeros(0, bool)  # places that were read, whether they are in the file
+        self._unit_m = M_PER_FT if FEET.fullmatch(dataset.units[0] or "") else 1.0
+        with suppress(VopdError):  # of a CRS that is not known, which is told where it is used
+            own_m = height_unit_m(dataset.crs.to_wkt(), name)
+            self._unit_m = self._unit_m if own_m == 1.0 else own_m
         self._odd_m = float("nan")  # of a cell that was read, beyond the heights of land
 
     def heights_m(self, position_m: Floats) -> Floats:
-        """Read heights, as the file counts them, at Earth-centred positions, (n,).
+        """Read heights, metres from where the file counts them, at Earth-centred positions, (n,).
 
         Args:
             position_m: (n, 3)
@@ -89,7 +103,7 @@ class Terrain:
                 "terrain", f"{self.name} cannot be read at the landmarks: is it complete?"
             ) from error
         stored = np.ma.filled(cells.astype(float), np.nan)
-        height = stored * data.scales[0] + data.offsets[0]
+        height = (stored * data.scales[0] + data.offsets[0]) * self._unit_m
         beyond = ~((height > LOWEST_M) & (height < HIGHEST_M))
         odd = stored[beyond & np.isfinite(height)]
         self._odd_m = float(odd[0]) if len(odd) else self._odd_m
@@ -172,6 +186,7 @@ class Terrain:
         else:
             own = self._dataset.crs
             x, y = self._converted("EPSG:4326", own, here.longitude_deg, here.latitude_deg)
+            raw_m = raw_m / height_unit_m(name, self.name)
         ground = np.stack([x, y, raw_m], axis=1)
         on_it = earth_centred_positions(ground, datum is not None, name, datum, self.name)
         return np.asarray(here.height_m - geodetic(on_it).height_m)
