@@ -37,11 +37,12 @@ from vopd.flight.project.tracked_picks import (
     track_digests,
 )
 from vopd.flight.result import FlightResult, solve_flight, solve_flight_read
-from vopd.flight.solve import joint, next_click
+from vopd.flight.solve import joint, next_click, normal
 from vopd.flight.solve.clicks import AT_ONCE, errors_of_frames
 from vopd.flight.solve.errors import priors_of
 from vopd.flight.solve.joint import covariance_of_sums, solve_jointly
 from vopd.flight.solve.next_click import next_click_texts, next_clicks, next_places
+from vopd.flight.solve.normal import Normal
 from vopd.flight.solve.rotations import SolvedFlight
 from vopd.flight.solve.sizes import cost_of_frames
 
@@ -63,6 +64,24 @@ def test_joint_solution_is_that_of_one_dense_matrix(seed: int, landmark_m: float
     of_mean = mean @ dense.turn @ mean.T
     assert_close("dense minimum", total / np.abs(of_mean).max(), of_mean / np.abs(of_mean).max())
     assert "click, common" in parts
+
+
+@pytest.mark.parametrize(("loss", "newton"), [("least-squares", False), ("huber", True)])
+def test_a_product_of_all_frames_is_the_sum_of_theirs(
+    loss: str, newton: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As many clicks are taken together; some picks are far off, so that the loss weighs them."""
+    one = clicked_flight(np.random.default_rng(2), 9, 4, every=4, reach=5, landmark_m=0.05)
+    pixel = one.rows.pixel + 3.0 * (np.arange(len(one.rows.pixel)) % 7 == 0)[:, None]
+    flight = with_rows(one.flight, replace(one.rows, pixel=pixel))
+    flight = replace(flight, options=replace(flight.options, loss=loss))
+    joint = solve_jointly(flight, priors_of(flight))
+    made = []
+    for many in (1, 10**6):
+        monkeypatch.setattr(normal, "MANY", many)
+        made.append(Normal(joint.model, joint.state, newton=newton))
+    together, alone = (one.common for one in made)
+    assert_close("joint algebra", together / np.abs(alone).max(), alone / np.abs(alone).max())
 
 
 def turns(one: ClickedFlight, solved: SolvedFlight) -> np.ndarray:

@@ -152,9 +152,20 @@ class Normal:
             every = beside.reshape(count * 2 * n, -1)
             total = (every if plain else left.reshape(every.shape)).T @ every
             np.add.at(self._common, (index[0][:, None], index[0]), total)
+        elif index.shape[1] >= MANY and 2 * index.shape[1] >= self._wide:  # as many clicks are
+            every = self._spread(beside, index)
+            self._common += (every if plain else self._spread(left, index)).T @ every
         else:
             total = left.swapaxes(1, 2) @ beside
             _add(self._common, index[:, :, None] * self._wide + index[:, None], total)
+
+    def _spread(self, values: Array, index: Ints) -> Array:
+        """Spread the columns of frames' rows (B, m, q) over all that is common, (B m, K)."""
+        count, rows, _ = values.shape
+        full = np.zeros((count * rows, self._wide), values.dtype)
+        first = np.arange(count * rows).reshape(count, rows, 1) * self._wide
+        _add(full, first + index[:, None], values)
+        return full
 
     def _weighted(
         self, rows: LinearisedPicks, turn: Floats, further: Floats, weight: Floats, z: Floats
@@ -255,6 +266,7 @@ class Normal:
         return out
 
 
+MANY = 64  # columns of a frame, from which one product of all frames is quicker than their sum
 FEW = 2  # numbers that a sum by `bincount` may pass over for each that it adds
 
 
