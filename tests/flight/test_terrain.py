@@ -67,6 +67,22 @@ def test_a_terrain_that_declares_feet(unit: str, tmp_path: Path) -> None:
     assert " 7.0 m below the landmarks " in line and not findings
 
 
+@pytest.mark.parametrize("west", [179.9, -180.1, 539.9])
+def test_longitudes_of_a_terrain_across_180(west: float, tmp_path: Path) -> None:
+    """Cells of .01 degree that rise by a metre each to the east, 20 of them about 180 degrees."""
+    path = tmp_path / "terrain.tif"
+    with rasterio.open(
+        path, "w", driver="GTiff", width=20, height=10, count=1, dtype="float64",
+        crs="EPSG:4326", transform=rasterio.Affine(0.01, 0.0, west, 0.0, -0.01, 47.0),
+    ) as file:  # fmt: skip
+        file.write(np.tile(np.arange(20.0), (1, 10, 1)))
+    project = read_project(str(write_project(tmp_path, TOML)))
+    with rasterio.open(path) as file:
+        terrain = Terrain("terrain.tif", file, project.section("landmarks"))
+        found = terrain.heights_m(earth_centred_m([46.955] * 3, [179.965, -179.965, 175.0], 0.0))
+    assert_close("height of a terrain", found, [6.0, 13.0, np.nan])
+
+
 @pytest.mark.parametrize(("code", "unit_m"), [("6360", 1200.0 / 3937.0), ("5703", 1.0)])
 def test_slopes_of_a_terrain_whose_crs_counts_heights_in_feet(
     code: str, unit_m: float, tmp_path: Path

@@ -79,6 +79,9 @@ class Terrain:
         found = np.full(len(position_m), np.nan)
         here, data = geodetic(position_m), self._dataset
         x, y = self._converted("EPSG:4326", data.crs, here.longitude_deg, here.latitude_deg)
+        if data.crs.is_geographic:  # the file may count from 0 to 360, or across 180
+            middle = (data.bounds.left + data.bounds.right) / 2.0
+            x = x + 360.0 * np.round((middle - x) / 360.0)
         grid = ~data.transform
         across = grid.a * x + grid.b * y + grid.c
         down = grid.d * x + grid.e * y + grid.f
