@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -10,8 +11,10 @@ import numpy as np
 import pyproj
 import pytest
 
+import vopd
 from tests.approved.texts import assert_approved, refused
-from tests.kit.flight_project import read_text, text_told
+from tests.kit.command import vopd as run
+from tests.kit.flight_project import TOML, read_text, text_told, write_project
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.coordinates import HeightDatum, earth_centred_positions
@@ -293,6 +296,24 @@ def test_one_placemark_at_height_0_is_a_height() -> None:
     assert_approved([*marks.doubts, *more.doubts])
     assert read(head + place.format("pier", 0.01) + place.format("mast", 30) + end).doubts == ()
     assert_approved(told(head + place.format("pier", 0) + place.format("mast", 0) + end))
+
+
+def test_a_doubtful_height_is_a_warning_of_the_flight_and_told_of_a_new_project(
+    tmp_path: Path,
+) -> None:
+    """The landmarks as placemarks, and one more at a height of 0, which no pick names."""
+    place = "<Placemark><name>{}</name><Point><coordinates>{},{},{}</coordinates></Point>"
+    place += "</Placemark>"
+    project = write_project(tmp_path, TOML.replace("landmarks.csv", "marks.kml"))
+    rows = list(csv.DictReader((tmp_path / "landmarks.csv").read_text().splitlines()))
+    marks = [(one["landmark"], one["lon_deg"], one["lat_deg"], one["h_m"]) for one in rows]
+    marks.append(("pier", *marks[0][1:3], "0"))
+    text = "".join(place.format(*one) for one in marks)
+    (tmp_path / "marks.kml").write_text(f"<kml><Document>{text}</Document></kml>")
+    doubt = "marks.kml: pier: the height is 0"
+    assert [doubt in one.message for one in vopd.solve_flight(project).findings] == [True]
+    ran = run("new", tmp_path / "new", "--landmarks", tmp_path / "marks.kml")
+    assert doubt in ran.stdout + ran.stderr
 
 
 @pytest.mark.parametrize(
