@@ -125,6 +125,8 @@ def test_a_camera_of_opensfm_by_its_name_and_in_a_reconstruction(tmp_path: Path)
     assert_approved(told(tmp_path, text, camera="none"))
     text = json.dumps([{"cameras": {"other": other}, "shots": {}}])
     assert numbers(read(tmp_path, text))[0] == 300.0
+    text = json.dumps([{"cameras": {"one": one, "other": other}, "shots": {}}])
+    assert_approved(told(tmp_path, text))
     assert_approved(told(tmp_path, opensfm(focal="x")))
 
 

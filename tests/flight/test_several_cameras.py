@@ -246,3 +246,18 @@ def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:
         path.write_text(toml + keys)
         with refused(VopdError):
             read_flight(str(path))
+
+
+def test_a_new_project_with_a_table_of_lenses_needs_no_lens(tmp_path: Path) -> None:
+    two_cameras(tmp_path)
+    files = [f"--{one}={tmp_path / one}.csv" for one in ("landmarks", "picks", "track")]
+    answers = [
+        "--set=picks.frame_rate_hz=10.0", "--set=picks.first_frame_t_s=2.0",
+        "--pixel-grid=centre", "--height=ellipsoid", "--sigma-landmarks=exact",
+        "--sigma-position=exact", "--sigma-time=exact",
+    ]  # fmt: skip
+    table = "--set=camera.of_images=../cameras/lenses.csv"
+    ran = vopd("new", tmp_path / "new", *files, *answers, table)
+    assert ran.status == 0 and "needed" not in ran.stdout
+    result = solve_flight(str(tmp_path / "new" / "flight.toml"))
+    assert_close("solved angle", result.camera_deg, truth_deg())

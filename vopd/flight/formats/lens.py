@@ -313,8 +313,15 @@ def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
     cameras: dict[str, Any] = {}  # the first reconstruction is the largest
     for part in reversed(parts):
         cameras |= part.get("cameras", part)
-    name = _chosen(file, list(cameras), question, "name one of its keys")
+    how = "name one of its keys"
+    if any("shots" in part for part in parts):
+        how = f"{OF_SHOTS}, or {how}"
+    name = _chosen(file, list(cameras), question, how)
     return _camera(file, name, cameras[name])
+
+
+OF_SHOTS = "[camera] of_images in the place of lens gives each image its own"
+"""Advice about a reconstruction of several cameras, which says whose shots are whose."""
 
 
 def _chosen(file: InputFile, names: Sequence[str], question: LensQuestion, how: str) -> str:

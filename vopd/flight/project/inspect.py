@@ -106,6 +106,8 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
         folder: where the project will be
         name: the file; None where there is none
     """
+    if name is None and ("camera", "of_images") in {*values, *new.answered}:
+        return
     if name is None:
         new.needed["camera", "lens"] = "a calibration, or a table"
         new.needed["camera", "image_size_px"] = "width and height"
