@@ -242,8 +242,9 @@ LENSES = {
     f"   dt: d\n   data: {PINHOLE}\ndistortion_coefficients: !!opencv-matrix\n"
     "   rows: 1\n   cols: 4\n   dt: d\n   data: [0., 0., 0., 0.]\n",
     ("lens", "Kalibr camchain.yaml"): each(lambda k: f"# line {k} of the notes\n")
-    + "cam0:\n  camera_model: pinhole\n  distortion_model: radtan\n  distortion_coeffs: [0, 0, 0, 0]"
-    "\n  intrinsics: [1000, 900, 44.5, 34.5]\n  resolution: [90, 70]\n",
+    + "cam0:\n  camera_model: pinhole\n  distortion_model: radtan\n"
+    "  distortion_coeffs: [0, 0, 0, 0]\n  intrinsics: [1000, 900, 44.5, 34.5]\n"
+    "  resolution: [90, 70]\n",
     ("lens", "COLMAP cameras.txt"): each(lambda k: f"{k} PINHOLE 90 70 999 999 45 35\n")
     + f"{ROWS} PINHOLE 90 70 1000 900 45 35\n",
 }  # fmt: skip
