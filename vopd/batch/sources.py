@@ -222,7 +222,7 @@ def check_names(sources: Sequence[BatchSource], suffixes: Sequence[str]) -> None
             if key in taken:
                 raise VopdError(
                     f"{source.path}: its output {output} would have the same name as that of "
-                    f"{taken[key]}; rename the source, or give the folder that both are in"
+                    f"{taken[key]}; rename the source"
                 )
             taken[key] = source.path
 
