@@ -203,6 +203,15 @@ def test_what_is_no_gpx(wrong: str) -> None:
     assert "\n" not in said
 
 
+def test_points_of_gpx_without_a_fix() -> None:
+    """They are refused where others have one; points on the equator or on Greenwich are places."""
+    zero = point("0", "-0.0")
+    assert_approved(told(gpx(point(), zero)), parts=["track point 2"])
+    assert_approved(told(gpx(zero, point(), zero)), parts=["track point 1"])
+    assert read(gpx(zero, zero)).coordinate.tolist() == [[0.0, 0.0, 500.0]] * 2
+    assert len(read(gpx(point(), point("0"), point(lon="0"))).coordinate) == 3
+
+
 def test_points_of_gpx_at_their_limits() -> None:
     rows = read(gpx(point("90", "-180"), point("-90", "361", "-5", "00.125")))
     assert rows.coordinate.tolist() == [[-180.0, 90.0, 500.0], [361.0, -90.0, -5.0]]

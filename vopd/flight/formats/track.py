@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.files import reason
 from vopd.findings import count_text, shown
 from vopd.flight.coordinates import crs_is_geographic
@@ -137,10 +137,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
     if geodetic:
         no_fix = (coordinate[:, :2] == 0.0).all(axis=1)
         if no_fix.any() and not no_fix.all():
-            more = count_text(int(no_fix.sum()), "such line")
-            message = "latitude 0, longitude 0: a receiver without a fix writes that; remove "
-            message += "the line" if no_fix.sum() == 1 else f"all {more}"
-            raise table.error(message, int(np.argmax(no_fix)))
+            raise table.error(no_fix_text(no_fix, "line"), int(np.argmax(no_fix)))
         table.check_degrees(coordinate)
         table.check_signs(coordinate)
     return TrackRows(
@@ -159,6 +156,18 @@ def read_csv_track(file: InputFile) -> TrackRows:
         from_ground=table.from_ground,
         names_units=True,
     )
+
+
+def no_fix_text(no_fix: Bools, noun: str) -> str:
+    """Say what positions at latitude and longitude 0 are, and what to do.
+
+    Args:
+        no_fix: which of the positions are, (T,)
+        noun: what a position is in the file
+    """
+    count = int(no_fix.sum())
+    what = f"the {noun}" if count == 1 else f"all {count_text(count, f'such {noun}')}"
+    return f"latitude 0, longitude 0: a receiver without a fix writes that; remove {what}"
 
 
 # The .MRK file of drones with an RTK receiver (DJI, Autel): GPS time and position of each photo
@@ -255,6 +264,10 @@ def read_gpx(file: InputFile) -> TrackRows:
     wrong = np.flatnonzero(~np.isfinite(coordinate).all(axis=1) | (abs(coordinate[:, 1]) > 90.0))
     if len(wrong):
         raise file.error(f"track point {wrong[0] + 1} has a number that is no position")
+    no_fix = (coordinate[:, :2] == 0.0).all(axis=1)
+    if no_fix.any() and not no_fix.all():
+        first = f"track point {np.argmax(no_fix) + 1}"
+        raise file.error(f"{first}: {no_fix_text(no_fix, 'point')}")
     times = (p.time if p.time.tzinfo else p.time.replace(tzinfo=UTC) for p in points)  # as GPX says
     time_s = np.array([one.timestamp() for one in times])
     dilution: Floats = np.array(
