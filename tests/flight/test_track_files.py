@@ -306,6 +306,11 @@ def test_velocities_of_a_table_are_north_east_down() -> None:
     assert rows.clock is None and rows.time_s is None
 
 
+@pytest.mark.parametrize("up", ["vu_m_s", "V Up (m/s)", "climb_rate", "up_velocity"])
+def test_a_velocity_upward_is_not_to_be_renamed_as_one_downward(up: str) -> None:
+    assert_approved(told(f"t_s,x_m,y_m,z_m,vn_m_s,ve_m_s,{up}\n4,5,6,7,1,2,3\n"), parts=[up])
+
+
 # .MRK files of drones: photos by number, with GPS time, position and standard deviations
 
 
