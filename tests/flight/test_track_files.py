@@ -311,6 +311,12 @@ def test_a_velocity_upward_is_not_to_be_renamed_as_one_downward(up: str) -> None
     assert_approved(told(f"t_s,x_m,y_m,z_m,vn_m_s,ve_m_s,{up}\n4,5,6,7,1,2,3\n"), parts=[up])
 
 
+def test_a_grid_beside_latitudes_is_said_not_to_be_used() -> None:
+    rows = read("t_s,x_m,y_m,lat_deg,lon_deg,h_m,z_m\n4,5,6,7,8,9,10\n")
+    assert rows.coordinate.tolist() == [[8.0, 7.0, 9.0]]
+    assert_approved(rows.said)
+
+
 # .MRK files of drones: photos by number, with GPS time, position and standard deviations
 
 

@@ -37,6 +37,7 @@ from vopd.flight.formats.columns import (
     IN_METRES,
     MILLISECONDS,
     OF_STARS,
+    PLANE,
     SYNONYMS,
     TIME,
     mapped,
@@ -134,6 +135,8 @@ class CsvTable:
         read = {*self.known}
         for some in ONE_OF:
             read -= {*[name for name in some if name in read and self.has(name)][1:]}
+        if self.has("lat_deg"):
+            read -= {*PLANE}
         read |= {one for one in self.header if self.has("t_utc") and plain_name(one) in DATES}
         pairs = zip(self.own, self.header, strict=True)
         return [own for own, name in pairs if name and name not in read]
