@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close
 from vopd.findings import Finding, VopdError
@@ -101,6 +102,29 @@ def test_slopes_of_a_terrain_whose_crs_counts_heights_in_feet(
         x, y = rasterio.warp.transform(file.crs, "EPSG:4326", [600055.0, 600075.0], [5299955.0] * 2)
         found = terrain.heights_m(earth_centred_m(y, x, [0.0, 0.0]))
     assert_close("height of a terrain", found, [305.0, 307.0])
+
+
+@pytest.mark.parametrize(("unit", "doubted"), [("", True), ("ft", False), ("m", False)])
+def test_heights_of_no_unit_on_a_grid_in_feet(unit: str, doubted: bool, tmp_path: Path) -> None:
+    """New York, Long Island, in US survey feet: the landmarks are moved there."""
+    path = tmp_path / "terrain.tif"
+    with rasterio.open(
+        path, "w", driver="GTiff", width=200, height=200, count=1, dtype="float64",
+        crs="EPSG:2263", transform=rasterio.Affine(10.0, 0.0, 9.99e5, 0.0, -10.0, 2.01e5),
+    ) as file:  # fmt: skip
+        file.write(np.full((1, 200, 200), 10.0))
+        file.units = (unit,) if unit else file.units
+    project = read_project(str(write_project(tmp_path, TOML)))
+    marks = flight_of(project).landmarks
+    with rasterio.open(path) as file:
+        terrain = Terrain("terrain.tif", file, project.section("landmarks"))
+        x, y = rasterio.warp.transform(file.crs, "EPSG:4326", [1e6] * 6, [2e5] * 6)
+        _, findings = terrain.about(
+            replace(marks, position_m=earth_centred_m(y, x, 10.0)), np.arange(6)
+        )
+    if doubted:
+        assert_approved([one.message for one in findings])
+    assert bool(findings) == doubted
 
 
 def test_heights_above_a_geoid_that_is_not_there_are_not_compared(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from vopd.flight.coordinates import (
     earth_centred_positions,
     has_height_axis,
     height_unit_m,
+    units_of_grid,
 )
 from vopd.flight.flight import LandmarkSet
 from vopd.flight.project.keys import Project, Section
@@ -227,7 +228,20 @@ class Terrain:
 
     def _told(self, warned: list[str]) -> list[Finding]:
         odd = [f"[landmarks] terrain: {self._odd_text()}"] * (not np.isnan(self._odd_m))
-        return [Finding(one, self._section.project, severity="warning") for one in warned + odd]
+        every = [*warned, *odd, *self._doubt_of_unit()]
+        return [Finding(one, self._section.project, severity="warning") for one in every]
+
+    def _doubt_of_unit(self) -> list[str]:
+        """Doubt heights of no declared unit on a grid in feet: they mostly are feet, too."""
+        if self._dataset.units[0] or self._unit_m != 1.0:
+            return []
+        units = units_of_grid(self._dataset.crs.to_wkt(), self.name)
+        return [
+            f"[landmarks] terrain: {self.name}: its grid counts in {one.name}, and its heights, of "
+            "no declared unit, are taken for metres: declare it, gdal_edit.py -units ft, or m"
+            for one in units[:1]
+            if one.is_foot
+        ]
 
     def _elsewhere(self, position_m: Floats) -> str:
         here = geodetic(position_m)
