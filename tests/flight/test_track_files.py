@@ -17,7 +17,8 @@ from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, read_text, text_told, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
-from vopd.flight.formats.files import open_input
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.track import TRACK_FORMATS, photo_number, read_mrk
 from vopd.geometry.earth import geodetic
 
@@ -309,6 +310,9 @@ def test_velocities_of_a_table_are_north_east_down() -> None:
 @pytest.mark.parametrize("up", ["vu_m_s", "V Up (m/s)", "climb_rate", "up_velocity"])
 def test_a_velocity_upward_is_not_to_be_renamed_as_one_downward(up: str) -> None:
     assert_approved(told(f"t_s,x_m,y_m,z_m,vn_m_s,ve_m_s,{up}\n4,5,6,7,1,2,3\n"), parts=[up])
+    text = f"t_s,x_m,y_m,z_m,vn_m_s,ve_m_s,{up}\n4,5,6,7,1,2,3\n"
+    with refused(VopdError, parts=[up]):
+        read_by_content(TRACK_FORMATS, InputFile("t", Path("t"), text, columns={"vd_m_s": up}))
 
 
 def test_a_grid_beside_latitudes_is_said_not_to_be_used() -> None:

@@ -88,6 +88,19 @@ def other_unit(own: str, name: str) -> str:
     return f"{own} is in {said}: multiply by {factor:.12g} and call it {name}"
 
 
+UPWARD = re.compile(
+    r"((v|vel|velocity|speed)_?(u|up)|up_(speed|velocity)|climb(_rate)?)(_m_?s|_mps)?$"
+)
+"""Names of a velocity that is positive upward."""
+
+
+def counts_up(own: str, name: str) -> str:
+    """Say that a column seems to be a velocity upward where `name` counts down; or nothing."""
+    if name != "vd_m_s" or not UPWARD.match(plain_name(own)):
+        return ""
+    return f"{own} seems to count up; change its sign and call it {name}"
+
+
 def coordinate_columns(geodetic: bool) -> tuple[str, str, str]:
     """Name the columns of a position, east before north."""
     return ("lon_deg", "lat_deg", "h_m") if geodetic else PLANE
@@ -142,8 +155,8 @@ def own_names(
             raise file.error(f"columns: {given} is none of this table{did_you_mean(given, known)}")
         if own not in header:
             raise file.error(f"columns: there is no column {own}{did_you_mean(own, header)}")
-        if unit := other_unit(own, name):
-            raise file.error(f"columns: {unit}")
+        if wrong := other_unit(own, name) or counts_up(own, name):
+            raise file.error(f"columns: {wrong}")
         found[header.index(own)] = name
     plain = [plain_name(name) for name in found]
     feet = "x_m" in known and any(map(IN_FEET.search, plain)) and _grid_in_feet(file)

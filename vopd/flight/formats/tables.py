@@ -40,6 +40,7 @@ from vopd.flight.formats.columns import (
     PLANE,
     SYNONYMS,
     TIME,
+    counts_up,
     mapped,
     other_unit,
     own_names,
@@ -63,10 +64,6 @@ from vopd.inputs import (
 
 MANY_UNUSED = 12  # columns that are listed
 LIKE_HEIGHT = re.compile(r"(^|_)(h|z|alt\w*|elev\w*|height|high)(_|$)")
-UPWARD = re.compile(
-    r"((v|vel|velocity|speed)_?(u|up)|up_(speed|velocity)|climb(_rate)?)(_m_?s|_mps)?$"
-)
-"""Names of a velocity that is positive upward."""
 OTHER_SPEED = re.compile(r"(?:km_?h|kmph|kph|mph)$")
 FROM_GROUND = re.compile(
     r"(^|_)(rel|relative|agl|above_([a-z]+_)?(ground|take_?off|home|launch|pad))(?=_|$)"
@@ -222,9 +219,8 @@ class CsvTable:
             factor = 0.44704 if unit[0].startswith("mp") else 1.0 / 3.6
             how = f"multiply by {factor:.5g} and call it {name}"
             return f": {speeds[0]} seems to be in {unit[0].replace('_', '/')}; {how}"
-        upward = [one for one in free if UPWARD.match(plain_name(one))]
-        if name == "vd_m_s" and upward:
-            return f": {upward[0]} seems to count up; change its sign and call it {name}"
+        if upward := [*filter(None, (counts_up(one, name) for one in free))]:
+            return f": {upward[0]}"
         if units := [*filter(None, (other_unit(one, name) for one in free))]:
             return f": {units[0]}"
         if name in HEIGHTS:
