@@ -178,6 +178,8 @@ def test_videos_without_a_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     write_gpmf(Path("letter.mp4"), [(0, device(klv("GPS5", "\7", 20, 1, b"\0" * 20)))])
     letters = klv("TYPE", "c", 1, 5, b"lxlll"), klv("GPS5", "?", 20, 1, b"\0" * 20)
     write_gpmf(Path("letters.mp4"), [(0, device(*letters))])
+    scale = klv("SCAL", "l", 4, 2, struct.pack(">2l", 1, 1)), klv("GPS5", "l", 20, 1, b"\0" * 20)
+    write_gpmf(Path("scale.mp4"), [(0, device(*scale))])
     block = "1\n00:00:00,000 --> 00:00:01,000\n[latitude: {}] [longitude: {}]{}\n"
     Path("flat.SRT").write_text(block.format(47.2, 15.1, ""))
     Path("lost.SRT").write_text(block.format(0.0, 0.0, " [abs_alt: 3.0]"))
@@ -191,6 +193,7 @@ def test_videos_without_a_track(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         "size.mp4",
         "letter.mp4",
         "letters.mp4",
+        "scale.mp4",
     )
     for name in (*videos, "flat.SRT", "lost.SRT", "both.SRT"):
         with refused(VopdError):

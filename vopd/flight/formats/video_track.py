@@ -176,6 +176,8 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
     values: Floats = np.array(list(one.iter_unpack(content)), float)
     values = values.reshape(count, (size // one.size) * len(letters))
     scale = _numbers(stream, b"SCAL") if scaled else np.empty(0)
+    if scale.size not in (0, 1, values.shape[1]):
+        raise ValueError(f"SCAL has {scale.size} numbers, and {name} has {values.shape[1]}")
     with np.errstate(all="ignore"):
         return values / scale.ravel() if scale.size else values
 
