@@ -16,8 +16,9 @@ from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.formats.by_content import InputFormat, read_by_content
 from vopd.flight.formats.files import TEXT_AT_ONCE, open_input
+from vopd.flight.formats.image_lenses import IMAGE_LENS_FORMATS
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
-from vopd.flight.formats.lens import IMAGE_LENS_FORMATS, LENS_FORMATS, LensQuestion
+from vopd.flight.formats.lens import LENS_FORMATS, LensQuestion
 from vopd.flight.formats.picks import PICK_FORMATS
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.tracked import COLUMNS, HEAD, read_tracked

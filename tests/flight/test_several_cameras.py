@@ -16,7 +16,8 @@ from vopd.arrays import Floats
 from vopd.batch.sources import input_sha256
 from vopd.convert.flight_to_deck import flight_job
 from vopd.findings import VopdError
-from vopd.flight.formats.lens import lens_files, make_lens
+from vopd.flight.formats.image_lenses import lens_files
+from vopd.flight.formats.lens import make_lens
 from vopd.flight.project.camera import read_camera
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.named import named_files

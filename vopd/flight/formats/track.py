@@ -17,6 +17,7 @@ from vopd.flight.coordinates import crs_is_geographic
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.columns import GEODETIC, PLANE, TIME, coordinate_columns
 from vopd.flight.formats.files import InputFile
+from vopd.flight.formats.image_lenses import read_shots, recognises_reconstruction
 from vopd.flight.formats.image_tags import (
     DILUTION_SAID,
     USUAL_SIGMA_M,
@@ -39,7 +40,6 @@ from vopd.flight.formats.landmarks import (
     recognises_gpx,
     sigma_columns,
 )
-from vopd.flight.formats.lens import read_shots, recognises_reconstruction
 from vopd.flight.formats.tables import has_columns, read_csv
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices

@@ -13,9 +13,9 @@ from vopd.files import reason
 from vopd.findings import count_text, shown
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import InputFile
+from vopd.flight.formats.image_lenses import IMAGE_LENS_FORMATS
 from vopd.flight.formats.lens import (
     GRID_TO_CENTRE,
-    IMAGE_LENS_FORMATS,
     LENS_FORMATS,
     LensQuestion,
     LensRead,

@@ -23,7 +23,7 @@ from vopd.files import reason
 from vopd.findings import count_text, did_you_mean, shown
 from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.formats.files import InputFile
-from vopd.flight.formats.lens import lens_files
+from vopd.flight.formats.image_lenses import lens_files
 from vopd.flight.project.keys import Project, Section
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor

@@ -35,7 +35,7 @@ def named_files(project: bytes, folder: Path) -> Iterator[tuple[str, Path]]:
     camera = keys.get("camera")
     table = camera.get("of_images") if isinstance(camera, dict) else None
     if isinstance(table, str):
-        from vopd.flight.formats.lens import lens_files  # of few projects
+        from vopd.flight.formats.image_lenses import lens_files  # of few projects
 
         beside = Path(table).parent
         yield from (((beside / name).as_posix(), one) for name, one in lens_files(folder / table))
