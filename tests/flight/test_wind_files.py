@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import read_text, text_told
 from tests.tolerances import assert_close
+from vopd.findings import VopdError
+from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.wind import WIND_FORMATS, from_direction, geometric_m
 
 KNOT = 0.5144444444444445  # 1852 m an hour
@@ -150,3 +154,11 @@ def test_a_speed_in_another_unit_is_not_called_metres_a_second() -> None:
 
 def test_a_sounding_of_json_is_none() -> None:
     assert told(json.dumps({"h_m": 1})).startswith("w: the format is not recognised")
+
+
+@pytest.mark.parametrize("own", ["to_deg", "Wind Toward", "wind_direction_to", "direction_to_deg"])
+def test_where_a_wind_blows_to_is_not_to_be_renamed_as_where_it_comes_from(own: str) -> None:
+    text = CSV.format("speed_m_s", "1,90,5").replace("from_deg", own)
+    assert_approved(told(text), parts=[own])
+    with refused(VopdError, parts=[own]):
+        read_by_content(WIND_FORMATS, InputFile("w", Path("w"), text, columns={"from_deg": own}))

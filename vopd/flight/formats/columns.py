@@ -94,11 +94,19 @@ UPWARD = re.compile(
 """Names of a velocity that is positive upward."""
 
 
-def counts_up(own: str, name: str) -> str:
-    """Say that a column seems to be a velocity upward where `name` counts down; or nothing."""
-    if name != "vd_m_s" or not UPWARD.match(plain_name(own)):
-        return ""
-    return f"{own} seems to count up; change its sign and call it {name}"
+TOWARD = re.compile(r"(wind_)?((direction_)?to|towards?|blows_to)(_direction|_deg)*$")
+"""Names of the direction that a wind blows to."""
+
+
+def other_sense(own: str, name: str) -> str:
+    """Say that a column seems to count the other way than `name` does; or nothing."""
+    plain = plain_name(own)
+    if name == "vd_m_s" and UPWARD.match(plain):
+        return f"{own} seems to count up; change its sign and call it {name}"
+    if name == "from_deg" and TOWARD.match(plain):
+        turned = "add 180 degrees, or take them off from 180 on, and call it"
+        return f"{own} seems to be where the wind blows to; {turned} {name}"
+    return ""
 
 
 def coordinate_columns(geodetic: bool) -> tuple[str, str, str]:
@@ -155,7 +163,7 @@ def own_names(
             raise file.error(f"columns: {given} is none of this table{did_you_mean(given, known)}")
         if own not in header:
             raise file.error(f"columns: there is no column {own}{did_you_mean(own, header)}")
-        if wrong := other_unit(own, name) or counts_up(own, name):
+        if wrong := other_unit(own, name) or other_sense(own, name):
             raise file.error(f"columns: {wrong}")
         found[header.index(own)] = name
     plain = [plain_name(name) for name in found]

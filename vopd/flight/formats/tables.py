@@ -40,8 +40,8 @@ from vopd.flight.formats.columns import (
     PLANE,
     SYNONYMS,
     TIME,
-    counts_up,
     mapped,
+    other_sense,
     other_unit,
     own_names,
     plain_name,
@@ -219,8 +219,8 @@ class CsvTable:
             factor = 0.44704 if unit[0].startswith("mp") else 1.0 / 3.6
             how = f"multiply by {factor:.5g} and call it {name}"
             return f": {speeds[0]} seems to be in {unit[0].replace('_', '/')}; {how}"
-        if upward := [*filter(None, (counts_up(one, name) for one in free))]:
-            return f": {upward[0]}"
+        if other := [*filter(None, (other_sense(one, name) for one in free))]:
+            return f": {other[0]}"
         if units := [*filter(None, (other_unit(one, name) for one in free))]:
             return f": {units[0]}"
         if name in HEIGHTS:
