@@ -595,7 +595,11 @@ def test_a_reconstruction_of_opensfm_is_the_first() -> None:
     one, other = json.loads(opensfm()), json.loads(opensfm(focal=0.75))
     text = "\n" + json.dumps([{"cameras": one}, {"cameras": other}])
     for named in ({}, {"camera": "a"}):
-        assert_close("ratio", lens_of(text, **named).lens.focal_px, [200.0, 200.0])
+        first = lens_of(text, **named)
+        assert_close("ratio", first.lens.focal_px, [200.0, 200.0])
+        assert_approved(first.said)
+    alike = lens_of(json.dumps([{"cameras": one}, {"cameras": one}, 7, {"cameras": [1]}]))
+    assert alike.said == lens_of(json.dumps([{"cameras": one}])).said
     assert_close("ratio", lens_of(opensfm(focal_x=0.75)).lens.focal_px, [300.0, 300.0])
     upright = lens_of(opensfm(width=300, height=400, focal=0.75, c_x=0.1, c_y=0.2)).lens
     assert_close("ratio", upright.focal_px, [300.0, 300.0])  # by the longer side

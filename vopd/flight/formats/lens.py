@@ -304,7 +304,7 @@ def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
         found = parse_json(file.text)
     except (ValueError, RecursionError) as error:
         raise file.error(f"not valid JSON: {reason(error)}") from error
-    parts = found if isinstance(found, list) else [found]
+    parts = every = found if isinstance(found, list) else [found]
     if question.camera is None:
         parts = parts[:1]
     cameras: dict[str, Any] = {}  # the first reconstruction is the largest
@@ -314,7 +314,13 @@ def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
     if any("shots" in part for part in parts):
         how = f"{OF_SHOTS}, or {how}"
     name = _chosen(file, list(cameras), question, how)
-    return _camera(file, name, cameras[name])
+    read = _camera(file, name, cameras[name])
+    known = (part.get("cameras") for part in every if isinstance(part, dict))
+    each = [own[name] for own in known if isinstance(own, dict) and name in own]
+    if any(one != cameras[name] for one in each):
+        said = f"{read.said}, as the first of {len(each)} reconstructions has it"
+        return read._replace(said=said)
+    return read
 
 
 OF_SHOTS = "[camera] of_images in the place of lens gives each image its own"
