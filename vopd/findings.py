@@ -138,17 +138,21 @@ def size_text(value: float, digits: int = 2) -> str:
     return f"{float(text):.0f}" if "e+" in text and abs(value) < MOST_WRITTEN_OUT else text
 
 
-def angle_text(angle_deg: float, decimals: int, half_circle: bool = False) -> str:
-    """Write an angle that is rounded and still in its range: 359.999 to two decimals is `0.00`.
+def angle_in_range(angle_deg: float, decimals: int, half_circle: bool = False) -> float:
+    """Round an angle, and bring it into its range: 359.999 to two decimals is 0.
 
     Args:
-        angle_deg: degrees; NaN is written as such
-        decimals: of the text
+        angle_deg: degrees; of NaN it is NaN
+        decimals: to which it is rounded
         half_circle: whether the range is above -180 to 180, and not from 0 to below 360
     """
     rounded = round(angle_deg, decimals)
-    turned = 180.0 - (180.0 - rounded) % 360.0 if half_circle else rounded % 360.0
-    return f"{turned:.{decimals}f}"
+    return 180.0 - (180.0 - rounded) % 360.0 if half_circle else rounded % 360.0
+
+
+def angle_text(angle_deg: float, decimals: int, half_circle: bool = False) -> str:
+    """Write an angle, degrees, rounded as `angle_in_range` does: `0.00` for 359.999."""
+    return f"{angle_in_range(angle_deg, decimals, half_circle):.{decimals}f}"
 
 
 Report = Callable[[Finding], None]

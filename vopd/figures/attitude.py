@@ -22,7 +22,7 @@ from vopd.figures.style import (
     plain,
     short,
 )
-from vopd.findings import angle_text
+from vopd.findings import angle_in_range, angle_text
 
 # Break the lines of a figure where frames are missing and where angles wrap.
 
@@ -335,7 +335,7 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
         axis.set_ylabel(f"{ANGLE_TEXTS[name.split('_')[-1]]}, degrees")
         axis.yaxis.set_major_formatter(
             lambda y, _, name=name, axis=axis: (
-                f"{in_range(y, in_half_circle(name, *axis.get_ylim())):.6g}"
+                f"{angle_in_range(y, 9, in_half_circle(name, *axis.get_ylim())):.6g}"
             )
         )
     marks = ("-", "--", ":")
@@ -393,12 +393,6 @@ def in_half_circle(name: str, low: float, high: float) -> bool:
     )
     around_zero = np.floor(low / 360.0) < np.floor(high / 360.0)
     return not (name.endswith("yaw") or (beyond and not around_zero))
-
-
-def in_range(angle: float, half_circle: bool) -> float:
-    """Move an angle to above -180 to 180 degrees, or to 0 to 360."""
-    rounded = np.round(angle, 9)
-    return float(180.0 - (180.0 - rounded) % 360.0 if half_circle else rounded % 360.0)
 
 
 def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> None:
