@@ -417,12 +417,16 @@ function ask() {  // for the next landmark that has no pick and could be seen, o
 
 const fingers = new Map();  // that touch the frame; two zoom by their distance
 
+function apart() {  // how far two fingers are
+  const [[x, y], [p, q]] = [...fingers.values()];
+  return Math.hypot(p - x, q - y);
+}
+
 function pinch() {
-  const [[x, y], [p, q]] = [...fingers.values()], apart = Math.hypot(p - x, q - y), ratio = apart / dragged.apart;
-  dragged.moved = true;
+  const [[x, y], [p, q]] = [...fingers.values()], ratio = apart() / dragged.apart;
   if (ratio > .67 && ratio < 1.5) return;
   zoom(ratio > 1 ? 1 : -1, at({ clientX: (x + p) / 2, clientY: (y + q) / 2 }));
-  dragged.apart = apart;
+  dragged.apart = apart();
 }
 
 canvas.addEventListener("pointerdown", event => {
@@ -430,8 +434,7 @@ canvas.addEventListener("pointerdown", event => {
   canvas.setPointerCapture(event.pointerId);
   fingers.set(event.pointerId, [event.clientX, event.clientY]);
   if (fingers.size > 1) {
-    const [[x, y], [p, q]] = [...fingers.values()];
-    dragged = { ...dragged, apart: Math.hypot(p - x, q - y), moved: true };
+    dragged = { ...dragged, apart: apart(), moved: true };
     return;
   }
   dragged = { x: event.clientX, y: event.clientY, view: { ...view }, moved: event.button !== 0 };
