@@ -122,7 +122,7 @@ class InputFile:
 
     def line_of(self, word: str) -> int | None:
         """Find the first line with a word, such as a cell, counted from 1; None if none has it."""
-        alone = re.compile(rf"(?<![\w./\\-]){re.escape(word)}(?![\w.-])")
+        alone = re.compile(rf"(?<![\w./\\#-]){re.escape(word)}(?![\w.-])")
         lines = chain.from_iterable(chunk.splitlines() for chunk in self.chunks())
         return next((k for k, line in enumerate(lines, 1) if alone.search(line)), None)
 

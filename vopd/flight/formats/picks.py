@@ -6,8 +6,8 @@ import csv
 import re
 from array import array
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
@@ -29,6 +29,7 @@ from vopd.flight.formats.landmarks import (
 from vopd.flight.formats.lens import GRID_TO_CENTRE, whole_size
 from vopd.flight.formats.tables import (
     CsvTable,
+    commented_names,
     csv_blocks,
     frames_of_column,
     has_columns,
@@ -103,6 +104,8 @@ class PickRows:
     tracks: TrackedRows | None = None  # the same picks with the clicks that they are from
     doubts: tuple[str, ...] = ()  # warnings about the file
     by_size: bool = False  # pixels are from the image's middle, by its longer side
+    commented: Mapping[str, str] = field(default_factory=dict)
+    # comments that may be rows, by the name they begin with: where they are
 
     def where(self, kept: Bools) -> PickRows:
         """Take some of the picks of numbered frames, (P,)."""
@@ -223,6 +226,7 @@ def read_csv_picks(file: InputFile) -> PickRows:
         None,
         f"CSV{block.read_as}" + one_image,
         doubts=doubts,
+        commented=commented_names(file, COLUMNS, ("image", "frame", "landmark")),
     )
 
 

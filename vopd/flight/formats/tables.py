@@ -76,6 +76,7 @@ DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}")
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 SEXAGESIMAL = re.compile(r"\d\s*[°º:'′NSEWnsew]|[NSEWnsew]\s*\d|\d\s+\d")  # noqa: RUF001
 """In degrees with minutes, or with a letter for their sign."""
+COMMENTS = "a line that begins with # is a comment: write a name that begins so in quotes"
 DIGITS = 16  # from there on it is not the number of a frame
 EXACT = "exact"
 NO_WORDS: Mapping[str, float] = {}
@@ -608,6 +609,35 @@ def _lines(file: InputFile) -> Iterator[tuple[Sequence[int], list[str]]]:
             numbers, lines = [number for number, _ in kept], [line for _, line in kept]
         if lines:
             yield numbers, lines
+
+
+def commented_names(
+    file: InputFile, known: Sequence[str], columns: Sequence[str]
+) -> dict[str, str]:
+    """Find comments that may be rows whose name begins with #: as many cells, and no blank behind.
+
+    Args:
+        file: the table
+        known: as for `read_csv`
+        columns: those of names, of which the first column must be one
+
+    Returns:
+        Where each name is first, file and line.
+    """
+    header, found = own_names(file, header_names(file), known), dict[str, str]()
+    if header[:1] and header[0] not in columns:
+        return {}
+    between, before = separator(_first_line(file)), 0
+    for chunk in file.chunks():
+        lines = chunk.splitlines()
+        if "#" in chunk:
+            for line, text in enumerate(lines, before + 1):
+                if text[:1] == "#" and text[1:2].strip("# \t"):
+                    cells = next(csv.reader([text], delimiter=between), [])
+                    if len(cells) == len(header):
+                        found.setdefault(cells[0].strip(), f"{file.name}: line {line}")
+        before += len(lines)
+    return found
 
 
 def _first_line(file: InputFile) -> str:

@@ -12,6 +12,7 @@ from vopd.findings import Finding, count_text, did_you_mean
 from vopd.flight.flight import Picks
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.picks import Names, PickRows
+from vopd.flight.formats.tables import COMMENTS
 from vopd.flight.project.camera import CameraLens, check_size
 from vopd.flight.project.keys import Section
 
@@ -147,8 +148,6 @@ def known_landmarks(
 LARGE_SPREAD_PX = 10.0  # of picks of one landmark in one frame: no hand is so unsure
 NONE_USED = "none of these picks is used"
 MOST_PX = 1e6  # from the image's middle: squares of such a pick would hide all others
-
-COMMENTS = "a line that begins with # is a comment: write a name that begins so in quotes"
 
 NO_LANDMARK = "no landmark"
 """How a warning about picks of an unknown landmark begins."""

@@ -31,11 +31,12 @@ from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.picks import LEAST_PX, PICK_FORMATS, SMALL_SIGMA, Names, PickRows
+from vopd.flight.formats.tables import COMMENTS
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project.camera import CameraLens, doubts_of_lens, read_camera
 from vopd.flight.project.covariance import with_held, with_stated_offset
 from vopd.flight.project.keys import ROWS, Project, Section, read_project
-from vopd.flight.project.picks import COMMENTS, COPIED_PX, join_picks, sizes_px
+from vopd.flight.project.picks import COPIED_PX, join_picks, sizes_px
 from vopd.flight.project.stated import (
     Notes,
     RowSigmas,
@@ -233,6 +234,11 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     outside = outside_area(crs, landmarks.position_m)
     doubts = [*picks.doubts, *times.doubts, *rows.doubts, *path.doubts, *wind_doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
+    if picks.commented:
+        from vopd.flight.project.commented import doubts_of_comments  # of few flights
+
+        known = (*times.image, *landmarks.name)
+        doubts += doubts_of_comments(project, picks.commented, known)
     doubts += doubt_of_heights("landmarks", rows.names_units, crs)
     if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
@@ -458,7 +464,8 @@ def frames_uncovered(
     for some, what in ((untimed, "there is no time for"), (lost & ~untimed, NO_POSITION)):
         if some.any():
             labels = [label(k) for k in np.flatnonzero(some).tolist()]
-            messages.append(f"{what} {first_of(labels, 3)}")
+            commented = f"; {COMMENTS}" * any(one.startswith("#") for one in labels)
+            messages.append(f"{what} {first_of(labels, 3)}{commented}")
     if path.row_s is not None and (lost & ~untimed).any():
         offset_s = project.section("track").number("offset_s")
         messages[-1] += covering_text(path.row_s, times.time_s, offset_s)

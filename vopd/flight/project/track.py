@@ -20,6 +20,7 @@ from vopd.flight.coordinates import (
 )
 from vopd.flight.flight import LEAPS, CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.columns import coordinate_columns
+from vopd.flight.formats.tables import COMMENTS
 from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows, row_out_of_order
 from vopd.flight.project.keys import Project, Section, toml_numbers
 from vopd.flight.project.stated import Notes, RowSigmas, key_sigma, row_sigmas
@@ -686,7 +687,10 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
         picked = times.image[0]
         near = [one for one in rows.image if one.lower() == picked.lower()]
         other = f"{near[0]}: letters must be of one case" if near else f"{rows.image[0]} for one"
-        return f"has none of the images that were picked ({picked} for one); it has {other}"
+        commented = f"; {COMMENTS}" * picked.startswith("#")
+        return (
+            f"has none of the images that were picked ({picked} for one); it has {other}{commented}"
+        )
     own = track_on_clock(section, rows, times) + section.number("offset_s")
     first, last = float(np.nanmin(times.time_s)), float(np.nanmax(times.time_s))
     gap = first - own[-1] if first > own[-1] else own[0] - last  # of the frame next to the track
