@@ -48,7 +48,7 @@ from vopd.geometry.earth import geodetic
 def test_exif_degrees_minutes_seconds_and_references(tmp_path: Path) -> None:
     """25 36 21.73 S is 25 + 36/60 + 21.73/3600 south; altitude reference 1 is below the sea."""
     path = tmp_path / "a.jpg"
-    tagged_image(path, (25, 36, 21.73), (49, 25, 17.51), "SW", 12.5, below=True)
+    tagged_image(path, (25, 36, 21.73), (49, 25, 17.51), "SW", 12.5, altitude_reference=1)
     tags = read_tags(path)
     expected = (-(49 + 25 / 60 + 17.51 / 3600), -(25 + 36 / 60 + 21.73 / 3600), -12.5)
     assert_close("ratio", tags.position, expected)
@@ -348,6 +348,39 @@ def test_places_of_xmp_and_exif_that_are_far_apart(tmp_path: Path) -> None:
     place("d.jpg", 48.5)
     place("f.jpg", 48.5)
     assert_approved([*one, *read_by_content(TRACK_FORMATS, file).doubts])
+
+
+@pytest.mark.parametrize(
+    ("xmp_m", "exif_m", "reference", "told"),
+    [
+        (510.5, 500.0, 0, True),
+        (509.5, 500.0, 0, False),
+        (67.67, 67.0, 0, False),  # EXIF in whole metres
+        (50.33, 50.33, 1, False),  # XMP without the sign that EXIF has
+        (-50.33, 50.33, 1, False),
+        (-50.33, 50.33, 0, False),
+        (531.0, 500.0, 2, False),  # above the ellipsoid, as EXIF says
+        (500.0, 0.0, 0, False),  # of a receiver that has none
+        (0.0, 500.0, 0, True),
+        (530.0, 500.0, 1, True),  # 500 below the sea
+    ],
+)
+def test_heights_of_xmp_and_exif_that_are_far_apart(
+    tmp_path: Path, xmp_m: float, exif_m: float, reference: int, told: bool
+) -> None:
+    xmp = f'd:AbsoluteAltitude="{xmp_m:+}">'
+    tagged_image(tmp_path / "a.jpg", (47, 30, 0), (16, 30, 0), "NE", exif_m, reference, xmp=xmp)
+    doubts = read_by_content(TRACK_FORMATS, InputFile("images", tmp_path)).doubts
+    assert bool(doubts) is told
+    if told:
+        assert_approved(doubts[0])
+
+
+def test_an_image_whose_place_is_told_is_not_told_again_for_its_height(tmp_path: Path) -> None:
+    xmp = 'd:GpsLatitude="48" d:GpsLongitude="16.5" d:AbsoluteAltitude="800">'
+    tagged_image(tmp_path / "a.jpg", (47, 30, 0), (16, 30, 0), "NE", 500.0, xmp=xmp)
+    (doubt,) = read_by_content(TRACK_FORMATS, InputFile("images", tmp_path)).doubts
+    assert "GpsLatitude" in doubt
 
 
 def test_doubts_of_places_are_warnings_of_the_flight(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ def tagged_image(
     longitude: tuple[int, int, float] = (0, 0, 0.0),
     references: str = "NE",
     altitude_m: float = 0.0,
-    below: bool = False,
+    altitude_reference: int = 0,
     xmp: str = "",
     taken: str = "",
     part: str = "",
@@ -29,7 +29,7 @@ def tagged_image(
         gps: dict[int, object] = {1: references[0], 3: references[1]}
         for tag, angle in ((2, latitude), (4, longitude)):
             gps[tag] = tuple(Rational(round(part * 10000), 10000) for part in angle)
-        gps[5], gps[6] = b"\x01" if below else b"\x00", Rational(round(altitude_m * 1000), 1000)
+        gps[5], gps[6] = bytes([altitude_reference]), Rational(round(altitude_m * 1000), 1000)
         exif[0x8825] = gps
     taken_tags = {0x9003: taken, 0x9291: part, 0x9011: zone}
     if lens or any(taken_tags.values()):  # DateTimeOriginal, SubSecTimeOriginal, OffsetTimeOriginal

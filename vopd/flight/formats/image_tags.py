@@ -68,6 +68,7 @@ class ImageTags(NamedTuple):
     focal_px: float = NONE
     focal_by: str = ""  # the tags it comes from
     apart_m: float = NONE  # of the places in XMP and in EXIF, where both have one
+    heights_apart_m: float = NONE  # likewise of the heights, where both may be of one kind
 
     @property
     def is_placed(self) -> bool:
@@ -106,42 +107,76 @@ def read_tags(path: Path) -> ImageTags:
         longitude = latitude = altitude = NONE
         why = f"the GPS tags give no position: {reason(error)}"
     own = [xmp_number(xmp, names) for names in (LONGITUDE, LATITUDE, ALTITUDE)]
-    apart_m = NONE
+    apart_m = heights_apart_m = NONE
     if abs(own[0]) <= 360.0 and abs(own[1]) <= 90.0 and any(own[:2]):
         here, there = earth_centred_m([own[1], latitude], [own[0], longitude], 0.0)
         apart_m = float(np.linalg.norm(here - there))
         longitude, latitude = own[:2]
     if isfinite(own[2]):
+        heights_apart_m = _heights_apart_m(gps, own[2], altitude)
         altitude = own[2]
     sigma_m, sigma_by = sigma_of_tags(gps, xmp)
     yaw, pitch, roll = (xmp_number(xmp, (name,)) for name in GIMBAL)
     return ImageTags(
         (longitude, latitude, altitude), (yaw, pitch, roll), size, *clock_of_tags(exif),
         sigma_m, sigma_by, why, *focal_of_tags(exif, size), apart_m,
+        heights_apart_m,
     )  # fmt: skip
 
 
+OF_ELLIPSOID = (2, 3, b"\x02", b"\x03")  # of GPSAltitudeRef, since EXIF 3.0
+
+
+def _heights_apart_m(gps: Mapping[int, Any], own_m: float, exif_m: float) -> float:
+    """Find by how much the heights of XMP and of EXIF differ; NaN where they may well do so.
+
+    Drones write one height into both, some without its sign in XMP or 0 in EXIF. A height that
+    EXIF says is above the ellipsoid is another than one above the sea.
+
+    Args:
+        gps: EXIF's tags
+        own_m: the height in XMP
+        exif_m: that in EXIF
+    """
+    if exif_m == 0.0 or gps.get(5) in OF_ELLIPSOID:
+        return NONE
+    return min(abs(own_m - exif_m), abs(own_m + exif_m))
+
+
 FAR_APART_M = 30.0  # a second of latitude: EXIF's tags may be rounded to one
+FAR_HEIGHTS_M = 10.0  # EXIF repeats XMP's height to a metre; a geoid's is 10 to 100
 MOST_NAMED = 3
 
 
 def doubts_of_places(every: Mapping[Path, ImageTags], name: str) -> tuple[str, ...]:
-    """Doubt places of XMP that are far from those of EXIF, which geotagging writes.
+    """Doubt places and heights of XMP that are far from those of EXIF, which geotagging writes.
 
     Args:
         every: the tags of images
         name: of their folder
     """
-    apart = {path.name: one.apart_m for path, one in every.items() if one.apart_m > FAR_APART_M}
-    if not apart:
-        return ()
-    most_m = max(apart.values())
+    places = {path.name: one.apart_m for path, one in every.items() if one.apart_m > FAR_APART_M}
+    heights = {
+        path.name: one.heights_apart_m
+        for path, one in every.items()
+        if one.heights_apart_m > FAR_HEIGHTS_M and path.name not in places
+    }
+    pairs = (
+        ("place in XMP (GpsLatitude, GpsLongitude)", places),
+        ("height in XMP (AbsoluteAltitude)", heights),
+    )
+    return tuple(_doubt_of_xmp(name, what, apart) for what, apart in pairs if apart)
+
+
+def _doubt_of_xmp(name: str, what: str, apart_m: Mapping[str, float]) -> str:
+    """Say that something in XMP is taken, and how far that in EXIF is away, by names of images."""
+    most_m = max(apart_m.values())
     far = f"{size_text(most_m)} m" if most_m < 1000.0 else f"{size_text(most_m / 1000.0)} km"
     return (
-        f"{name}: {first_of([*apart], MOST_NAMED)}: the place in XMP (GpsLatitude, GpsLongitude) "
-        f"is taken, and that in EXIF is {'up to ' * (len(apart) > 1)}{far} away: images that were "
-        "geotagged later have the newer place in EXIF; if that is the right one, give the places "
-        "as a CSV with image, lat_deg, lon_deg, h_m, or remove those in XMP",
+        f"{name}: {first_of([*apart_m], MOST_NAMED)}: the {what} is taken, and that in EXIF is "
+        f"{'up to ' * (len(apart_m) > 1)}{far} away: images that were geotagged later have the "
+        f"newer {what.split()[0]} in EXIF; if that is the right one, give the places as a CSV with "
+        "image, lat_deg, lon_deg, h_m, or remove those in XMP"
     )
 
 
