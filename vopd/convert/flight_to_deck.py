@@ -74,12 +74,13 @@ def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
         trajectory=trajectory,
         wind=card_wind(flight, trajectory, frames),
         clock=Clock(frame, time_s),
-        landmarks=card_landmarks(flight, seen, number),
+        landmarks=card_landmarks(flight, seen, number, _nearest_m(solved, flight, held)),
         ignored=card_ignored(flight, number),
         readings=card_readings(flight, film, held, frames, frame, number),
         return_group=END,
     )
-    notes = [*film.notes, *places, *time_note, *lost_on_cards(flight, result, held)]
+    rounded = rounded_note(job, solved, flight, frames, held)
+    notes = [*film.notes, *places, *time_note, *rounded, *lost_on_cards(flight, result, held)]
     return job, [*frame_rows, *landmark_rows], notes
 
 
@@ -365,24 +366,92 @@ def to_ten_columns(values: Floats) -> Floats:
 # Landmarks, and picks as readings on film
 
 
-def card_landmarks(flight: Flight, seen: Ints, number: Ints) -> Landmarks:
+STEPS_DEG = (1.0, 0.01)
+"""Of the degrees on a landmark's card: minutes beside hundredths have more decimals."""
+TURNED_DEG = 0.0005
+"""By so much at most columns turn lines of sight without a word (docs/flight-project.md)."""
+
+
+def card_landmarks(
+    flight: Flight, seen: Ints, number: Ints, nearest_m: Floats | None = None
+) -> Landmarks:
     """Write the landmarks that are seen, longitude and latitude in degrees and minutes.
+
+    Degrees are whole, unless minutes then have too few decimals for the nearest landmark.
 
     Args:
         flight: the flight
         seen: indices of the landmarks that are seen
         number: of each landmark of the flight on the cards (N,)
+        nearest_m: how far each is from the camera where that is nearest (N,); far away if None
     """
-    where = geodetic(flight.landmarks.position_m[seen])
-    degrees, minutes = [], []
-    for angle in (where.longitude_deg, where.latitude_deg):
-        whole = np.trunc(angle)  # minutes have the sign of the degrees, as on the cards of 1974
-        degrees.append(whole)
-        minutes.append(to_ten_columns((angle - whole) * 60.0))
-    return Landmarks(
-        number[seen], degrees[0], minutes[0], degrees[1], minutes[1],
-        to_ten_columns(where.height_m * FT_PER_M),
-    )  # fmt: skip
+    position = flight.landmarks.position_m[seen]
+    where, near_m = geodetic(position), np.inf if nearest_m is None else nearest_m[seen]
+    for step_deg in STEPS_DEG:
+        degrees, minutes = [], []
+        for angle in (where.longitude_deg, where.latitude_deg):
+            # minutes have the sign of the degrees, as on the cards of 1974
+            part = np.round(np.trunc(angle / step_deg) * step_deg, 2)
+            rest = (angle - part) * 60.0
+            degrees.append(part)
+            minutes.append(to_ten_columns(rest) if step_deg == 1.0 else np.round(rest, 8) + 0.0)
+        marks = Landmarks(
+            number[seen], degrees[0], minutes[0], degrees[1], minutes[1],
+            to_ten_columns(where.height_m * FT_PER_M),
+        )  # fmt: skip
+        if (norm(_places_m(marks) - position) <= np.radians(TURNED_DEG / 5.0) * near_m).all():
+            break
+    return marks
+
+
+def _places_m(marks: Landmarks) -> Floats:
+    """Find where cards have landmarks, Earth-centred, (n, 3)."""
+    return earth_centred_m(
+        marks.latitude_deg + marks.latitude_min / 60.0,
+        marks.longitude_deg + marks.longitude_min / 60.0,
+        marks.altitude_ft / FT_PER_M,
+    )
+
+
+def _nearest_m(solved: SolvedFlight, flight: Flight, held: Bools) -> Floats:
+    """Measure how near the camera comes to each landmark that is on the cards, (N,)."""
+    nearest = np.full(len(flight.landmarks.position_m), np.inf)
+    landmark, frame = flight.picks.landmark[held], flight.picks.frame[held]
+    away_m = norm(flight.landmarks.position_m[landmark] - solved.camera_m[frame])
+    np.minimum.at(nearest, landmark, np.where(np.isfinite(away_m), away_m, np.inf))
+    return nearest
+
+
+def rounded_note(
+    job: Job, solved: SolvedFlight, flight: Flight, frames: Ints, held: Bools
+) -> list[str]:
+    """Say by how much the cards' columns turn lines of sight, if that is more than is promised.
+
+    Args:
+        job: on cards
+        solved: the flight's solution
+        flight: with the landmarks where they are put
+        frames: that are on the cards
+        held: picks that are, (P,)
+    """
+    path = job.trajectory
+    origin = earth_centred_m(path.origin_latitude_deg, path.origin_longitude_deg, 0.0)
+    camera_m = np.full_like(solved.camera_m, np.nan)
+    camera_m[frames] = origin + path.position_ft / FT_PER_M @ local_axes(origin)
+    landmark_m = np.full_like(flight.landmarks.position_m, np.nan)
+    landmark_m[np.unique(flight.picks.landmark[held])] = _places_m(job.landmarks)
+    landmark, frame = flight.picks.landmark[held], flight.picks.frame[held]
+    away = flight.landmarks.position_m[landmark] - solved.camera_m[frame]
+    off = np.cross(landmark_m[landmark] - camera_m[frame], away)
+    turned_deg = np.degrees(norm(off) / norm(away) ** 2)
+    if not (turned_deg > TURNED_DEG).any():
+        return []
+    worst = int(np.nanargmax(turned_deg))
+    name, away_m = flight.landmarks.name[landmark[worst]], size_text(float(norm(away[worst])))
+    return [
+        f"the columns hold places so coarsely that {name}, {away_m} m from the camera, is seen "
+        f"{size_text(float(turned_deg[worst]))} degree off: angles may differ by as much"
+    ]
 
 
 def card_ignored(flight: Flight, number: Ints) -> Ignored:
