@@ -99,6 +99,8 @@ def test_json() -> None:
         "fields_illegible": 0,
         "fields_undetermined": 0,
         "fields_within": 0,
+        "pages_missing": 0,
+        "pages_extra": 0,
     }
     result = diff("page.lst", "page.lst", "--format=json")
     assert (result.status, json.loads(result.stdout)["differences"]) == (0, [])

@@ -327,7 +327,10 @@ def test_the_pages_behind_a_missing_one_are_compared_with_their_own() -> None:
     assert (found.kind, found.frame) == ("missing page", "8")
     result = compare_listings(expected, actual, units=0.5)
     assert {found.frame for found in result.differences} == {"7", "8", "9"}
-    assert (result.pages, result.fields_compared) == (3, 2 * 81)
+    assert (result.pages, result.fields_compared) == (2, 2 * 81)
+    assert (result.pages_missing, result.pages_extra) == (1, 0)
+    result = compare_listings(actual, expected)
+    assert (result.pages, result.pages_missing, result.pages_extra) == (2, 0, 1)
 
 
 def test_a_frame_that_repeats_in_a_stack_of_jobs_finds_its_likeness() -> None:

@@ -181,12 +181,14 @@ def _write_text(file: Output, found: Iterable[Difference], counts: Comparison) -
     free, near = counts.fields_undetermined, counts.fields_within
     beyond = " beyond the tolerances" if near else ""
     within = count_text(near, "field differs within them", "fields differ within them")
+    alone = ((counts.pages_missing, "EXPECTED"), (counts.pages_extra, "ACTUAL"))
+    only = "".join(f"; {_counted(count, 'page')} only in {of}" for count, of in alone if count)
     summary = (
         f"{_counted(number - free, 'difference')}{beyond}; "
         + (f"{within} (--units 0 shows all); " if near else "")
         + (f"{_counted(free, 'field')} not determined; " if free else "")
         + f"{_counted(counts.fields_compared, 'field')} on "
-        f"{_counted(counts.pages, 'page')} compared, {counts.fields_illegible} illegible\n"
+        f"{_counted(counts.pages, 'page')} compared, {counts.fields_illegible} illegible{only}\n"
     )
     file.write(summary.encode())
     return number

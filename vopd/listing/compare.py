@@ -337,13 +337,15 @@ _PagePair = tuple[ListingPage | None, ListingPage | None]
 class Comparison:
     """How much of two listings was compared, and their differences in order."""
 
-    pages: int = 0  # pages of EXPECTED
+    pages: int = 0  # pages that both listings have
     fields_compared: int = 0  # fields that were compared
     fields_illegible: int = 0  # fields of EXPECTED that are illegible
     fields_undetermined: int = 0  # fields that differ in digits that are not determined
     # all differences; empty where they are yielded one by one
     differences: tuple[Difference, ...] = ()
     fields_within: int = 0  # fields that differ by no more than is allowed
+    pages_missing: int = 0  # pages that EXPECTED alone has
+    pages_extra: int = 0  # pages that ACTUAL alone has
 
 
 def compare_listings(
@@ -391,12 +393,14 @@ def find_differences(
     allowed = exact_units(units), within
     pages = align(split_pages(expected_text), split_pages(actual_text), page_cost)
     for expected, actual in _join_illegible_pages(pages):
-        counts.pages += expected is not None
         if expected is not None and actual is not None:
+            counts.pages += 1
             yield from _compare_pages(expected, actual, allowed, counts, undetermined)
         elif expected is not None:
+            counts.pages_missing += 1
             yield _page_without_partner("missing page", expected)
         elif actual is not None:
+            counts.pages_extra += 1
             yield _page_without_partner("extra page", actual)
 
 
