@@ -54,6 +54,16 @@ def test_a_terminal_gets_no_control_characters() -> None:
         assert "\\x" in shown and controls(shown) <= {"\r", "\n"}
 
 
+MARKS = (*range(0x202A, 0x202F), *range(0x2066, 0x206A), 0x200E, 0x200F, 0x061C)
+
+
+def test_a_terminal_gets_no_marks_that_turn_the_direction_of_reading(tmp_path: Path) -> None:
+    """Those of Unicode's bidirectional algorithm, each as its number."""
+    shown = on_terminal("check", "a" + "".join(map(chr, MARKS)), folder=tmp_path)
+    assert "a" + "".join(f"\\u{mark:04x}" for mark in MARKS) in shown
+    assert shown.isascii()
+
+
 def test_a_return_cannot_hide_what_a_line_says(tmp_path: Path) -> None:
     assert r"a\rb: No such" in on_terminal("check", "a\rb", folder=tmp_path)
 
