@@ -281,7 +281,7 @@ def test_a_table_that_has_part_of_landmarks(header: str, message: str) -> None:
         assert told(f"{other}\n1,2\n").startswith("m: the format is not recognised")
 
 
-# KML
+# KML, and heights of 0
 
 
 def test_one_placemark_at_height_0_is_a_height() -> None:
@@ -296,6 +296,26 @@ def test_one_placemark_at_height_0_is_a_height() -> None:
     assert_approved([*marks.doubts, *more.doubts])
     assert read(head + place.format("pier", 0.01) + place.format("mast", 30) + end).doubts == ()
     assert_approved(told(head + place.format("pier", 0) + place.format("mast", 0) + end))
+
+
+def waypoints(*heights: float) -> str:
+    """GPX with a waypoint at each height, called A, B and so on."""
+    point = '<wpt lat="47.5" lon="16.5"><ele>{}</ele><name>{}</name></wpt>'
+    text = "".join(point.format(h, name) for h, name in zip(heights, "ABC", strict=False))
+    return f'<gpx version="1.1" creator="x">{text}</gpx>'
+
+
+@pytest.mark.parametrize("form", ["GPX", "GeoJSON"])
+def test_a_height_of_0_beside_others_is_doubted(form: str) -> None:
+    """Not one near 0, nor where all are 0, as on a plane of the user's own."""
+
+    def doubts(*heights: float) -> list[str]:
+        if form == "GPX":
+            return [*read(waypoints(*heights)).doubts]
+        return [*read(collection(*(feature(1, 2, one) for one in heights))).doubts]
+
+    assert_approved(doubts(30.0, 0.0) + doubts(0.0, 30.0, 0.0))
+    assert doubts(0.01, 30.0) == doubts(0.0, 0.0) == doubts(-0.5, 30.0) == []
 
 
 def test_a_doubtful_height_is_a_warning_of_the_flight_and_told_of_a_new_project(

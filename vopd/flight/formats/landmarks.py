@@ -285,9 +285,10 @@ def read_geojson(file: InputFile) -> LandmarkRows:
         coordinates.append([float(x) for x in values])
     if not names:
         raise file.error("no point is in the file")
-    return LandmarkRows(
+    rows = LandmarkRows(
         names, np.array(coordinates), geodetic, crs, None, [0] * len(names), "GeoJSON",
     )  # fmt: skip
+    return _with_doubts_of_level(file, rows, "GeoJSON")
 
 
 def is_real_number(value: object) -> bool:
@@ -320,7 +321,8 @@ def parse_gpx(file: InputFile) -> Any:
 def read_waypoints(file: InputFile) -> LandmarkRows:
     """Read the waypoints of a GPX file."""
     points = [(p.name, p.longitude, p.latitude, p.elevation) for p in parse_gpx(file).waypoints]
-    return _named_points(file, points, "waypoint", "GPX waypoints")
+    rows = _named_points(file, points, "waypoint", "GPX waypoints")
+    return _with_doubts_of_level(file, rows, "GPX")
 
 
 def recognises_kml(file: InputFile) -> bool:
@@ -347,17 +349,29 @@ def read_kml(file: InputFile) -> LandmarkRows:
     if points and not any(height for *_, height in points):
         raise file.error("all heights are 0 or missing: KML often has none; give them in a CSV")
     rows = _named_points(file, points, "placemark", "KML placemarks")
-    level = [name for name, *_, height in points if height == 0.0]
-    if not level:
+    return _with_doubts_of_level(file, rows, "KML")
+
+
+MOST_NAMED = 1  # of landmarks whose height is doubted
+
+
+def _with_doubts_of_level(file: InputFile, rows: LandmarkRows, what: str) -> LandmarkRows:
+    """Doubt heights of exactly 0 beside others, in formats that often have none.
+
+    Args:
+        file: for the sentence
+        rows: its landmarks
+        what: the format
+    """
+    height = rows.coordinate[:, 2]
+    level = [name for name, none in zip(rows.name, (height == 0.0).tolist(), strict=True) if none]
+    if not level or not height.any():
         return rows
     doubt = (
-        f"{file.name}: {first_of(level, MOST_NAMED)}: the height is 0, which in KML often stands "
-        "for none, and others have one: if it is not 0, give the heights in a CSV"
+        f"{file.name}: {first_of(level, MOST_NAMED)}: the height is 0, which in {what} often "
+        "stands for none, and others have one: if it is not 0, give the heights in a CSV"
     )
     return replace(rows, doubts=(doubt,))
-
-
-MOST_NAMED = 1  # of placemarks whose height is doubted
 
 
 def _named_points(file: InputFile, points: list[Any], what: str, said: str) -> LandmarkRows:
