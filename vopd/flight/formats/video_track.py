@@ -204,6 +204,11 @@ TAKE_OFF = (
     "four decimals is to 11 m"
 )
 
+UNSAID = (
+    "altitude does not say what it counts from: by model it is the sea or the take-off, and a DJI "
+    "FPV writes a tenth of it; compare it with a height that you know"
+)
+
 
 def read_srt(file: InputFile) -> TrackRows:
     """Read the positions of a DJI drone's subtitles, those that differ from the one before.
@@ -212,7 +217,7 @@ def read_srt(file: InputFile) -> TrackRows:
     """
     arrows = [one.end() for one in ARROW.finditer(file.text)]
     values, lines, damaged = list[list[float]](), list[int](), list[int]()
-    line, counted, above = 1, 0, 0
+    line, counted, above, unsaid = 1, 0, 0, False
     for at, end in zip(arrows, [*arrows[1:], len(file.text)], strict=True):
         line += file.text.count("\n", counted, at)
         start = BLOCK.search(file.text, max(counted, file.text.rfind("\n", 0, at)), at)
@@ -227,6 +232,7 @@ def read_srt(file: InputFile) -> TrackRows:
             damaged.append(line)
             continue
         above += older
+        unsaid |= found[2] is not None and found[2][0].startswith("altitude")
         hours, minutes, seconds, parts = start.groups()
         try:
             t = whole_number(hours) * 3600.0 + int(minutes) * 60.0 + int(seconds)
@@ -254,7 +260,7 @@ def read_srt(file: InputFile) -> TrackRows:
     said = f"SRT of a DJI drone, {count_text(len(kept), 'position')} in {len(arrows)} blocks"
     if damaged:
         said += f", {len(damaged)} without time or position, the first in line {damaged[0]}"
-    said += f"; {TAKE_OFF}" if above else ""
+    said += f"; {TAKE_OFF}" if above else f"; {UNSAID}" if unsaid else ""
     return TrackRows(
         table[kept][:, [2, 1, 3]],
         True,
