@@ -40,6 +40,7 @@ FEWEST_NUMBERED = 3  # images from which their numbers tell a step
 MOST_GAPS = 0.2  # of the steps: with more the images were chosen
 GAP = 1.5  # of the usual time between frames: a longer one is a gap
 VARIES, TWO_MS = 0.1, 0.002  # of the usual time, beyond rounding: the rate varies
+GIVE = "give the video itself, or the folder of its frames as images"
 LISTS = (b"ffconcat", b"#EXTM3U", b"<?xml", b"<MPD")  # begin files that name others, or addresses
 AT_MOST_DECODED = 1_000  # frames after a key frame, for one that is asked for
 WITH_LUMA = (
@@ -416,7 +417,7 @@ def presentation(path: Path) -> tuple[Ints, float, int, int]:
             f"{path.name}: is a list of other files, not a video: name these, in their order"
         )
     if _is_text(head):
-        raise VopdError(f"{path.name}: is a text, not a video")
+        raise VopdError(f"{path.name}: is a text, not a video: {GIVE}")
     if has_pyav():
         with opened(path) as (container, stream):
             # the packets themselves are the whole file, and are not kept
