@@ -10,8 +10,8 @@ import pytest
 from tests.approved.texts import assert_approved
 from tests.kit.flight_project import TOML, write_project
 from vopd import solve_flight
-from vopd.attitude.history import History
-from vopd.attitude.included import included_text, one_turn_text, one_turn_texts
+from vopd.attitude.history import History, are_others
+from vopd.attitude.included import included_text, names_mount, one_turn_text, one_turn_texts
 from vopd.attitude.long_history import one_part
 from vopd.attitude.summary import text
 
@@ -63,6 +63,21 @@ def test_a_camera_that_looks_up_is_not_advised_to_look_down(solved: dict[str, Hi
     )
     assert one_turn_text(own).startswith(one_turn_text(replace(own, estimate=up)))
     assert len(one_turn_text(own)) > len(one_turn_text(replace(own, estimate=up))) > 0
+
+
+def test_whether_the_mount_is_named_goes_with_the_sentence(solved: dict[str, History]) -> None:
+    for own in (solved["forward"], unsure(solved["forward"], 9.0, 9.0)):
+        named = "mount" in included_text(own)
+        assert names_mount(own) is named is (own is not solved["forward"])
+    assert not names_mount(unsure(solved["down"], 9.0, 9.0))
+
+
+def test_angles_that_are_printed_alike_are_the_same() -> None:
+    """Within a millionth of a degree, around the circle; unknown ones say nothing."""
+    vehicle = np.array([[179.9999999, 0.0, -5.0], [np.nan] * 3])
+    camera = np.array([[-179.9999999, 9e-7, -5.0], [np.nan] * 3])
+    assert not are_others(camera, vehicle) and not are_others(vehicle[:0], vehicle[:0])
+    assert are_others(camera + np.array([0.0, 2e-7, 0.0]), vehicle)
 
 
 def test_frames_without_sigmas_say_nothing(solved: dict[str, History]) -> None:

@@ -267,12 +267,21 @@ def is_turned(history: History) -> bool:
     Args:
         history: of a job
     """
-    e = history.estimate
-    apart = np.abs((e.camera_deg - e.vehicle_deg + 180.0) % 360.0 - 180.0)
+    return are_others(history.estimate.camera_deg, history.estimate.vehicle_deg)
+
+
+def are_others(camera_deg: Floats, vehicle_deg: Floats) -> bool:
+    """Tell whether angles of the camera are others than those of the vehicle, in any frame.
+
+    Args:
+        camera_deg: yaw, pitch, roll, (F, 3); NaN where they are not known
+        vehicle_deg: likewise
+    """
+    apart = np.abs((camera_deg - vehicle_deg + 180.0) % 360.0 - 180.0)
     return bool((np.nan_to_num(apart) > SAME_DEG).any())
 
 
-SAME_DEG = 1e-9
+SAME_DEG = 1e-6  # angles of camera and vehicle that are printed alike; a mount has rounded elements
 
 
 def check_rate(max_rate_deg_s: float | None) -> None:

@@ -99,6 +99,39 @@ def one_turn_text(history: History, mean: MeanAttitude | None = None, body: str 
     Returns:
         A sentence; nothing where yaw and roll are two turns.
     """
+    half_deg = _half_of_one_turn(history, mean, body)
+    if half_deg is None:
+        return ""
+    return (
+        f"{f'{body} ' * is_turned(history)}yaw and roll are nearly one turn at this pitch, each by "
+        f"itself is unsure; the attitude, as one turn about any axis, is sure to "
+        f"{size_text(half_deg)} degree (95 %)" + MOUNTED_DOWN * _counts_as_vehicle(history)
+    )
+
+
+def names_mount(history: History) -> bool:
+    """Tell whether `included_text` of a job, by its frames, names the mount that gives sure angles.
+
+    Args:
+        history: of the job
+    """
+    history = history.typical or history
+    return _half_of_one_turn(history) is not None and _counts_as_vehicle(history)
+
+
+def _counts_as_vehicle(history: History) -> bool:
+    """Tell whether a project's camera looks down, and counts as the vehicle itself."""
+    pitch_deg = float(np.median(history.estimate.vehicle_deg[history.has_attitude, 1]))
+    return history.about.words.source == "project" and not is_turned(history) and pitch_deg < 0.0
+
+
+def _half_of_one_turn(
+    history: History, mean: MeanAttitude | None = None, body: str = "vehicle"
+) -> float | None:
+    """Find the 95 % half-width, degrees, of one turn that yaw and roll nearly are; None of two.
+
+    The arguments are those of `one_turn_text`.
+    """
     doubt, has = (history.uncertainty, history.has_attitude) if mean is None else (mean, True)
     columns = [ANGLES.index(f"{body}_{name}") for name in ("yaw", "roll")]
     total, half = (np.atleast_2d(one)[:, columns] for one in (doubt.total, doubt.half_width_95))
@@ -106,21 +139,12 @@ def one_turn_text(history: History, mean: MeanAttitude | None = None, body: str 
     known = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(total).all(axis=1) & has
     known &= (total > 0.0).all(axis=1)
     if not known.any():
-        return ""
+        return None
     total, half = total[known], half[known]
     turn = np.sqrt(np.linalg.eigvalsh(covariance[known])[:, 2])
     if np.median(total.min(axis=1) / turn) < NEARLY_ONE:
-        return ""
-    size = size_text(float(np.median(turn * half[:, 0] / total[:, 0])))
-    turned = is_turned(history)
-    pitch_deg = float(np.median(history.estimate.vehicle_deg[history.has_attitude, 1]))
-    by_mount = history.about.words.source == "project" and not turned and pitch_deg < 0.0
-    return (
-        f"{f'{body} ' * turned}yaw and roll are nearly one turn at this pitch, each by itself is "
-        f"unsure; the attitude, as one turn about any axis, is sure to {size} degree (95 %)"
-        + MOUNTED_DOWN
-        * by_mount
-    )
+        return None
+    return float(np.median(turn * half[:, 0] / total[:, 0]))
 
 
 def one_turn_texts(histories: Iterable[History]) -> list[str]:

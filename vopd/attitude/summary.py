@@ -13,8 +13,8 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.attitude.findings import HistorySummary, errata_text, misfits
 from vopd.attitude.flags import meanings
-from vopd.attitude.history import History
-from vopd.attitude.included import MOUNTED_DOWN, errors_texts, one_turn_texts
+from vopd.attitude.history import History, are_others
+from vopd.attitude.included import errors_texts, names_mount, one_turn_texts
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.uncertainty import ANGLES
 from vopd.findings import (
@@ -31,7 +31,6 @@ ROWS = 20  # frames of a table
 NAME = 28  # columns of the name of an image or a source, if there is room
 LEAST_NAME = 12  # and if there is none
 CONTRADICTED = "?"  # in the place of a 95 % half-width that the residuals contradict
-SAME_DEG = 1e-6  # angles of camera and vehicle that are printed alike
 
 # Frames of one kind of source, counted, and the first of them kept
 
@@ -166,7 +165,7 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
         for k, name in enumerate(ANGLES[6:8]):
             own = _angle(name, attack[:, k], half[:, 6 + k], has, digits)
             found += [own[0]._replace(rank=3), own[1]._replace(rank=0)]
-    if (np.abs(_in_half_circle(camera - vehicle)) > SAME_DEG).any():
+    if are_others(camera, vehicle):
         for k, name in enumerate(ANGLES[:3]):
             own = _angle(name.replace("_", " "), camera[:, k], half[:, k], has, digits)
             found.append(own[0]._replace(rank=1))
@@ -232,11 +231,6 @@ def _decimals_of_times(time_s: Floats) -> int:
 def _fixed(values: Floats, decimals: int) -> list[str]:
     texts = [f"{one:.{decimals}f}" if isfinite(one) else "" for one in values.tolist()]
     return [one.lstrip("-") if one and not one.strip("-0.") else one for one in texts]
-
-
-def _in_half_circle(angles_deg: Floats) -> Floats:
-    """Bring angles, degrees, into -180 to 180."""
-    return np.asarray(180.0 - (180.0 - angles_deg) % 360.0)
 
 
 def flag_letters(frames: ShownFrames) -> dict[str, str]:
@@ -364,9 +358,8 @@ def own_angles(frames: ShownFrames) -> Floats:
         np.concatenate([getattr(part.estimate, name)[part.has_attitude] for part in frames.head])
         for name in ("camera_deg", "vehicle_deg")
     )
-    same = (np.abs(_in_half_circle(camera - vehicle)) <= SAME_DEG).all()
-    is_own = frames.head[0].about.words.source == "project" and same
-    return camera if is_own else camera[:0]
+    is_project = frames.head[0].about.words.source == "project"
+    return camera if is_project and not are_others(camera, vehicle) else camera[:0]
 
 
 def looks_down(frames: ShownFrames) -> bool:
@@ -420,17 +413,13 @@ def text(
         doubts += findings
         if printed:
             doubts.append(f"{count_text(printed, 'warning')} above")
-        sure = sure_text(frames)
+        hint = looks_down(frames) and not any(names_mount(job.head) for job in frames.jobs)
         paragraphs = (
             [*filter(None, [azimuth_text(frames)])],
-            [sure],
+            [sure_text(frames)],
             [left_text(frames) or "nothing that can be stated"],
             doubts or ["no frame has a flag"],
-            [
-                steps["next"]
-                + f"; {steps['table']}" * (not frames.more_text)
-                + LOOKS_DOWN * (looks_down(frames) and MOUNTED_DOWN not in sure)
-            ],
+            [steps["next"] + f"; {steps['table']}" * (not frames.more_text) + LOOKS_DOWN * hint],
         )
         lines.append("")
         for label, said in zip(LABELS, paragraphs, strict=True):
@@ -470,7 +459,7 @@ def means_text(
     shown.append(ShownColumn("frames", "", [str(one.frames) for one in means]))
     shown.append(ShownColumn("flagged", "", [str(one.flagged) for one in means]))
     both = [(name, vehicle[:, k], half[:, 3 + k]) for k, name in enumerate(ANGLES[3:6])]
-    if (np.abs(_in_half_circle(camera - vehicle)) > SAME_DEG).any():
+    if are_others(camera, vehicle):
         both += [(name, camera[:, k], half[:, k]) for k, name in enumerate(ANGLES[:3])]
     for name, values, widths in both:
         label = name.removeprefix("vehicle_").replace("_", " ")

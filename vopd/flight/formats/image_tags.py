@@ -49,6 +49,7 @@ DILUTION_SAID = "the dilution of precision, times 3 m, and upward 5 m"
 GIMBAL = ("GimbalYawDegree", "GimbalPitchDegree", "GimbalRollDegree")
 UNREADABLE = (OSError, ValueError, TypeError, KeyError, IndexError, ZeroDivisionError, SyntaxError)
 NONE = float("nan")
+NO_FIX = "latitude 0, longitude 0: a receiver without a fix writes that"
 FARTHEST_ZONE_S = 14 * 3600.0  # from UTC
 MOST_PIXELS = 20_000_000  # pixels of an image that is neither JPEG nor TIFF
 
@@ -257,7 +258,7 @@ def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:
             raise ValueError(f"GPS{axis} is {degrees:g} degrees {minutes:g}' {seconds:g}\"")
         angles.append(-size if side.startswith(signs[1]) else size)
     if not any(angles):
-        raise ValueError("latitude and longitude are 0: a receiver without a fix writes that")
+        raise ValueError(NO_FIX)
     datum = re.sub(r"\W", "", _text(gps.get(DATUM, "")))
     if datum and not AS_WGS84.match(datum):
         raise ValueError(f"GPSMapDatum is {shown(_text(gps[DATUM]))}, not WGS-84")

@@ -20,6 +20,7 @@ from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_lenses import read_shots, recognises_reconstruction
 from vopd.flight.formats.image_tags import (
     DILUTION_SAID,
+    NO_FIX,
     USUAL_SIGMA_M,
     ImageTags,
     doubts_of_places,
@@ -167,7 +168,7 @@ def no_fix_text(no_fix: Bools, noun: str) -> str:
     """
     count = int(no_fix.sum())
     what = f"the {noun}" if count == 1 else f"all {count_text(count, f'such {noun}')}"
-    return f"latitude 0, longitude 0: a receiver without a fix writes that; remove {what}"
+    return f"{NO_FIX}; remove {what}"
 
 
 # The .MRK file of drones with an RTK receiver (DJI, Autel): GPS time and position of each photo
