@@ -138,6 +138,19 @@ def test_the_costs_of_fixes_are_shared_by_frames_that_have_a_part_in_them() -> N
     assert_close("table value", model.prior_cost(state), 10.0)
 
 
+def test_the_costs_of_the_shape_of_a_path_are_shared_though_its_parts_are_below_0() -> None:
+    """A path that bends by c over 10 s moves its middle by -c 10^2 / 8: squares stay squares."""
+    rng = np.random.default_rng(2)
+    scene = drone(rng, 4, 4)
+    weight = np.array([[1.0, -12.5], [0.5, -12.5], [0.25, -6.25], [0.0, 0.0]])
+    fixes = TrackFixes(np.zeros(4, np.int64), weight, np.ones((2, 3)))
+    model = model_of(flight_of(rng, scene, 1.0, Priors(fixes)), Priors(fixes))
+    state = model.start(scene.rotation)._replace(fix_m=np.array([[7.0, 0, 0], [5.0, 0, 0]]))
+    # 49 in parts of 1, .5 and .25, and 25 in parts of .4, .4 and .2
+    expected = [49 / 1.75 + 10.0, 24.5 / 1.75 + 10.0, 12.25 / 1.75 + 5.0, 0.0]
+    assert_close("table value", model.prior_cost_of_frames(state), expected)
+
+
 WEAVES = Plan(
     Errors(landmark_m=(0.1,), fix_m=((0.5, 0.5, 1.0),), clock_s=0.1, clock_rate_ppm=1e4),
     frames=20, landmarks=5, fix_hz=1.0, weave_m=20.0, sigma_px=True,

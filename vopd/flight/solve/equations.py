@@ -436,10 +436,14 @@ class Model:
         return float(own.sum() + ((state.fix_m / self.fix_sigma_m) ** 2).sum())
 
     def prior_cost_of_frames(self, state: State) -> Floats:
-        """Share the squares of the fixes' errors among their frames (F,)."""
+        """Share the squares of the fixes' errors among their frames (F,).
+
+        By the sizes of the frames' parts in them: those in the shape of a path are below 0.
+        """
         fixes = self.priors.fixes
         if fixes is None:
             return np.zeros(self.frames)
+        fixes = replace(fixes, weight=np.abs(fixes.weight))
         squares = ((state.fix_m / self.fix_sigma_m) ** 2).sum(axis=1)
         parts = np.zeros(len(squares) + fixes.weight.shape[1])
         for slot, weight in enumerate(fixes.weight.T):
