@@ -46,11 +46,13 @@ PLAIN = 4.0  # times the least gain: an error is named whatever it does to angle
 MOST_LEFT = 0.1  # of the residuals' squares, where an error is named that leaves a misfit
 WIDE_95 = 1.96  # half of a 95 % interval, standard deviations
 NOTHING_SHOWS = 1e-9  # of an error's squares in the image: less is rounding
+CENTRE = ("centre_u", "centre_v")
 USUAL = {
     "clock": 10.0, "clock_rate": 0.3, "focal": 0.3, "k1": 0.3, "refraction": 0.3, "readout": 0.03,
-    "east": 100.0, "north": 100.0, "up": 100.0,
+    "east": 100.0, "north": 100.0, "up": 100.0, "centre_u": 100.0, "centre_v": 100.0,
 }  # fmt: skip
-"""Sizes of errors as they happen, standard deviations, s, px a px, m; a landmark's is that up."""
+"""Sizes of errors as they happen, standard deviations: s, px a px, m, px of the principal point; a
+landmark's is that up."""
 SPEAK_FOR = "the residuals speak for"
 SHIFTED = f"{SPEAK_FOR} a picture that is shifted from frame to frame"
 OF_LANDMARK = "are its coordinates and its name right?"
@@ -294,7 +296,7 @@ def input_errors(joint: JointSolution, path: CameraPath) -> tuple[list[TriedErro
     model, flight = joint.model, joint.model.flight
     timed = flight.path.velocity_m_s is not None and flight.path.acceleration_m_s2 is not None
     names, one_lens = list(SHIFT), not isinstance(flight.lens, Lenses)
-    names += ["focal"] if one_lens else []
+    names += ["focal", *CENTRE] if one_lens else []
     names += ["k1"] if one_lens and "k1" in LENS_COEFFICIENTS[flight.lens.kind] else []
     names += ["refraction"] if flight.refraction.k else []
     names += ["clock", "clock_rate"] if timed else []
@@ -453,6 +455,22 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
     )
     if "readout" in names:
         yield TriedError(at("readout"), _readout_text(flight), ("readout",))
+    if CENTRE[0] in names:
+        yield TriedError(at(*CENTRE), _centre_text(lens.centre_px), CENTRE)
+
+
+def _centre_text(stated_px: Floats) -> Callable[[Floats, Floats], str]:
+    def text(value: Floats, sigma: Floats) -> str:
+        u, v = (
+            value_text("", float(one), s)
+            for one, s in zip(stated_px + value, sigma.tolist(), strict=True)
+        )
+        return (
+            f"[camera] lens: a principal point of {u}, {v} in the place of {stated_px[0]:.5g}, "
+            f"{stated_px[1]:.5g} (were the pictures cut off at a side?)"
+        )
+
+    return text
 
 
 def _metres_text(value: Floats, sigma: Floats) -> str:

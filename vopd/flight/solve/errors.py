@@ -243,7 +243,7 @@ def _roots(covariances: Floats) -> Floats:
     unit = np.sqrt(np.diagonal(covariances[known], axis1=1, axis2=2).clip(0.0))
     unit[:, :3] = 1.0  # of radians and seconds only the time is scaled, against rounding
     unit = np.where(unit > 0.0, unit, 1.0)[..., None]
-    size = np.sqrt(np.trace(covariances[known, :3, :3], axis1=1, axis2=2) / 3.0)
+    size = np.sqrt(np.trace(covariances[known, :3, :3], axis1=1, axis2=2).clip(0.0) / 3.0)
     unit[:, 3, 0] /= np.where(size > 0.0, size, 1.0)
     sizes, axes = np.linalg.eigh(covariances[known] / unit / unit.swapaxes(1, 2))
     out[known] = unit * axes * np.sqrt(np.maximum(sizes, 0.0))[:, None]

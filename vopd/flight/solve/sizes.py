@@ -148,8 +148,9 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     freedom = float((2.0 * picks - 3.0)[count].sum()) - free
     if not freedom > 0.0:
         return 1.0, 1.0
-    cost = float(cost_of_frames(solution)[count].sum()) - _by_stated(solution, count)
-    cost = max(cost, 0.0)  # by stated errors in a straight line: too much where no step settled
+    cost = float(cost_of_frames(solution)[count].sum())
+    if solution.settles:  # else the straight line of stated errors explains nearly anything
+        cost = max(cost - _by_stated(solution, count), 0.0)
     return float(np.sqrt(cost / freedom)), float(chdtrc(freedom, cost))
 
 
