@@ -272,6 +272,23 @@ def test_picks_outside_the_image_are_counted_and_the_first_is_named(tmp_path: Pa
     assert_approved(found)
 
 
+@pytest.mark.parametrize(
+    ("share", "middle"), [(0.1, False), (0.2, True)]
+)  # fmt: skip
+def test_picks_that_count_from_the_middle_of_the_image(
+    share: float, middle: bool, tmp_path: Path
+) -> None:
+    """Some are then left of it, and none is farther than half its size, 960 by 540."""
+    one = flight(tmp_path)
+    pixel = np.abs(one.picks.pixel) % [900.0, 500.0]
+    pixel[: round(share * len(pixel))] *= [-1.0, 1.0]
+    (found,) = messages_of_files(replace(one, picks=replace(one.picks, pixel=pixel)))
+    assert ("u + 960 and v + 540 " in found) == middle
+    pixel[-1] = 970.0, 0.0
+    (found,) = messages_of_files(replace(one, picks=replace(one.picks, pixel=pixel)))
+    assert "u + 960" not in found
+
+
 def far(one: Flight, camera_m: Any = None, marks_m: Any = None) -> list[str]:
     path = one.path if camera_m is None else replace(one.path, position_m=camera_m)
     marks = one.landmarks if marks_m is None else replace(one.landmarks, position_m=marks_m)

@@ -254,6 +254,53 @@ def test_a_flight_with_v_turned_over_has_no_residuals_without_it(tmp_path: Path)
     assert advice.endswith('give [picks] v = "up"?')
 
 
+def columns_written(folder: Path, files: tuple[str, ...], write: Any) -> None:
+    """Write latitude and longitude of tables another way: `write` gives both as texts."""
+    for name in files:
+        path = folder / name
+        head, *rows = (line.split(",") for line in path.read_text(encoding="utf-8").splitlines())
+        at, on = head.index("lat_deg"), head.index("lon_deg")
+        for row in rows:
+            row[at], row[on] = write(float(row[at]), float(row[on]))
+        path.write_text("".join(f"{','.join(row)}\n" for row in [head, *rows]), encoding="utf-8")
+
+
+def sixtieths(parts: int) -> Any:
+    """Write degrees, minutes (and seconds) one after the other, as 47.3836 for 47 38' 36"."""
+
+    def text(degrees: float) -> str:
+        units = round(abs(degrees) * 60.0**parts * 1e8)
+        unit = 60**parts * 10**8
+        minutes = units % unit / (unit / 60)
+        if parts == 1:
+            return f"{units // unit}.{minutes * 1e8:010.0f}"
+        return f"{units // unit}.{int(minutes):02d}{minutes % 1.0 * 60.0 * 1e8:010.0f}"
+
+    return lambda latitude, longitude: (text(latitude), text(longitude))
+
+
+BOTH, MARKS_ALONE = ("landmarks.csv", "track.csv"), ("landmarks.csv",)
+
+
+@pytest.mark.parametrize(
+    ("files", "write", "words"),
+    [
+        (BOTH, lambda a, b: (str(b), str(a)), "latitudes and longitudes of all exchanged"),
+        (BOTH, sixtieths(2), "of all latitudes and longitudes taken for minutes and seconds"),
+        (MARKS_ALONE, sixtieths(2), "of the landmarks' latitudes and longitudes taken for minutes"),
+        (BOTH[1:], sixtieths(1), "of the camera's latitudes and longitudes taken for minutes:"),
+        (BOTH, lambda a, b: (str(a), str(-b)), "the wrong sign in all longitudes"),
+    ],
+    ids=["exchanged", "seconds", "of landmarks", "minutes", "mirrored"],
+)  # fmt: skip
+def test_degrees_that_are_written_another_way(
+    files: tuple[str, ...], write: Any, words: str, tmp_path: Path
+) -> None:
+    project = write_project(tmp_path, noise_px=0.3)
+    columns_written(tmp_path, files, write)
+    assert words in " ".join(one.message for one in check_flight(str(project)))
+
+
 FIXED = "lat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 1000.0\nsigma_m = 'exact'\n"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations
 
@@ -95,7 +95,7 @@ def exchanges(flight: Flight, expected_px: float) -> list[str]:
         return []
     axes, labels = (
         explanations(table, trial_px, None, flight, estimate)
-        for table in (AXES_MISTAKES, (*LEVEL_MISTAKES, *LABEL_MISTAKES))
+        for table in (AXES_MISTAKES, (*LEVEL_MISTAKES, *PLACE_MISTAKES, *LABEL_MISTAKES))
     )
     text = _best_text(_size_text(flight, estimate, before), before, axes, labels)
     return [text] * bool(text)
@@ -116,7 +116,7 @@ def _best_text(
     advice = best.advice
     if best in axes:  # both mirror the image: they differ by a quarter turn about its centre
         alike = [one for one in axes if one.residual <= ALIKE * best.residual]
-        advice = " or ".join(one.advice for one in alike)
+        advice = " or ".join(one.advice for one in alike) + MIRRORED
     elif best.name == RATE:
         rates = [f"{one.values[0]:g}" for one in others
                  if one.name == RATE and one.residual <= ALIKE * best.residual]  # fmt: skip
@@ -250,6 +250,58 @@ def _from_the_pad(project: Project | None, flight: Flight, estimate: Estimate) -
         yield raised(by_m), (by_m, "position" if flight.path.of_position else "track", by_m)
 
 
+def _at(position_m: Floats, change: Callable[[Floats], Floats]) -> Floats:
+    """Change latitude and longitude of positions (N, 2), degrees; NaN if that is no latitude."""
+    where = geodetic(position_m)
+    degrees = change(np.stack([where.latitude_deg, where.longitude_deg], axis=1))
+    degrees[np.abs(degrees[:, 0]) > 90.0] = np.nan
+    return earth_centred_m(degrees[:, 0], degrees[:, 1], where.height_m)
+
+
+def _other_places(flight: Flight, change: Callable[[Floats], Floats]) -> Iterator[Flight]:
+    """Change latitudes and longitudes of landmarks, of the camera, and of both."""
+    path = replace(flight.path, position_m=_at(flight.path.position_m, change))
+    marks = replace(flight.landmarks, position_m=_at(flight.landmarks.position_m, change))
+    yield replace(flight, landmarks=marks)
+    yield replace(flight, path=path)
+    yield replace(flight, landmarks=marks, path=path)
+
+
+def _exchanged_degrees(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
+    """Exchange latitudes and longitudes of all: those of one are far from the others."""
+    *_, every = _other_places(flight, lambda degrees: degrees[:, ::-1].copy())
+    if flight.grid is None:
+        yield every, ()
+
+
+def _from_sixtieths(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
+    """Take the digits behind the point for minutes and seconds, or for minutes and their parts."""
+    if flight.grid is not None:
+        return
+    for digits, change in (("minutes and seconds", _of_seconds), ("minutes", _of_minutes)):
+        for one, whose in zip(_other_places(flight, change), WHOSE, strict=True):
+            yield one, (whose, digits)
+
+
+WHOSE = ("the landmarks'", "the camera's", "all")
+
+
+def _of_seconds(degrees: Floats) -> Floats:
+    """Read 47.3824 as 47 degrees 38 minutes 24 seconds; NaN where these are 60 or more."""
+    whole, rest = np.divmod(np.round(np.abs(degrees), 10), 1.0)
+    minutes, rest = np.divmod(100.0 * rest, 1.0)
+    seconds = 100.0 * rest
+    out = np.where((minutes < 60.0) & (seconds < 60.0), 1.0, np.nan) * np.sign(degrees)
+    return np.asarray(out * (whole + minutes / 60.0 + seconds / 3600.0))
+
+
+def _of_minutes(degrees: Floats) -> Floats:
+    """Read 47.3840 as 47 degrees 38.40 minutes; NaN where these are 60 or more."""
+    whole, rest = np.divmod(np.abs(degrees), 1.0)
+    out = np.where(rest < 0.6, 1.0, np.nan) * np.sign(degrees)
+    return np.asarray(out * (whole + rest / 0.6))
+
+
 def _by_another_clock(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Exchange GPS time and UTC."""
     if not project.has("track"):
@@ -362,6 +414,12 @@ AXES_MISTAKES: tuple[Mistake[Flight], ...] = (
 )
 """Mistakes by which the image is mirrored."""
 
+MIRRORED = (
+    " If the camera is then upside down, or turned by half a turn, it is the picture or the map "
+    "that is mirrored: the wrong sign in all longitudes or latitudes, x and y exchanged in all files"
+)
+"""What looks like the mistakes by which the image is mirrored."""
+
 LEVEL_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "heights from the pad",
@@ -371,6 +429,21 @@ LEVEL_MISTAKES: tuple[Mistake[Flight], ...] = (
     ),
 )
 """A level of heights that is far from that of the others."""
+
+PLACE_MISTAKES: tuple[Mistake[Flight], ...] = (
+    Mistake(
+        "latitudes and longitudes exchanged",
+        _exchanged_degrees,
+        "with latitudes and longitudes of all exchanged: are the columns in this order?",
+    ),
+    Mistake(
+        "degrees with sixtieths",
+        _from_sixtieths,
+        "with the digits behind the point of {} latitudes and longitudes taken for {}: give "
+        "decimal degrees",
+    ),
+)
+"""Latitudes and longitudes that are read as others."""
 
 LABEL_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError, count_text, first_of
 from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.misfits.input_errors import OF_LANDMARK
@@ -44,12 +45,26 @@ def picks_outside(flight: Flight) -> list[Finding]:
     first = int(np.flatnonzero(outside)[0])
     wide, high = (int(np.broadcast_to(one, u.shape)[first]) for one in (width, height))
     hint = '; does v point up? then give [picks] v = "up"' if (v < 0).mean() > 0.5 else ""
+    if _about_the_middle(u / width, v / height):
+        hint = (
+            f"; are they counted from the middle of the image? u + {wide / 2:g} and v + "
+            f"{high / 2:g} count from its corner, and {high / 2:g} - v if v points up"
+        )
     text = (
         f"{count_text(int(outside.sum()), 'pick')} outside the image of {wide} x {high}, the first "
         f"{flight.landmarks.name[picks.landmark[first]]} in "
         f"{frame_label(flight, int(picks.frame[first]))} at {u[first]:g}, {v[first]:g}{hint}"
     )
     return [Finding(text, flight.source, severity="warning")]
+
+
+SOME = 0.15  # of the picks, left of the image
+
+
+def _about_the_middle(u: Floats, v: Floats) -> bool:
+    """Tell whether picks, in parts of the image, lie as if its middle counted 0."""
+    within = (np.abs(u) <= 0.5).all() and (np.abs(v) <= 0.5).all()
+    return bool(within and (u < 0.0).mean() > SOME)
 
 
 def picks_set_aside(flight: Flight, solved: SolvedFlight) -> list[Finding]:
