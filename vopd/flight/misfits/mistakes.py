@@ -416,7 +416,8 @@ AXES_MISTAKES: tuple[Mistake[Flight], ...] = (
 
 MIRRORED = (
     " If the camera is then upside down, or turned by half a turn, it is the picture or the map "
-    "that is mirrored: the wrong sign in all longitudes or latitudes, x and y exchanged in all files"
+    "that is mirrored: the wrong sign in all longitudes or latitudes, x and y exchanged in all "
+    "files"
 )
 """What looks like the mistakes by which the image is mirrored."""
 
