@@ -216,6 +216,21 @@ def test_keys_alone_pick_move_remove_and_undo(opened: Any) -> None:
     assert len(rows(opened)) == 2
 
 
+@pytest.mark.parametrize("held", ["metaKey", "altKey"])
+def test_keys_that_are_the_browser_s_own_move_nothing(opened: Any, held: str) -> None:
+    """On a Mac Command and Left is the page before, and Control stands for nothing there."""
+    press(opened, Keys.ENTER)
+    before = rows(opened)
+    event = "new KeyboardEvent('keydown', {key: arguments[0], [arguments[1]]: true, bubbles: true, "
+    event += "cancelable: true})"
+    for key in ("ArrowLeft", "ArrowUp", "Enter", "Delete", "PageDown", "h"):
+        sent = f"const one = {event}; canvas.dispatchEvent(one); return one.defaultPrevented"
+        taken = opened.execute_script(sent, key, held)
+        assert not taken and rows(opened) == before
+    opened.execute_script(f"canvas.dispatchEvent({event})", "z", held)
+    assert len(rows(opened)) == (held == "altKey")  # Command Z is undo
+
+
 def test_a_reload_loses_nothing(opened: Any) -> None:
     press(opened, Keys.ENTER)
     before = rows(opened)

@@ -795,7 +795,7 @@ function work(data) {
   });
   table.addEventListener("keydown", (event) => {
     const by = { ArrowUp: -1, ArrowDown: 1 }[event.key];
-    if (by === undefined || !event.target.closest("tbody")) return;
+    if (by === undefined || event.ctrlKey || event.altKey || event.metaKey || !event.target.closest("tbody")) return;
     event.preventDefault();
     choose(rows[Math.max(0, Math.min(rows.length - 1, rows.indexOf(now) + by))], true);
   });

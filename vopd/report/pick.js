@@ -492,7 +492,8 @@ function repair() {
 document.addEventListener("keydown", event => {
   if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.key !== "PageUp" && event.key !== "PageDown") return;
   if (event.key === "Enter" && event.target !== canvas) return;
-  if (event.altKey) return;  // the browser's own: Alt and Left is the page before
+  // the browser's own: Alt and Left is the page before, and Command and Left on a Mac
+  if (event.altKey || event.metaKey && event.key.toLowerCase() !== "z") return;
   const away = NEAR_KEYS[event.key], held = event.ctrlKey || event.metaKey;
   const letter = held ? "" : event.key.toLowerCase();
   if (away) {
