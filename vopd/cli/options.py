@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from copy import copy
 from dataclasses import dataclass
 from functools import wraps
 from typing import TYPE_CHECKING, Any
@@ -54,37 +55,52 @@ class WholeRange(_Plain, click.IntRange):
 NUMBER, WHOLE = _Number(), _Whole()
 
 
-# Options that are given once
+# Options that have one value
 
 
 class GroupOfCommands(click.Group):
-    """Commands whose options are given once, unless they are repeatable: click takes the last."""
+    """Commands whose options have one value, unless they are repeatable: click takes the last."""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None and not ctx.resilient_parsing:
-            _refuse_twice(click.Context(command, parent=ctx, info_name=name), rest)
+            _refuse_two_values(click.Context(command, parent=ctx, info_name=name), rest)
         return name, command, rest
 
 
-def _refuse_twice(ctx: click.Context, args: list[str]) -> None:
-    """Refuse an option that is given twice; a flag may be, where it has no opposite."""
-    try:
-        _, _, order = ctx.command.make_parser(ctx).parse_args([*args])
-    except click.UsageError:  # which the command says itself
-        return
-    given = [
+def _refuse_two_values(ctx: click.Context, args: list[str]) -> None:
+    """Refuse an option that is given twice with two values; with one value no harm is done.
+
+    Many programs take the last, so that an alias has values that a line overrides. Here a value
+    is mostly a number that moves angles or their standard deviations: of two in one line, one
+    left over from an earlier line, the one that is dropped would be dropped in silence.
+    """
+    once = [
         one
-        for one in order
+        for one in ctx.command.params
         if isinstance(one, click.Option)
         and not (one.multiple or one.count or (one.is_flag and not one.secondary_opts))
     ]
-    for k, option in enumerate(given):
-        if option in given[:k]:
+    repeatable = copy(ctx.command)
+    repeatable.params = [_repeatable(one) if one in once else one for one in ctx.command.params]
+    try:
+        values, _, _ = repeatable.make_parser(ctx).parse_args([*args])
+    except click.UsageError:  # which the command says itself
+        return
+    for option in once:
+        first, *others = values.get(str(option.name)) or [None]
+        if any(one != first for one in others):
             names = "/".join([max(option.opts, key=len), *option.secondary_opts])
             raise click.UsageError(f"{names} is given twice: write it once.", ctx)
+
+
+def _repeatable(option: click.Parameter) -> click.Parameter:
+    """Make an option that keeps all values that it is given."""
+    found = copy(option)
+    found.multiple = True
+    return found
 
 
 # The options that several commands share, each with one meaning everywhere.
