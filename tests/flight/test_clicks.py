@@ -26,7 +26,7 @@ from vopd.flight.check import check_flight
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.tracked import TrackedRows, tracked_lines
-from vopd.flight.misfits.click_tests import without_wrong_clicks
+from vopd.flight.misfits.click_tests import without_readings, without_wrong_clicks
 from vopd.flight.misfits.unsolved import picks_outside
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import flight_of, read_flight
@@ -185,6 +185,21 @@ def test_hidden_landmarks_are_not_asked_for(named: bool) -> None:
     again = next_clicks(solve_jointly(flight, priors_of(flight)))
     assert (first.frame, first.landmark) not in [(each.frame, each.landmark) for each in again]
     assert again
+
+
+def test_a_pick_without_some_readings_is_the_mean_of_the_others() -> None:
+    """Those that are left read the same places, and their parts of a pick are about its place."""
+    flight = clicked_flight(np.random.default_rng(3), every=10).flight
+    before = flight.picks.clicks
+    assert before is not None
+    out = np.arange(len(before.pick)) % 3 == 0
+    less = without_readings(flight, out).picks
+    after = less.clicks
+    assert after is not None and np.bincount(after.pick).max() > 1
+    was = flight.picks.pixel[before.pick] + before.off_px
+    assert_close("trial without noise", less.pixel[after.pick] + after.off_px, was[~out])
+    mean = np.array([np.bincount(after.pick, after.part * off) for off in after.off_px.T])
+    assert_close("trial without noise", mean, 0.0 * mean)
 
 
 def test_a_click_on_another_mast_is_named_once_and_not_its_tracks() -> None:

@@ -317,6 +317,29 @@ def test_most_landmarks_outvote_one() -> None:
     assert agreement(warps._replace(by_turns=same), apart, patches, limit_px) is None
 
 
+def test_patches_of_one_landmark_make_no_turn() -> None:
+    """One, clicked twice, has moved left and another right: by their weights only the first agrees.
+
+    Both are half the limit off the mean, and the second is 1.2 of it off the first.
+    """
+    one = laid(above(1000.0), picture(), (120.0, 70.0))
+    patches = [replace(one, patch=replace(one.patch, landmark=k)) for k in (0, 0, 1)]
+    by_turns = np.array([[[0.0, 800.0, 0.0], [800.0, 0.0, 0.0]]] * 3)
+    by_turns[2, :, 2] = [0.0, 400.0]
+    warps = Warps(
+        np.zeros((3, 625, 2)), np.zeros((3, 2)), np.tile(np.eye(2), (3, 1, 1)), by_turns,
+        np.ones(3, bool),
+    )  # fmt: skip
+    shift = RESIDUAL_PX * np.array([[-0.6, 0.0], [-0.6, 0.0], [0.6, 0.0]])
+    sigma_px = np.array([0.05, 0.05, 0.9])
+    found = no_matches(3)._replace(shift=shift, good=np.ones(3, bool), sigma_px=sigma_px)
+    limit_px = np.full(3, RESIDUAL_PX)
+    assert agreement(warps, found, patches, limit_px) is None
+    own = [replace(one, patch=replace(one.patch, landmark=k)) for k in range(3)]
+    agreed = agreement(warps, found, own, limit_px)
+    assert agreed is not None and agreed[1].tolist() == [True, True, False]
+
+
 def test_a_frame_that_has_turned() -> None:
     """The picture of a camera that has turned by .4 degree, aligned from no turn at all."""
     scene = above(1000.0, 1000.0)
