@@ -156,7 +156,10 @@ def test_a_sounding_of_json_is_none() -> None:
     assert told(json.dumps({"h_m": 1})).startswith("w: the format is not recognised")
 
 
-@pytest.mark.parametrize("own", ["to_deg", "Wind Toward", "wind_direction_to", "direction_to_deg"])
+@pytest.mark.parametrize(
+    "own",
+    ["to_deg", "Wind Toward", "wind_direction_to", "direction_to_deg", "dir_to", "blowing to"],
+)
 def test_where_a_wind_blows_to_is_not_to_be_renamed_as_where_it_comes_from(own: str) -> None:
     text = CSV.format("speed_m_s", "1,90,5").replace("from_deg", own)
     assert_approved(told(text), parts=[own])

@@ -14,6 +14,7 @@ from vopd.flight.formats.columns import (
     SYNONYMS,
     TIME,
     mapped,
+    other_sense,
     other_unit,
 )
 from vopd.flight.formats.files import UNEXPECTED, InputFile
@@ -64,10 +65,12 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
     if not any("folder" in one.name for one in formats):
         file.refuse_folder()
     what = "is a folder that" if file.given is None and file.path.is_dir() else "the format"
-    hint = _unnamed(file) if any(one.has_columns for one in formats) else ""
+    of_columns = [one.name for one in formats if one.has_columns]
+    hint = _unnamed(file, of_columns[0]) if of_columns else ""
     raise file.error(f"{what} is not recognised; known are {known}{hint}")
 
 
+FROM = "from_deg"
 TIE_POINTS = "OPENSFM_TRACKS_VERSION"
 OF_TIE_POINTS = (
     ": the tie points of OpenSfM's tracks.csv have coordinates by the images alone, and no "
@@ -75,8 +78,13 @@ OF_TIE_POINTS = (
 )
 
 
-def _unnamed(file: InputFile) -> str:
-    """Say what to do where the columns of a table are not known; empty if it is no table."""
+def _unnamed(file: InputFile, known: str) -> str:
+    """Say what to do where the columns of a table are not known; empty if it is no table.
+
+    Args:
+        file: the table
+        known: the format that it may be, with the names of its columns
+    """
     if file.head.lstrip()[:1] in ("{", "[", "<"):
         return ""  # JSON or XML
     if file.head.lower().startswith("sep="):
@@ -99,5 +107,7 @@ def _unnamed(file: InputFile) -> str:
     some = (other_unit(one, name) for one in header for name in (TIME[0], *GEODETIC))
     if units := [*filter(None, some)]:
         return f"; {'; '.join(units)}"
+    if FROM in known and (senses := [*filter(None, (other_sense(one, FROM) for one in header))]):
+        return f"; {'; '.join(senses)}"
     names = ", ".join(header[:MANY_NAMED])
     return f"; its columns are {names}: rename them, or map them, {mapped('...', '...')}"

@@ -94,7 +94,9 @@ UPWARD = re.compile(
 """Names of a velocity that is positive upward."""
 
 
-TOWARD = re.compile(r"(wind_)?((direction_)?to|towards?|blows_to)(_direction|_deg)*$")
+TOWARD = re.compile(
+    r"(wind_)?((dir_|direction_|blows_|blowing_)?to|towards?)(_(dir|direction|deg))*$"
+)
 """Names of the direction that a wind blows to."""
 
 

@@ -104,8 +104,9 @@ def read(file: InputFile) -> WindRows:
         for row in np.flatnonzero(apart):
             raise table.error("the two speeds differ: leave out one column", int(row), "speed_m_s")
     if ground := table.from_ground:
-        message = "counts from the ground: add the ground's height to all, and call it h_m"
-        raise file.error(message, column=ground)
+        add = "add the ground's height, in {}, to all, and call it {}"
+        how = add.format("feet", "h_ft") if table.in_feet("h_m") else add.format("metres", "h_m")
+        raise file.error(f"counts from the ground: {how}", column=ground)
     toward = from_direction(direction, speed)
     said = f"CSV{table.read_as}, {'knots' if knots else 'm/s'}"
     return upward(file, table.numbers("h_m"), toward, said)
