@@ -74,6 +74,15 @@ def test_a_table_has_a_header(text: str) -> None:
     assert_approved(told(lambda: read_csv(of(text))))
 
 
+@pytest.mark.parametrize("formats", [PICK_FORMATS, LANDMARK_FORMATS, TRACK_FORMATS, WIND_FORMATS])
+def test_json_of_other_programs_in_one_long_line_is_no_table(formats: Any) -> None:
+    """As COCO's, which is not known; a table whose line is so long is told for its line."""
+    long = ", 1" * 400_000
+    said = told(lambda: read_by_content(formats, of(f'{{"annotations": [1{long}]}}')))
+    assert said.startswith("t: the format is not recognised")
+    assert told(lambda: read_by_content(formats, of(f"t_s{long}"))).startswith("t: line 1: ")
+
+
 def test_a_header_without_rows() -> None:
     table = read_csv(of("a,b\n# none\n"))
     assert table.column("a") == table.column("b") == [] and len(table.line) == 0

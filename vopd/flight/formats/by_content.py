@@ -18,7 +18,7 @@ from vopd.flight.formats.columns import (
     other_unit,
 )
 from vopd.flight.formats.files import UNEXPECTED, InputFile
-from vopd.flight.formats.tables import header_names
+from vopd.flight.formats.tables import header_names, is_nested
 from vopd.inputs import is_number
 
 R = TypeVar("R")
@@ -85,8 +85,8 @@ def _unnamed(file: InputFile, known: str) -> str:
         file: the table
         known: the format that it may be, with the names of its columns
     """
-    if file.head.lstrip()[:1] in ("{", "[", "<"):
-        return ""  # JSON or XML
+    if is_nested(file):
+        return ""
     if file.head.lower().startswith("sep="):
         return "; its first line, sep=, is a spreadsheet's: remove that line"
     header = header_names(file)

@@ -644,11 +644,24 @@ def _first_line(file: InputFile) -> str:
     return next((lines[0] for _, lines in _lines(file)), "")
 
 
+def is_nested(file: InputFile) -> bool:
+    """Tell whether a file begins as JSON or XML does, and no table."""
+    return file.head.lstrip()[:1] in ("{", "[", "<")
+
+
 def header_names(file: InputFile) -> list[str]:
-    """Read the names in the first line that is no comment; empty for an empty file."""
+    """Read the names in the first line that is no comment; empty for an empty file.
+
+    JSON or XML that is all in one long line has none.
+    """
     if isinstance(file.columns, list):
         return file.columns
-    line = _first_line(file)
+    try:
+        line = _first_line(file)
+    except VopdError:
+        if is_nested(file):
+            return []
+        raise
     cells = line.split(separator(line), MOST_COLUMNS) if line else []  # more are refused
     return [name.strip().strip('"').strip() for name in cells]
 
