@@ -51,7 +51,7 @@ FLIGHT: dict[str, str] = {  # the folders and files of flight/, from the ground 
     "formats": "flight coordinates",
     "solve": "flight",
     "project": "flight coordinates formats solve",
-    "angles": "solve",
+    "angles": "flight solve",
     "words": "flight solve angles",
     "scene": "coordinates formats solve",
     "estimate": "flight coordinates solve angles words scene",

@@ -1,7 +1,8 @@
-"""The mount of a camera in a vehicle whose attitude a file has."""
+"""The mount of a camera: in a vehicle whose attitude a file has, or doubted for what comes out."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,16 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import assert_approved, refused
+from tests.kit.flight_project import three_frames
 from tests.kit.simulated_flights import Errors, Plan, body_to_ned, write_flight
 from tests.tolerances import assert_close
 from vopd.cli.new import write_project
 from vopd.findings import VopdError
 from vopd.flight.adjust.adjustment import Adjustment, adjust
 from vopd.flight.adjust.project import adjusted_project
+from vopd.flight.angles import doubted_angles
 from vopd.flight.check import check_flight
+from vopd.flight.flight import CameraPath
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight
@@ -196,3 +200,56 @@ def test_attitudes_are_in_order_of_their_times(tmp_path: Path) -> None:
     rows.write_text("\n".join(lines), encoding="utf-8")
     with refused(VopdError):
         read_flight(str(tmp_path / "flight.toml"))
+
+
+AHEAD = Plan(
+    Errors(0.3), frames=4, landmarks=5, sigma_px=True, ahead=True, speed_m_s=10.0,
+    pitch_deg=(-40.0, -25.0),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("mount", "turned", "said"),
+    [
+        (None, False, []), (None, True, ["upside down"]), ([0, 0, 180], True, []),
+        ([0, 0, 180], False, ["upside down"]), ([180, 0, 0], False, ["backward"]),
+    ],
+)  # fmt: skip
+def test_what_turns_the_vehicle_over_or_backward_is_doubted(
+    mount: list[float] | None, turned: bool, said: list[str], tmp_path: Path
+) -> None:
+    """Pictures of 1920 x 1080 that are turned by half a turn, and mounts: no residual tells."""
+    write_flight(tmp_path, AHEAD, np.random.default_rng(4))
+    file, picks = tmp_path / "flight.toml", tmp_path / "picks.csv"
+    if mount is not None:
+        file.write_text(f"{file.read_text()}\n[vehicle]\nmount = {{ ypr_deg = {mount} }}\n")
+    head, *rows = (line.split(",") for line in picks.read_text().splitlines())
+    at = head.index("u_px"), head.index("v_px")
+    for row in rows * turned:
+        for column, last in zip(at, (1919.0, 1079.0), strict=True):
+            row[column] = str(last - float(row[column]))
+    picks.write_text("".join(f"{','.join(row)}\n" for row in [head, *rows]))
+    result = solve_flight(file)
+    assert not result.misfits
+    found = [one.message for one in result.findings if " in all frames" in one.message]
+    assert len(found) == len(said) and all(a in b for a, b in zip(said, found, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("frames", "stands", "roll_deg", "pitch_deg", "told"),
+    [
+        (3, False, 180.0, 0.0, True), (2, False, 180.0, 0.0, False), (1, True, 180.0, 0.0, True),
+        (3, False, -151.0, 0.0, True), (3, False, 149.0, 0.0, False),
+        (3, False, 180.0, 61.0, False),
+    ],
+)  # fmt: skip
+def test_what_is_upside_down(
+    frames: int, stands: bool, roll_deg: float, pitch_deg: float, told: bool
+) -> None:
+    flight = three_frames()
+    if stands:
+        flight = replace(flight, path=CameraPath(flight.path.position_m[1:2]))
+    angles = np.tile([10.0, pitch_deg, roll_deg], (frames, 1))
+    assert bool(doubted_angles(flight, np.append(angles, [[np.nan] * 3], axis=0))) == told
+    angles[0, 2] = 0.0
+    assert doubted_angles(flight, angles) == []

@@ -7,10 +7,16 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.flight.flight import Flight
 from vopd.flight.solve.rotations import IMAGE_FROM_CAMERA, SolvedFlight
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.linear import crossing
-from vopd.geometry.rotations import body_angles_by_turns, body_angles_deg, camera_angles_deg
+from vopd.geometry.rotations import (
+    FORWARD,
+    body_angles_by_turns,
+    body_angles_deg,
+    camera_angles_deg,
+)
 
 
 class AttackAngles(NamedTuple):
@@ -105,3 +111,53 @@ def attack_angles(solved: SolvedFlight) -> AttackAngles:
         wind[:, :2] = path.wind_m_s
     change = still if path.acceleration_m_s2 is None else path.acceleration_m_s2
     return angles_of_attack(body_to_ned, path.velocity_m_s - wind, change)
+
+
+# Angles that pictures turned by half a turn have
+
+LEAST_FRAMES = 3  # of a camera that moves: one frame may be of a vehicle that turns over
+ABOUT_DEG = 30.0  # from upside down, or from backward
+LEVEL_DEG = 60.0  # of pitch: beyond it roll is no more than yaw
+LEAST_SPEED_M_S = 3.0  # level, from which on a vehicle is said to fly
+
+
+def doubted_angles(flight: Flight, vehicle_deg: Floats) -> list[str]:
+    """Tell that a vehicle is upside down in all frames, or flies backward in all of them.
+
+    No residual tells that pictures are turned by half a turn, or a mount.
+
+    Args:
+        flight: as it is solved
+        vehicle_deg: yaw, pitch, roll of the vehicle in each frame, (F, 3); NaN where not known
+    """
+    known = np.isfinite(vehicle_deg).all(axis=1)
+    yaw_deg, pitch_deg, roll_deg = vehicle_deg[known].T
+    least = 1 if flight.path.stands else LEAST_FRAMES
+    if known.sum() < least or (np.abs(pitch_deg) > LEVEL_DEG).any():
+        return []
+    told = list[str]()
+    mounted_otherwise = not np.array_equal(flight.mount, FORWARD)
+    if _all_about(180.0, roll_deg):
+        who = "vehicle" if mounted_otherwise else "camera"
+        told.append(
+            f"the {who} is upside down in all frames: are the pictures turned by half a turn, or "
+            "is the mount another? Of a camera that hangs so [vehicle] mount = "
+            "{ ypr_deg = [0, 0, 180] } gives the angles of what carries it"
+        )
+    velocity_m_s = flight.path.velocity_m_s
+    if velocity_m_s is not None and mounted_otherwise:
+        north, east = velocity_m_s[known, 0], velocity_m_s[known, 1]
+        course_deg = np.degrees(np.arctan2(east, north))
+        slow = not (np.hypot(north, east) > LEAST_SPEED_M_S).all()  # nor where it is not known
+        if not slow and _all_about(180.0, yaw_deg - course_deg):
+            told.append(
+                "the vehicle flies backward in all frames: are the pictures turned by half a turn, "
+                "or is [vehicle] mount turned?"
+            )
+    return told
+
+
+def _all_about(middle_deg: float, angle_deg: Floats) -> bool:
+    """Tell whether all angles are near one, at whatever turn they count."""
+    away_deg = np.abs((angle_deg - middle_deg + 180.0) % 360.0 - 180.0)
+    return bool((away_deg < ABOUT_DEG).all())

@@ -17,7 +17,7 @@ from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import AS_SIGMAS, Sigmas
 from vopd.estimate import Estimate
 from vopd.findings import Finding, VopdError, count_text, first_of, refuse_other_kind
-from vopd.flight.angles import attack_angles, camera_angles, vehicle_angles
+from vopd.flight.angles import attack_angles, camera_angles, doubted_angles, vehicle_angles
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import LEAPS, Flight, frame_label
 from vopd.flight.misfits.blunders import (
@@ -484,6 +484,9 @@ def _findings_of(
         from vopd.flight.mounting import mount_findings  # of few flights
 
         findings += mount_findings(estimates.flight)
+    if not doubts.misfits:  # the angles of one that does are not believed
+        turned = doubted_angles(estimates.flight, vehicle_angles(estimates.solved))
+        findings += [Finding(one, flight.source, severity="warning") for one in turned]
     findings += exchange_findings(swaps, flight, apart)
     findings += blunder_findings(found, flight, doubts.misfits, doubts.explained)
     if flight.picks.followed is not None and without.joint is not None:
