@@ -416,6 +416,18 @@ def test_sizes_that_explain_as_well_are_named_together(
         assert_approved(said)
 
 
+def test_no_size_is_named_of_a_flight_that_does_not_come_to_its_least_cost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Which is so where its solve ends by the number of its passes."""
+    monkeypatch.setattr(misfit, "size_spoken_for", lambda first, name: (2.0, 99.0))
+    rng = np.random.default_rng(3)
+    flight = flight_of(rng, drone(rng, 3, 5), 0.5, Priors(landmark_m=np.full((5, 3), 0.1)))
+    assert sizes_text(flight)
+    monkeypatch.setattr(misfit, "PASSES", 1)
+    assert not sizes_text(flight)
+
+
 @pytest.mark.parametrize("stands", [True, False])
 def test_the_size_of_an_error_that_all_frames_share(
     stands: bool, monkeypatch: pytest.MonkeyPatch

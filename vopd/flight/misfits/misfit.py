@@ -38,7 +38,7 @@ from vopd.flight.misfits.input_errors import (
 )
 from vopd.flight.solve.equations import SHIFT
 from vopd.flight.solve.errors import every_prior
-from vopd.flight.solve.joint import JointSolution, solve_jointly
+from vopd.flight.solve.joint import PASSES, JointSolution, solve_jointly
 from vopd.flight.solve.sizes import cost_of_frames, explained, residual_freedom, size_of_residuals
 
 MOST_BLUNDERS = 0.25  # of the picks: more of them are the flight's misfit
@@ -160,6 +160,8 @@ def sizes_text(flight: Flight, left_out: Bools | None = None) -> str:
     priors = every_prior(flight)
     used = None if left_out is None else ~left_out
     first = solve_jointly(flight, priors, used)
+    if first.passes >= PASSES:  # away from the least cost nothing is likelier than another
+        return ""
     model = first.model
     known = np.isfinite(model.common_sigma).tolist()
     there = {"reading", *(c for c, one in zip(model.component, known, strict=True) if one)}
