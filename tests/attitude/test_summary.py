@@ -70,12 +70,10 @@ def test_rows_of_several_decks_and_jobs_name_theirs(monkeypatch: pytest.MonkeyPa
     odd[::2] = True
     raised = film.whole.flags.raised | {"two_landmarks": odd}
     flags = replace(film.whole.flags, raised=raised)
-    (line,) = [
-        one
-        for one in summary.doubt_lines(*frames_of([one_part(replace(film.whole, flags=flags))]))
-        if "two_landmarks" in one
-    ]
+    flagged = [one_part(replace(film.whole, flags=flags))]
+    (line,) = [one for one in summary.doubt_lines(*frames_of(flagged)) if "two_landmarks" in one]
     assert " 20 frames: " in line
+    assert f"<p>{html.escape(line)}</p>" in summary.html(flagged, [])
 
 
 def test_blanks_at_the_ends_of_a_title_are_not_of_it(tmp_path: Path) -> None:

@@ -263,6 +263,14 @@ def test_the_coordinates_of_the_file(name: str) -> None:
         assert_close("flight pixel", seen * [1.0, -1.0] + [500.0, 380.0], at)
 
 
+@pytest.mark.parametrize(("y_down", "up"), [(True, -20.0), (False, 20.0)])
+def test_which_way_y_counts(y_down: bool, up: float) -> None:
+    """A point 10 px right of the principal point, whose y is 20 more."""
+    camera = camera_of(y_down=y_down)
+    assert_close("flight pixel", camera.centred(np.array([[510.0, 400.0]])), [[10.0, up]])
+    assert_close("flight pixel", camera.in_file(np.array([[10.0, up]])), [[510.0, 400.0]])
+
+
 def test_a_distortion_counts_from_the_width_of_an_image_that_is_known() -> None:
     """Without a size it is left: nobody knows how far out a star lies."""
     at = np.array([[0.0, 0.0], [999.0, 100.0]])

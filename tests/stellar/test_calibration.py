@@ -117,6 +117,21 @@ def test_photographs_share_one_camera() -> None:
         assert one.freedom == 2 * 38 - 9 - 4
 
 
+def test_a_photograph_by_itself_is_solved_as_one_of_several() -> None:
+    """The covariance of its attitude with the lens, too."""
+    tangents = sky(12)
+    read = images_of(tangents) + np.random.default_rng(3).normal(0.0, SIGMA, (12, 2))
+    field = StarField.of(stars_of(tangents), read, FOCAL)
+    alone = calibrate(field, wahba(field).matrix, UNKNOWNS)
+    found = calibrate_together([field], [alone])
+    assert found is not None
+    scale = np.sqrt(np.diag(alone.covariance))
+    ratio = (found[0].covariance - alone.covariance) / np.outer(scale, scale)
+    assert_close("rae sigma by scipy", ratio, 0.0 * ratio)
+    correlation = alone.covariance[:3, 3:] / np.outer(scale[:3], scale[3:])
+    assert np.abs(correlation).max() > 0.5
+
+
 def written(images: np.ndarray, stars: np.ndarray) -> str:
     """Pixels of a picture of SIZE, y downward, and direction cosines."""
     pixels = (np.array(SIZE) - 1.0) / 2.0 + images * [1.0, -1.0]

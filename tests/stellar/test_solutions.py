@@ -123,6 +123,13 @@ def test_solutions_of_direct_methods() -> None:
     assert behind.failure.tolist() == [Failure.BEHIND_CAMERA]
 
 
+def test_matrices_of_many_angles_are_those_of_each() -> None:
+    angles = np.array([[[20.0, 30.0, 40.0], [50.0, -60.0, 70.0]], [[1.0, 2.0, 3.0], [170, 80, -9]]])
+    found = matrix_from_alpha_delta_swing(angles)
+    for at in np.ndindex(2, 2):
+        assert_close("rae element", found[at], matrix_from_alpha_delta_swing(angles[at]))
+
+
 NEAR = 1e-7
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import assert_approved
 from tests.tolerances import assert_close
@@ -30,7 +31,7 @@ from vopd.tracking.patches import (
     warp,
 )
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
-from vopd.tracking.tracker import RESIDUAL_PX, Tracker, agreement
+from vopd.tracking.tracker import RESIDUAL_PX, RunningAttitudes, Tracker, agreement
 
 EARTH_M = 6378137.0
 
@@ -338,6 +339,18 @@ def test_patches_of_one_landmark_make_no_turn() -> None:
     own = [replace(one, patch=replace(one.patch, landmark=k)) for k in range(3)]
     agreed = agreement(warps, found, own, limit_px)
     assert agreed is not None and agreed[1].tolist() == [True, True, False]
+
+
+def test_how_fast_a_camera_turns_by_its_neighbours() -> None:
+    """By both of the same segment, or one; not at all of a frame by itself, or of none."""
+    angle_rad = np.array([0.0, 0.01, 0.04, 1.0, 1.05, 2.0, 3.0])
+    attitudes = RunningAttitudes(
+        Rotation.from_rotvec(np.outer(angle_rad, [0.0, 0.0, 1.0])).as_matrix(),
+        np.full(7, 2), np.array([0, 0, 0, 1, 1, 2, -1]), np.arange(7) / 10.0,
+    )  # fmt: skip
+    rates = np.array([attitudes.turning_rad_s(frame) for frame in range(7)])
+    assert_close("turn by drawn shifts", np.abs(rates[:, 2]), [0.1, 0.2, 0.3, 0.5, 0.5, 0.0, 0.0])
+    assert_close("turn by drawn shifts", rates[:, :2], 0.0 * rates[:, :2])
 
 
 def test_a_frame_that_has_turned() -> None:

@@ -226,7 +226,6 @@ def take_size(new: NewProject, values: KeyValues, images: Path) -> None:
     else:
         size_px = next(open_frames([str(stills[0])]).pictures([0])).size
     values["camera", "image_size_px"] = toml_numbers(*size_px)
-    new.needed.pop(("camera", "image_size_px"), None)
 
 
 def has_positions(new: NewProject, values: KeyValues, folder: Path, images: str) -> bool:
@@ -299,7 +298,6 @@ def look_at_picks(
         new.needed["picks", "pixel_grid"] = "the file does not say it"
     if isinstance(rows.size_px, tuple) and ("camera", "image_size_px") not in values:
         values["camera", "image_size_px"] = toml_numbers(*rows.size_px)
-        new.needed.pop(("camera", "image_size_px"), None)
     frames = len(set(rows.frame))
     grid = f", {rows.grid} grid" if rows.grid else ""
     picks = f"{count_text(len(rows.landmark), 'pick')} in {count_text(frames, 'frame')}{grid}"
