@@ -533,6 +533,9 @@ def test_a_deck_in_another_code_or_in_records(content: tuple[str, bytes]) -> Non
     (job,) = read_jobs(io.BytesIO(content[1]), "a")
     (usual,) = read_jobs(io.BytesIO(TEXT.encode()), "a")
     assert job == usual
+    by_parts = CardText(io.BytesIO(content[1]))
+    pieces = iter(lambda: by_parts.read(5003), b"")  # no multiple of a record
+    assert b"".join(pieces) == CardText(io.BytesIO(content[1])).all("a")
 
 
 def test_a_blank_card_may_be_a_record_without_columns() -> None:

@@ -239,6 +239,9 @@ def test_a_photograph_brings_size_and_principal_distance(
         True,
     )
     assert vopd("stars", "solve", "stars.csv", "--images", ".").status == 0
+    half = ("--size", "3000,2600", "--focal-px", "15200")  # of a file whose pixels are of another
+    own = vopd("stars", "solve", "stars.csv", "--images", "orion.jpg", *half)
+    assert own.stdout == vopd("stars", "solve", "stars.csv", *half).stdout != known.stdout
     tagged_image(Path("narrow.jpg"), size_px=(600, 520))
     for images in (".", "stars.csv", "none"):
         refused_one = vopd("stars", "solve", "stars.csv", "--images", images)

@@ -792,3 +792,18 @@ def test_speeds_of_images_are_north_east_down_at_the_image() -> None:
     path = path_by_image(keys(), whole, position, times, np.array([4.0, 0.0, 2.0]), Notes(said, {}))
     assert path.velocity_m_s is None
     assert_approved(said[1:])
+
+
+def test_speeds_of_images_do_not_depend_on_the_order_of_rows() -> None:
+    """Of images that are faster and faster."""
+    when, names = np.arange(5.0), ("a", "b", "c", "d", "e")
+    moved = np.outer(when + when**2, [5.0, 10.0, 20.0])
+    position, times = earth_centred_m(0.0, 0.0, 0.0) + moved, FrameTimes(when, names, None)
+    found = []
+    for order in ([0, 1, 2, 3, 4], [2, 0, 4, 1, 3]):
+        rows = track("utc", *([0.0] * 5), image=tuple(names[k] for k in order))
+        path = path_by_image(keys(), rows, position[order], times, when[order], Notes([], {}))
+        assert path.velocity_m_s is not None and path.acceleration_m_s2 is not None
+        found.append(np.hstack([path.position_m, path.velocity_m_s, path.acceleration_m_s2]))
+    assert_close("flight speed", found[1], found[0])
+    assert np.diff(found[0][:, 3]).min() > 20.0

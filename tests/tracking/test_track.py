@@ -120,6 +120,33 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     assert strict.count("tracked") < sum(row["status"] == "tracked" for row in found) / 2
 
 
+def test_patches_have_the_size_of_their_landmark_or_that_of_all(flight: Path) -> None:
+    """By the column of one and the option for the others, or the other way round: the same tracks.
+
+    A click at the edge has no patch.
+    """
+    place, marks = (
+        Path(name).read_text(encoding="utf-8") for name in ("clicks.csv", "landmarks.csv")
+    )
+    near = next(row for row in rows(Path("clicks.csv")))["landmark"]
+    Path("clicks.csv").write_text(f"{place}5,{near},3.0,90.0\n", encoding="utf-8")
+    head, *lines = marks.splitlines()
+    first, others = lines[0].partition(",")[0], lines[1:]
+    assert head.startswith("landmark,")
+    found = []
+    for option, own, rest in (("17", "21", ""), ("21", "", "17")):
+        table = [f"{head},patch_px", f"{lines[0]},{own}", *(f"{one},{rest}" for one in others)]
+        Path("landmarks.csv").write_text("\n".join([*table, ""]), encoding="utf-8")
+        done = vopd("track", "flight.toml", "--to", ".4", "--patch", option)
+        found.append(rows(flight / "tracked.csv"))
+        assert any(row["status"] == "tracked" for row in found[-1] if row["landmark"] == first)
+        assert f"  frame 5: {near} " in "\n".join(f"  {one}" for one in done.stderr.splitlines())
+    assert found[0] == found[1]
+    Path("landmarks.csv").write_text(marks, encoding="utf-8")
+    vopd("track", "flight.toml", "--to", ".4", "--patch", "21")
+    assert rows(flight / "tracked.csv") != found[0]
+
+
 def test_a_readout_of_nearly_a_frame_settles(tmp_path: Path) -> None:
     """30 ms of 33: rates one after the other swing ever farther, to degrees."""
     make(tmp_path, Settings(
