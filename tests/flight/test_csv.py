@@ -83,6 +83,13 @@ def test_json_of_other_programs_in_one_long_line_is_no_table(formats: Any) -> No
     assert told(lambda: read_by_content(formats, of(f"t_s{long}"))).startswith("t: line 1: ")
 
 
+def test_a_comment_of_any_length_is_a_comment() -> None:
+    """Also one whose cells are longer than those that Python's csv reads."""
+    text = f"image,landmark,u_px,v_px\na.jpg,b,1,2\n#{200_000 * 'x'},b,1,2\n#c.jpg,b,1,2\n"
+    rows = read_by_content(PICK_FORMATS, of(text))
+    assert len(rows.landmark) == 1 and rows.commented == {"#c.jpg": "t: line 4"}
+
+
 def test_a_header_without_rows() -> None:
     table = read_csv(of("a,b\n# none\n"))
     assert table.column("a") == table.column("b") == [] and len(table.line) == 0

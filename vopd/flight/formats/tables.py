@@ -51,6 +51,7 @@ from vopd.inputs import (
     LATE_S,
     LEAST_SIGMA,
     LONGEST_LINE,
+    LONGEST_NAME,
     MOST_COLUMNS,
     MOST_NUMBER,
     MOST_SIGMA,
@@ -611,6 +612,9 @@ def _lines(file: InputFile) -> Iterator[tuple[Sequence[int], list[str]]]:
             yield numbers, lines
 
 
+LONGEST_COMMENT = 2 * LONGEST_NAME  # that may be a row: Python's csv takes no cell of any length
+
+
 def commented_names(
     file: InputFile, known: Sequence[str], columns: Sequence[str]
 ) -> dict[str, str]:
@@ -632,7 +636,7 @@ def commented_names(
         lines = chunk.splitlines()
         if "#" in chunk:
             for line, text in enumerate(lines, before + 1):
-                if text[:1] == "#" and text[1:2].strip("# \t"):
+                if text[:1] == "#" and text[1:2].strip("# \t") and len(text) < LONGEST_COMMENT:
                     cells = next(csv.reader([text], delimiter=between), [])
                     if len(cells) == len(header):
                         found.setdefault(cells[0].strip(), f"{file.name}: line {line}")
