@@ -62,6 +62,27 @@ def test_the_mount_is_within_its_standard_deviations(tmp_path: Path, keys: str) 
     assert (np.abs(off) < 4.0 * sigma).all()
 
 
+def test_attitudes_of_images_are_those_of_their_frames(tmp_path: Path) -> None:
+    """Images that are named backward, so that their order is another than that of the rows."""
+    by_frame = solved(tmp_path, 1).parameters
+    name = {str(k): f"{90 - k}.jpg" for k in range(PLAN.frames)}
+    for file in ("picks.csv", "ins.csv"):
+        head, *lines = (tmp_path / file).read_text(encoding="utf-8").splitlines()
+        rows = [",".join([name[one.split(",")[0]], *one.split(",")[1:]]) for one in lines]
+        text = "\n".join([head.replace("frame", "image", 1), *rows, ""])
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    times = "".join(f"{name[str(k)]},{k / 5.0}\n" for k in range(PLAN.frames))
+    (tmp_path / "times.csv").write_text(f"image,t_s\n{times}", encoding="utf-8")
+    project = tmp_path / "flight.toml"
+    lines = project.read_text(encoding="utf-8").splitlines()
+    kept = [one for one in lines if not one.startswith(("frame_rate_hz", "first_frame_t_s"))]
+    kept.insert(kept.index("[picks]") + 1, 'times = "times.csv"')
+    project.write_text("\n".join([*kept, ""]), encoding="utf-8")
+    by_image = adjust(project, ["mount"]).parameters
+    both = [[(one.after, one.sigma_after) for one in found] for found in (by_image, by_frame)]
+    assert_close("symmetric flight", both[0], both[1])
+
+
 def test_attitudes_are_on_the_clock_of_the_track(tmp_path: Path) -> None:
     """Of a track and attitudes that begin 7 s later by their clock, which the project says."""
     (tmp_path / "own").mkdir()
