@@ -318,6 +318,25 @@ def test_most_landmarks_outvote_one() -> None:
     assert agreement(warps._replace(by_turns=same), apart, patches, limit_px) is None
 
 
+def test_shake_while_rows_are_read_is_told_from_a_turn() -> None:
+    """Of eight landmarks whose rows are read at different times."""
+    rng = np.random.default_rng(8)
+    by_turns, late = rng.normal(0.0, 800.0, (8, 2, 3)), np.linspace(-0.5, 0.5, 8)
+    turn, shake = np.array([1e-3, -2e-3, 5e-4]), np.array([-4e-3, 1e-3, 2e-3])
+    shift = by_turns @ turn + late[:, None] * (by_turns @ shake)
+    one = laid(above(1000.0), picture(), (120.0, 70.0))
+    patches = [replace(one, patch=replace(one.patch, landmark=k)) for k in range(8)]
+    eye, all_of_them = np.tile(np.eye(2), (8, 1, 1)), np.ones(8, bool)
+    warps = Warps(np.zeros((8, 625, 2)), np.zeros((8, 2)), eye, by_turns, all_of_them)
+    found = no_matches(8)._replace(shift=shift, good=all_of_them, sigma_px=np.full(8, 0.05))
+    limit_px = np.full(8, 2.0 * RESIDUAL_PX)
+    agreed = agreement(warps, found, patches, limit_px, late)
+    assert agreed is not None and agreed[1].all()
+    assert_close("turn by drawn shifts", agreed[0], turn)
+    without = agreement(warps, found, patches, limit_px)
+    assert without is None or not without[1].all()
+
+
 def test_patches_of_one_landmark_make_no_turn() -> None:
     """One, clicked twice, has moved left and another right: by their weights only the first agrees.
 

@@ -489,6 +489,13 @@ class Flight:
         return np.asarray(self.lens.of(self.picks.frame).by_rows("focal_px").mean(axis=-1))
 
     @property
+    def pick_range_m(self) -> Floats:
+        """How far from the camera the landmark of each pick is, (P,); NaN: no position."""
+        picks, marks = self.picks, self.landmarks
+        away_m = marks.position_m[picks.landmark] - self.path.position_m[picks.frame]
+        return np.asarray(np.linalg.norm(away_m, axis=1))
+
+    @property
     def grid_convergence_deg(self) -> float:
         """True azimuth less grid azimuth at the first position; NaN without a projected CRS."""
         if self.grid is None:

@@ -44,7 +44,6 @@ from vopd.flight.settled import settled, settled_as_held, with_named_picks
 from vopd.flight.solve.errors import SOLVED_WITH, with_sigmas
 from vopd.flight.solve.free import MOUNT, not_held_findings, without_parameter
 from vopd.flight.solve.held import least_held, solved_findings
-from vopd.flight.solve.joint import ranges_m
 from vopd.flight.solve.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.solve.readout import SETTLED as ROWS_SETTLED
 from vopd.flight.solve.readout import picks_at_frame_times, readout_findings
@@ -507,7 +506,7 @@ def without_places(flight: Flight, lost: Bools) -> Flight:
     """
     position_m = np.where(lost[:, None], np.nan, flight.path.position_m)
     labels = [frame_label(flight, int(k)) for k in np.flatnonzero(lost)]
-    away_km = float(np.nanmax(ranges_m(flight)[lost[flight.picks.frame]])) / 1000.0
+    away_km = float(np.nanmax(flight.pick_range_m[lost[flight.picks.frame]])) / 1000.0
     told = (
         f"{first_of(labels, 5)}: the camera is {away_km:,.4g} km from the landmarks there, and "
         "hardly one fits: no attitude; look at the position, and at the times of frames and track"

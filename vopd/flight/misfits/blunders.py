@@ -33,7 +33,7 @@ from vopd.findings import Finding, count_text, first_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, FrameSlots, frame_label, pick_label
 from vopd.flight.solve.errors import priors_of
-from vopd.flight.solve.joint import ranges_m, solve_jointly, widened
+from vopd.flight.solve.joint import solve_jointly, widened
 from vopd.flight.solve.rotations import FlightBlocks, SolvedFlight, solve
 from vopd.geometry.lenses import project
 from vopd.geometry.linear import norm
@@ -202,7 +202,7 @@ def gross_picks(solved: SolvedFlight, suspected: Bools | None = None) -> tuple[B
     landmarks = np.zeros(len(flight.landmarks.name), bool)
     known = np.zeros(len(part.picks), bool)
     found[part.picks], _ = _test_picks(estimates, reading, landmarks, known, alone=True)
-    lost[frames] = _frames_far_off(alone, float(np.nanmedian(ranges_m(flight))))
+    lost[frames] = _frames_far_off(alone, float(np.nanmedian(flight.pick_range_m)))
     return found, lost
 
 
@@ -215,7 +215,7 @@ def _frames_far_off(alone: SolvedFlight, usual_m: float) -> Bools:
     """
     flight, used = alone.flight, alone.used
     fits = pick_distances_px(alone) < LARGE * flight.pick_focal_px
-    near = ranges_m(flight) < AWAY * usual_m
+    near = flight.pick_range_m < AWAY * usual_m
     count, good, here = (
         np.bincount(flight.picks.frame[some], minlength=len(flight.frame))
         for some in (used, used & fits, used & near)

@@ -242,8 +242,7 @@ def as_solved(flight: Flight, joint: JointSolution) -> Flight:
     more_s = model.value(given, "readout")
     if more_s and flight.shutter is not None and path.turning_rad_s is not None:
         later = replace(solved, shutter=replace(flight.shutter, readout_s=more_s))
-        distance_m = _distances_m(flight, position)
-        shift = row_shifts_px(later, state.rotation, distance_m)
+        shift = row_shifts_px(later, state.rotation, later.pick_range_m)
         total = replace(flight.shutter, readout_s=flight.shutter.readout_s + more_s)
         picks = replace(solved.picks, pixel=solved.picks.pixel - shift)
         solved = replace(solved, picks=picks, shutter=total)
@@ -266,13 +265,6 @@ def _as_clicked(flight: Flight, joint: JointSolution) -> Flight:
     pixel = picks.pixel - every.shift_px(joint.state.click_px)
     clicks = replace(clicks, sigma_px=sigma_px, root=root)
     return replace(flight, picks=replace(picks, pixel=pixel, clicks=clicks))
-
-
-def _distances_m(flight: Flight, position_m: Floats) -> Floats:
-    """Measure from the camera to the landmark of each pick, (P,)."""
-    picks = flight.picks
-    away = flight.landmarks.position_m[picks.landmark] - position_m[picks.frame]
-    return np.asarray(np.linalg.norm(away, axis=1))
 
 
 def stated_value(flight: Flight, parameter: str) -> float:

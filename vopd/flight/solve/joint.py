@@ -290,16 +290,9 @@ HOLD = (
 FAR_TIMES = 30.0  # as far away as most landmarks: where its coordinates may be wrong
 
 
-def ranges_m(flight: Flight) -> Floats:
-    """Measure how far from the camera the landmark of each pick is, (P,); NaN: no position."""
-    picks, marks = flight.picks, flight.landmarks
-    away_m = marks.position_m[picks.landmark] - flight.path.position_m[picks.frame]
-    return np.asarray(np.linalg.norm(away_m, axis=1))
-
-
 def _far_landmark(flight: Flight) -> str:
     """Say of the farthest landmark how far it is, if most are much nearer; else empty."""
-    distance_m = ranges_m(flight)
+    distance_m = flight.pick_range_m
     known = np.isfinite(distance_m)
     if not known.any():
         return ""
