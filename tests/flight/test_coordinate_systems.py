@@ -10,7 +10,7 @@ import pyproj
 import pytest
 
 from tests.approved.texts import assert_approved, refused
-from tests.tolerances import assert_close
+from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.coordinates import (
     HeightDatum,
@@ -22,7 +22,7 @@ from vopd.flight.coordinates import (
     map_grid,
     outside_area,
 )
-from vopd.geometry.earth import earth_centred_m
+from vopd.geometry.earth import earth_centred_m, local_axes
 
 ELLIPSOID = HeightDatum("ellipsoid")
 
@@ -242,3 +242,15 @@ def test_without_pyproj_it_is_said_how_to_install_it(monkeypatch: pytest.MonkeyP
         with refused(VopdError, parts=[said]):
             action()
     assert_close("flight position", positions(A, B), HERE)
+
+
+def test_axes_of_one_s_own_are_a_transverse_mercator_of_their_origin() -> None:
+    """300 m east, 400 m north, 20 m up: 500 m away the plane is 500^2 / 2R = .02 m too high."""
+    origin = earth_centred_m(32.8, -106.5, 1200.0)
+    east_north_up = np.array([300.0, 400.0, 20.0])
+    crs = "+proj=tmerc +lat_0=32.8 +lon_0=-106.5 +datum=WGS84"
+    found = positions([300.0, 400.0, 1220.0 + 500.0**2 / 2.0 / 6.37e6], crs=crs)
+    expected = origin + east_north_up @ local_axes(origin)
+    away_m = np.linalg.norm(found[0] - expected)
+    # 1,200 m above the ellipsoid a metre of the grid is 1 + 1,200 / 6.37E6 m long
+    assert abs(away_m - 500.0 * 1200.0 / 6.37e6) < within("flight height")

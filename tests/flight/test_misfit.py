@@ -137,6 +137,23 @@ def test_pictures_cut_off_at_their_top_move_the_principal_point(tmp_path: Path) 
     assert abs(float(v) - (539.5 - 140.0)) < 3.0 * float(sigma) < 60.0
 
 
+@pytest.mark.parametrize(
+    ("more", "sigma", "words"),
+    [
+        (0.07, 0.01, "were the pictures free of distortion"), (0.06, 0.01, ""),
+        (0.16, 0.01, "of the other sign"), (0.31, 0.01, ""), (-0.1, 0.01, ""), (0.16, 0.03, ""),
+    ],
+)  # fmt: skip
+def test_a_k1_of_another_kind_than_the_stated_one(more: float, sigma: float, words: str) -> None:
+    """-.1 is stated; within a third of it is near 0."""
+    flight = exact_flight()
+    lens = replace(flight.lens, k=np.array([-0.1, *[0.0] * 11]))
+    one = solve_jointly(replace(flight, lens=lens), priors_of(flight))
+    (tried,) = (e for e in input_errors(one, even_path(one))[0] if e.parameters == ("k1",))
+    text = tried.text(np.array([more]), np.array([sigma]))
+    assert words in text and ("(" in text) == bool(words)
+
+
 @pytest.mark.parametrize(("of_position", "words"), [(True, "[position]"), (False, "[track]")])
 def test_the_section_that_the_project_has_is_named(of_position: bool, words: str) -> None:
     """All frames from one place that is exact: of a track, too, whose images have one."""

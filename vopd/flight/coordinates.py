@@ -158,6 +158,12 @@ def crs_name(text: str) -> str:
     return stripped
 
 
+OWN_AXES = (
+    "axes of your own, x true east and y true north of a point, it is +proj=tmerc "
+    "+lat_0=LATITUDE +lon_0=LONGITUDE +datum=WGS84"
+)
+
+
 @cache
 def _crs(name: str, where: str) -> Any:
     if len(name) > LONGEST_CRS:
@@ -171,7 +177,8 @@ def _crs(name: str, where: str) -> Any:
                 pyproj.Proj(crs)
     except pyproj.exceptions.CRSError as error:
         raise VopdError(
-            f"{where}: crs {name!r} is not known: write a code, for instance EPSG:32633"
+            f"{where}: crs {name!r} is not known: write a code, for instance EPSG:32633; of "
+            f"{OWN_AXES}"
         ) from error
     except pyproj.exceptions.ProjError as error:
         message = "cannot be set up: write a code, for instance EPSG:32633"
@@ -372,7 +379,8 @@ def outside_area(crs: str | None, position_m: Floats) -> str | None:
     return (
         f"{name} ({_crs(name, 'crs').name}) puts them at latitude {where.latitude_deg[k]:.2f}, "
         f"longitude {where.longitude_deg[k]:.2f}, outside its area ({of}{area.north:.6g}): are "
-        "they of another coordinate reference system, in feet, or x and y exchanged?"
+        "they of another coordinate reference system, in feet, or x and y exchanged? Of "
+        f"{OWN_AXES}"
     )
 
 

@@ -400,6 +400,21 @@ def _other_size_text(ratio: float) -> str:
     return f" (near that of a calibration at {size} of the images: [camera] lens_size_px)"
 
 
+NEAR_NONE = 0.35  # of the stated k1: what remains of it in pictures without distortion
+MOST_ALIKE = 2.0  # times the stated k1, as which one of the other sign may be
+
+
+def _of_another_kind_text(k1: float, sigma: float, stated: float) -> str:
+    """Say that a k1 is near 0, or has the other sign, where the stated one is another."""
+    if abs(stated) < 5.0 * sigma:
+        return ""
+    if abs(k1) < NEAR_NONE * abs(stated):
+        return " (near 0: were the pictures free of distortion already?)"
+    if -MOST_ALIKE < k1 / stated < 0.0:
+        return " (of the other sign: does the calibration lead from distorted pixels to true ones?)"
+    return ""
+
+
 def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
     """List the errors of inputs that are one for the flight, the simplest first."""
     lens = flight.lens
@@ -435,7 +450,13 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
 
         yield TriedError(at("focal"), focal_text, ("focal",))
     if "k1" in names:
-        yield TriedError(at("k1"), keyed("", float(lens.k[0]), "[camera] lens: k1 = "), ("k1",))
+        stated_k1 = float(lens.k[0])
+        k1 = keyed("", stated_k1, "[camera] lens: k1 = ")
+        yield TriedError(
+            at("k1"),
+            lambda v, s: k1(v, s) + _of_another_kind_text(stated_k1 + v[0], s[0], stated_k1),
+            ("k1",),
+        )
     if "refraction" in names:
         key = "[atmosphere] refraction: a coefficient of "
         yield TriedError(at("refraction"), keyed("", flight.refraction.k, key), ("refraction",))
