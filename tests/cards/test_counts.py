@@ -179,6 +179,26 @@ def test_a_reading_that_is_there_twice_is_named(
     assert_approved(found[0].message, parts=[f"card {card};"])
 
 
+def test_readings_that_are_equal_by_chance_are_no_copy() -> None:
+    """Two of landmark 67, of which there are three; a card of landmark 66 is there twice."""
+    cards = two_frames()
+    cards[56] = cards[55]
+    cards.insert(60, cards[59])
+    found = [one for one in said(cards) if one.severity == "error"]
+    assert [one.card for one in found] == [61]
+    assert_approved(found[0].message, parts=["card 60;"])
+
+
+def test_a_stray_card_among_the_fiducials_is_of_no_fiducial() -> None:
+    """It is read far from all four: which of them it belongs to cannot be told."""
+    cards = two_frames()
+    cards.insert(49, cards[48])
+    punch(50, 41, "99.5000")(cards)
+    found = [one for one in said(cards) if one.severity == "error"]
+    assert [one.card for one in found] == [56]
+    assert_approved(found[0].message, parts=["13 readings", "730", "12"])
+
+
 MORE = {  # what is punched into a further card of landmark 67: whether it is one
     "as it is": ((1, " "), True),
     "a fiducial": ((9, "00"), False),

@@ -580,9 +580,28 @@ def test_a_deck_without_its_sequence_numbers_is_the_deck(end: str, form: str) ->
     assert stripped == set(range(1, 65)) - {34, 35, 36, 37}
 
 
+def test_sequence_numbers_from_nought_on_in_steps_of_one() -> None:
+    cards = TEXT.splitlines()[:33]
+    numbered = [f"{card:<72}{k:08}" for k, card in enumerate(cards)]
+    bare, stripped = strip_sequence("\n".join(numbered).encode(), "a")
+    assert (bare.decode().split("\n"), stripped) == (cards, set(range(1, 34)))
+
+
 def test_blank_lines_behind_the_head_of_a_deck_are_no_cards() -> None:
     content = CASE_1.read_bytes()
     assert read_head(content + b"\n   \n\n", "deck") == read_head(content, "deck")
+
+
+def test_the_head_of_a_deck_in_records_has_all_cards_behind_it() -> None:
+    """Of a second job, whose film is not read, either; the last record is not filled up."""
+    cards = [*landmarks_again(two_frames())[:43], "    2    0    2", *two_frames()[31:43]]
+    cards[30] = "    3    0    2"
+    head = read_head("\n".join(cards).encode(), "deck")
+    assert (head.counts, head.behind) == ([3, 2], cards[43:])
+    records = "".join(card.ljust(80) for card in cards).rstrip().encode()
+    assert len(records) % 80
+    for content in (records, records.decode().encode("cp037"), described(text="\n".join(cards))):
+        assert [card.rstrip() for card in read_head(content, "deck").behind] == cards[43:]
 
 
 def test_a_deck_that_cannot_be_read_on_is_named() -> None:

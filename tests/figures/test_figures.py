@@ -43,6 +43,7 @@ from vopd.figures import (
 )
 from vopd.figures.attitude import (
     broken,
+    draw_table,
     from_cut,
     in_time,
     interval_of,
@@ -190,6 +191,35 @@ def test_one_frame_is_a_table() -> None:
     values = table([one])
     yaw, half = values["vehicle_yaw_deg"][0], values["half_width_95_vehicle_yaw_deg"][0]
     assert 1.0 <= half < 10.0 and f"{yaw:.1f} ± {half:.1f}" in cells
+
+
+def test_the_table_of_one_frame_tells_camera_and_vehicle_apart() -> None:
+    """To two digits of the interval; one angle has none, and one is not known.
+
+    The letters keep their size where the figure is small.
+    """
+    half = np.array([[0.5, np.inf, 0.02, 3.0, 0.3, 12.0, 1.0, 1.0, 1.0]])
+    one = by_hand(1, half_deg=half, attack_deg=np.array([[np.nan, 2.0, 3.0]]))
+    one = with_estimate(
+        one, camera_deg=np.array([[10.0, -60.0, 20.0]]), vehicle_deg=np.array([[30.0, 1.0, 2.0]])
+    )
+
+    def shown(names: Sequence[str]) -> dict[str, str]:
+        figure = Figure(figsize=(2.0, 3.0))
+        draw_table(figure, [one], names)
+        figure.draw_without_rendering()
+        cells = figure.axes[0].tables[0].get_celld()
+        assert {cell.get_fontsize() for cell in cells.values()} == {11.0}
+        rows = {row: cells[row, 0].get_text().get_text() for row, _ in cells}
+        return {name: cells[row, 1].get_text().get_text() for row, name in rows.items()}
+
+    assert shown(ANGLES[:6]) == {
+        "frame": "DJI_0000.JPG", "camera yaw": "10.00 ± 0.50", "camera pitch": "-60.0000 ± ?",
+        "camera roll": "20.000 ± 0.020", "vehicle yaw": "30.0 ± 3.0",
+        "vehicle pitch": "1.00 ± 0.30", "vehicle roll": "2 ± 12", "flags": "none",
+    }  # fmt: skip
+    assert shown(["vehicle_roll", "alpha"])["alpha"] == "none"
+    assert {*shown(ANGLES[3:6])} == {"frame", "yaw", "pitch", "roll", "flags"}
 
 
 def test_an_angle_that_is_not_determined_has_no_band() -> None:

@@ -123,6 +123,12 @@ def test_picks_outside_the_image_are_named(tmp_path: Path) -> None:
     assert f"{len(outside)} picks outside the image: " in said
     names = said.partition("outside the image: ")[2].partition(", ...")[0].split(", ")
     assert len(names) == 3 and {*names} <= {*outside}
+    *_, (u, second), (_, last) = sorted((u, name) for name, (u, _) in picks_of("0").items())
+    project.write_text(text.replace("[1920, 1080]", f"[{int(u)}, 1080]"), encoding="utf-8")
+    _, said = panel("image", solve_flight(project).history(), photograph=False)
+    said, _, arrows = said.rpartition("\n")
+    assert said.split()[-6:] == ["picks", "outside", "the", "image:", f"{last},", second]
+    assert arrows.startswith("arrows")
 
 
 @pytest.mark.usefixtures("not_laid_out")
@@ -429,6 +435,22 @@ def test_names_do_not_cover_each_other(upward: float, count: int) -> None:
     assert len(boxes) == count - left_out and (left_out > 0) == (count > 2)
     for k, one in enumerate(boxes):
         assert not any(one.overlaps(other) for other in boxes[:k])
+
+
+@pytest.mark.usefixtures("not_laid_out")
+def test_names_of_a_flight_without_room_are_counted() -> None:
+    """Of 230 landmarks 200 have a name at most, in the image and in both panels of the map."""
+    scene = drone(np.random.default_rng(1), 3, 230)
+    history = solve_flight_read(flight_of(np.random.default_rng(2), scene, 0.3, Priors())).history()
+    for name, panels in {"image": 1, "map": 2}.items():
+        (part,) = draw(name, [history], 1).subfigs
+        shown = [
+            sum(text.get_text().startswith("P") for text in axis.texts)
+            for axis in part.axes[:panels]
+        ]
+        assert all(0 < count < 200 for count in shown)
+        left = 30 + 200 * panels - sum(shown)
+        assert f"{left} names left out for want of room" in part.get_suptitle()
 
 
 def test_every_title_says_that_a_flight_misfits(

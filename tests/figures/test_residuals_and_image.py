@@ -79,7 +79,9 @@ def test_no_mean_is_where_no_frame_is() -> None:
     """Of 250 frames whose last 50 are half a minute later: 60 means of five each."""
     times = np.arange(250.0) + np.where(np.arange(250) < 200, 0.0, 30.0)
     one = by_hand(250, time_s=times, residual=np.ones((250, 8)))
-    for line in by_landmark(drawn(one)[0].axes[0]).values():
+    lines = by_landmark(drawn(one)[0].axes[0])
+    assert len(lines) == 4
+    for line in lines.values():
         found = np.array([x for x, _ in line], float)
         middles = np.arange(2.0, 250.0, 5.0)
         expected = np.insert(middles + np.where(middles < 200.0, 0.0, 30.0), 40, np.nan)

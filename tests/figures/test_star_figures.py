@@ -303,6 +303,15 @@ def test_the_sky_has_the_same_lines_across_zero_hours(middle_deg: float) -> None
     assert_approved(sorted(one.get_text() for one in axis.texts))
 
 
+def test_a_narrow_field_has_its_lines_in_minutes_and_seconds() -> None:
+    """Twelve minutes of arc by twelve, about 5h36m and 10 degrees south."""
+    axis = Figure().add_subplot()
+    edges = (-0.1, 0.1, -0.1, 0.1)
+    axis.set(xlim=edges[:2], ylim=edges[2:])
+    _draw_sky(axis, lambda at: at + np.array([84.0, -10.0]), edges, "black", np.zeros((1, 2)))
+    assert_approved(sorted(one.get_text() for one in axis.texts))
+
+
 @pytest.mark.parametrize("name", ["orion.csv", "orion_misidentified.csv"])
 def test_no_number_of_the_sky_is_covered(name: str, tmp_path: Path) -> None:
     """Each line has one at most, and it is off the stars' names, marks and the panel's edge."""
@@ -400,6 +409,12 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     assert images() == 0
     pillow.new("L", (600, 400), 20).save(tmp_path / "orion.png")
     assert images() == 1 and "600 x 400" in picture.read_text(encoding="utf-8")
+    text = file.read_text(encoding="utf-8")
+    unsaid = re.sub(r'"size_px": \[[^]]*\]', '"size_px": null', text)
+    assert unsaid != text
+    file.write_text(unsaid, encoding="utf-8")
+    assert images() == 1 and "600 x 400" not in picture.read_text(encoding="utf-8")
+    file.write_text(text, encoding="utf-8")
     (tmp_path / "broken.png").write_bytes(b"no image")
     broken = plot(file, "-o", picture, "--images", tmp_path / "broken.png")
     assert broken.status == 0 and "no photograph: " in picture.read_text(encoding="utf-8")

@@ -35,7 +35,7 @@ def read_head(file: bytes, name: str) -> DeckHead:
         VopdError: where a card cannot be read
     """
     refuse_other_file(file, name)
-    lines = CardText(io.BytesIO(file)).read(len(file) * 2 + 1).decode("latin-1").splitlines()
+    lines = CardText(io.BytesIO(file)).all(name).decode("latin-1").splitlines()
     while lines and not lines[-1].strip():
         del lines[-1]
     control, deck = _control(lines, name)

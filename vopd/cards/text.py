@@ -75,10 +75,7 @@ class CardText:
     def _recognise(self, start: bytes) -> None:
         if is_ebcdic(start):
             self._table = EBCDIC
-            length = _record_length(start, 0)
-            self._described = length > 0 and _record_length(start, length) > 0
-            if self._described:
-                return
+            self._described = _record_length(start, _record_length(start, 0)) > 0
         elif b"\n" not in start and b"\r" in start:
             self._table = RETURNS
         text = start if self._table is None else start.translate(self._table)

@@ -417,7 +417,7 @@ def place_names(
     points: Floats,
     names: Sequence[str],
     points_per_unit: Floats,
-    inside: Floats | None = None,
+    inside: Floats,
     bold: Bools | None = None,
     avoid: Floats | None = None,
 ) -> int:
@@ -429,7 +429,7 @@ def place_names(
         names: of the points
         points_per_unit: how large a unit is drawn along x and y, points; negative where the
             coordinate grows to the left or down
-        inside: corners of the area that names stay in, (2, 2); None: anywhere
+        inside: corners of the area that names stay in, (2, 2)
         bold: which are written bold, (n,)
         avoid: further points that no name covers if there is another place, as those along
             arrows, (m, 2)
@@ -437,10 +437,7 @@ def place_names(
     centre = points * points_per_unit
     marks = np.hstack([centre - 4.0, centre + 4.0])
     taken = marks[:0]
-    low, high = np.full(2, -np.inf), np.full(2, np.inf)
-    if inside is not None:
-        corners = np.sort(inside * points_per_unit, axis=0)
-        low, high = corners[0], corners[1]
+    low, high = np.sort(inside * points_per_unit, axis=0)
     lines = np.zeros((0, 2)) if avoid is None else avoid * points_per_unit
     left_out = 0
     for k, name in enumerate(names):

@@ -260,15 +260,12 @@ def _scene(h: History, footprints: bool) -> dict[str, Any]:
             seen = _film_sights(h, scene, rows.frame, own)
             made |= plan.missed(*seen, camera_m, rows.odd[_film_shown(h)])
         return made
-    order = np.argsort(frames)
-    views = scene.views(frames[order])
-    back = np.argsort(order)
+    views = scene.views(frames)
     if footprints:
-        dip_deg = horizon_dip_deg(camera_m[order], scene.landmark_m)
+        dip_deg = horizon_dip_deg(camera_m, scene.landmark_m)
         edge = views.size_px[:, None].astype(np.float64)
         ends = np.array([[0.0, 1.0], [1.0, 0.0]]) * edge - 0.5
-        made |= _horizons(views, views.border, views.middle, ends, dip_deg, back)
-    views = _in_order(views, order)
+        made |= _horizons(views, views.border, views.middle, ends, dip_deg)
     odd = np.zeros((len(frames), len(names)), bool)
     odd[rows.frame[rows.odd], own[rows.odd]] = True
     culprit = odd[views.frame, views.landmark]
@@ -311,20 +308,6 @@ def _distances(scene: JobScene, camera_m: Floats) -> Floats:
     return np.asarray(np.linalg.norm(scene.landmark_m - some[:, None], axis=2))
 
 
-def _in_order(views: Views, order: Ints) -> Views:
-    """Put views of sorted frames in the order of the job's frames."""
-    if (np.diff(order) > 0).all():
-        return views
-    back = np.argsort(order)
-    frame = order[views.frame]
-    picks = np.argsort(frame, kind="stable")
-    return Views(
-        views.size_px[back], frame[picks], views.landmark[picks], views.pixel[picks],
-        views.fitted[picks], views.used[picks], views.ray[picks], views.computed[back],
-        views.border[back], views.middle[back], views.pixel_of,
-    )  # fmt: skip
-
-
 HALF_STEPS_DEG = (0.5, 1.0, 2.5, 5.0, 7.5, 15.0, 22.5)  # half of those between azimuths
 MOST_AZIMUTHS = 9  # named along a horizon
 
@@ -335,7 +318,6 @@ def _horizons(
     middle: Floats,
     ends: Floats,
     dip_deg: Floats,
-    order: Ints,
     decimals: int = 0,
 ) -> dict[str, Any]:
     """Describe the horizon of each image, or if it is not in the picture the way north.
@@ -348,7 +330,6 @@ def _horizons(
         middle: of its middle, (n, 3)
         ends: lower left and upper right corner of the picture, (n, 2, 2)
         dip_deg: how far below level the horizon is, (n,)
-        order: of the images in what is given back
         decimals: of places in the image
     """
     level = np.hypot(*middle.T[:2])
@@ -377,7 +358,7 @@ def _horizons(
     start -= start % 2  # at a whole degree
     there = shown.any(axis=1)
     pixel = np.where((np.abs(pixel) < FAR_PX).all(axis=2, keepdims=True), pixel, np.nan)
-    points = [pixel[k, start[k] : end[k]] if there[k] else pixel[k, :0] for k in order]
+    points = [pixel[k, start[k] : end[k]] if there[k] else pixel[k, :0] for k in range(len(pixel))]
     moved = middle + 0.02 * np.array([0.0, 1.0, 0.0])
     way = view.pixel_of(np.stack([middle, moved], axis=1))
     north = (way[:, 1] - way[:, 0]) * np.sign(ends[:, 1] - ends[:, 0]) * [1.0, -1.0]
@@ -387,12 +368,12 @@ def _horizons(
     return {
         "horizon": {
             "count": _numbers(np.array([len(one) for one in points])),
-            "first": _numbers((first + half_deg * start)[order] % 360.0),
-            "step": _numbers(2.0 * half_deg[order]),
+            "first": _numbers((first + half_deg * start) % 360.0),
+            "step": _numbers(2.0 * half_deg),
             "u": _numbers(along[:, 0], decimals),
             "v": _numbers(along[:, 1], decimals),
         },
-        "north": {"u": _numbers(north[order, 0], 2), "v": _numbers(north[order, 1], 2)},
+        "north": {"u": _numbers(north[:, 0], 2), "v": _numbers(north[:, 1], 2)},
     }
 
 
@@ -446,7 +427,7 @@ def _film_frames(h: History, scene: JobScene, camera_m: Floats) -> dict[str, Any
     border = view.direction_of(along.reshape(len(frames), -1, 2))
     dip_deg = horizon_dip_deg(camera_m, scene.landmark_m)
     at, mark = np.nonzero(shown)
-    return _horizons(view, border, axes[:, 2], ends, dip_deg, frames, 3) | {
+    return _horizons(view, border, axes[:, 2], ends, dip_deg, 3) | {
         "corners": {
             "count": _numbers(np.where(known, 4, 0)),
             "u": _numbers(corners[known][..., 0], 2),
