@@ -318,6 +318,19 @@ def test_most_landmarks_outvote_one() -> None:
     assert agreement(warps._replace(by_turns=same), apart, patches, limit_px) is None
 
 
+@pytest.mark.parametrize(
+    ("way", "first_ms"), [("down", 25.0), ("up", 75.0), ("right", 50.0), ("left", 50.0)]
+)
+def test_when_the_row_of_a_pixel_is_read(way: str, first_ms: float) -> None:
+    """A pixel in the middle of a row of 201, a quarter down 161 rows, read within 100 ms."""
+    pixel = np.array([[100.0, 40.0], [200.0, 160.0]])
+    last_ms = 100.0 if way in ("down", "right") else 0.0
+    for middle, sooner_ms in ((False, 0.0), (True, 50.0)):
+        scene = above(1000.0, shutter=Shutter(0.1, way, middle))
+        expected = np.array([first_ms, last_ms]) - sooner_ms
+        assert_close("turn by drawn shifts", scene.late_s(pixel), expected / 1000.0)
+
+
 def test_shake_while_rows_are_read_is_told_from_a_turn() -> None:
     """Of eight landmarks whose rows are read at different times."""
     rng = np.random.default_rng(8)
@@ -335,6 +348,22 @@ def test_shake_while_rows_are_read_is_told_from_a_turn() -> None:
     assert_close("turn by drawn shifts", agreed[0], turn)
     without = agreement(warps, found, patches, limit_px)
     assert without is None or not without[1].all()
+
+
+def test_of_many_patches_some_pairs_are_tried() -> None:
+    """Of forty patches, ten of which have moved by 9 px; 780 pairs are too many."""
+    rng = np.random.default_rng(6)
+    by_turns, turn = rng.normal(0.0, 800.0, (40, 2, 3)), np.array([1e-3, -2e-3, 5e-4])
+    moved = np.arange(40) % 4 == 0
+    shift = by_turns @ turn + 9.0 * moved[:, None]
+    one = laid(above(1000.0), picture(), (120.0, 70.0))
+    patches = [replace(one, patch=replace(one.patch, landmark=k)) for k in range(40)]
+    eye, usable = np.tile(np.eye(2), (40, 1, 1)), np.ones(40, bool)
+    warps = Warps(np.zeros((40, 625, 2)), np.zeros((40, 2)), eye, by_turns, usable)
+    found = no_matches(40)._replace(shift=shift, good=usable, sigma_px=np.full(40, 0.05))
+    agreed = agreement(warps, found, patches, np.full(40, RESIDUAL_PX))
+    assert agreed is not None and agreed[1].tolist() == (~moved).tolist()
+    assert_close("turn by drawn shifts", agreed[0], turn)
 
 
 def test_patches_of_one_landmark_make_no_turn() -> None:
