@@ -38,7 +38,7 @@ from vopd.flight.solve.rotations import FlightBlocks, SolvedFlight, solve
 from vopd.geometry.lenses import project
 from vopd.geometry.linear import norm
 
-ROUNDS = 8  # of solving without the blunders and testing all picks again
+ROUNDS = 7  # of solving without the blunders and testing all picks again
 USUAL = 0.25  # quantile of the frames' largest residuals that is free of gross picks
 ENLARGED = 3.0  # times that: a frame may have some
 WRONG_IN = 0.5  # of a landmark's frames in which it is a blunder: its coordinates are wrong
@@ -114,20 +114,17 @@ def find_blunders(
         exchanged = np.zeros_like(gross)
     gross = gross & ~exchanged
     used, out = estimates.solved.used | gross, gross
-    found, tested = _none(estimates)._replace(pick=gross, left_out=gross), False
+    none = _none(estimates)._replace(pick=gross, left_out=gross)
+    found = _test_flight(_with_every_pick(estimates, used), none)
     for _ in range(ROUNDS):
         before, stale = found, found.left_out != out
         if stale.sum() > FEW * used.sum():
             settled = _settles(estimates)
             estimates = solve_without(found.left_out | exchanged, estimates)
             out = found.left_out
-            if tested and not (settled or _settles(estimates)):
+            if not (settled or _settles(estimates)):
                 break  # tests of such a solution tell nothing
-            found, tested = _test_flight(_with_every_pick(estimates, used), before), True
-        elif not tested:
-            every = _with_every_pick(estimates, used)
-            found, tested = _test_flight(every, before, _frames_of(stale, estimates)), True
-            continue
+            found = _test_flight(_with_every_pick(estimates, used), before)
         elif stale.any():
             found = _test_again(estimates, before, _frames_of(stale, estimates), used)
         if np.array_equal(found.left_out, before.left_out):
@@ -280,9 +277,9 @@ class _Block(NamedTuple):
         return np.asarray(picks[self.pick] & (self.pick >= 0))
 
 
-def _blocks(estimates: FlightEstimates, chosen: Bools | None = None) -> Iterator[_Block]:
-    """Iterate over blocks of frames, or of the chosen ones (F,)."""
-    for part in estimates.blocks if chosen is None else estimates.blocks.parts(chosen):
+def _blocks(estimates: FlightEstimates) -> Iterator[_Block]:
+    """Iterate over blocks of frames."""
+    for part in estimates.blocks:
         estimate = estimates.of(part.frames)
         frames = np.flatnonzero(testable(estimate))
         slots = FrameSlots.of(part.flight.picks.frame, len(part.frames))
@@ -307,21 +304,17 @@ def _usual_mistakes(estimate: Estimate) -> Floats:
     return np.asarray(columns * (LARGE * estimate.focal_length / np.where(most > 0.0, most, 1.0)))
 
 
-def _test_flight(
-    estimates: FlightEstimates, before: Blunders, skipped: Bools | None = None
-) -> Blunders:
+def _test_flight(estimates: FlightEstimates, before: Blunders) -> Blunders:
     """Test all picks and landmarks of a flight that was solved without earlier blunders.
 
     Args:
         estimates: of the flight, with every pick
         before: the earlier blunders
-        skipped: frames that are not tested, because their blunders take part, (F,)
     """
-    landmark, frame = estimates.flight.picks.landmark, estimates.flight.picks.frame
-    reading, wrong, sums = _reading(estimates), before.landmark, None
-    chosen = None if skipped is None or not skipped.any() else ~skipped
+    landmark = estimates.flight.picks.landmark
+    reading, wrong = _reading(estimates), before.landmark
     sums = _Displacements(estimates, reading)
-    pick, unclear = _test_picks(estimates, reading, wrong, before.pick, chosen, sums=sums)
+    pick, unclear = _test_picks(estimates, reading, wrong, before.pick, sums=sums)
     more, unclear_landmark = _wrong_in_most_frames(estimates, pick) & ~wrong, np.zeros_like(wrong)
     if more.sum() > 1:  # mistakes of another kind displace several
         more = _each_confirmed(estimates, reading, more, pick)
@@ -330,9 +323,7 @@ def _test_flight(
     named = int((wrong | more).sum())
     if more.any() and named <= min(len(wrong) // 2, len(wrong) - LEAST_LEFT):
         wrong = wrong | more
-        pick, unclear = _test_picks(estimates, reading, wrong, pick & ~wrong[landmark], chosen)
-    if chosen is not None:
-        pick = np.where(chosen[frame], pick, before.pick)
+        pick, unclear = _test_picks(estimates, reading, wrong, pick & ~wrong[landmark])
     gone = _left_out(estimates, wrong, pick)
     shift_m = np.full((len(wrong), 3), np.nan)
     for k in np.flatnonzero(wrong):
@@ -376,7 +367,6 @@ def _test_picks(
     reading: JobReadingSigma,
     wrong: Bools,
     known: Bools,
-    chosen: Bools | None = None,
     alone: bool = False,
     sums: _Displacements | None = None,
 ) -> tuple[Bools, Bools]:
@@ -387,7 +377,6 @@ def _test_picks(
         reading: the reading sigma in force
         wrong: landmarks with wrong coordinates, (N,)
         known: blunders found before, (P,)
-        chosen: the frames, (F,); None: all
         alone: whether each frame is tested by its own residuals, whatever the reading sigma
         sums: displacements of landmarks, to which those of the other picks are added
 
@@ -399,7 +388,7 @@ def _test_picks(
     pooled = (reading.chance >= SIGNIFICANCE) | np.isnan(reading.chance).all()
     pooled &= np.isfinite(reading.freedom)  # a frame that is the only one has no chance
     found, unclear = np.zeros(len(known), bool), np.zeros(len(known), bool)
-    for block in _blocks(estimates, chosen):
+    for block in _blocks(estimates):
         equations = without_picks(block.equations, block.marked(out))
         before = block.marked(known)
         pool = Pool(reading.test_sigma, reading.freedom, pooled[block.frames] & ~before.any(axis=1))
