@@ -6,6 +6,8 @@ import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -185,6 +187,26 @@ def test_hidden_landmarks_are_not_asked_for(named: bool) -> None:
     again = next_clicks(solve_jointly(flight, priors_of(flight)))
     assert (first.frame, first.landmark) not in [(each.frame, each.landmark) for each in again]
     assert again
+
+
+def test_the_correlation_of_residuals_in_frames_beside_each_other() -> None:
+    """Two marks in frames 0 to 3 and one in 5 to 6: seven pairs, whatever the order of picks."""
+    frame, mark = np.array([0, 1, 2, 3] * 2 + [5, 6]), np.array([0] * 4 + [1] * 4 + [0, 0])
+    rng = np.random.default_rng(4)
+    residual, order = rng.normal(0.0, 1.0, (10, 2)) + 1.0, rng.permutation(10)
+    pairs = [(k, k + 1) for k in (0, 1, 2, 4, 5, 6, 8)]
+    before, after = (np.array([residual[pair[k]] for pair in pairs]) for k in (0, 1))
+    expected = (before * after).sum() / np.sqrt((before**2).sum() * (after**2).sum())
+    picks = SimpleNamespace(followed=np.ones(10, bool), frame=frame[order])
+    model = SimpleNamespace(
+        flight=SimpleNamespace(picks=picks), pick=np.arange(10), landmark=mark[order]
+    )
+    solved = SimpleNamespace(model=model, normal=SimpleNamespace(residual=residual[order]))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vopd.flight.project.tracked_picks.FEWEST", 7)
+        assert_close("ratio", correlation_of_neighbours(cast(Any, solved)), expected)
+        patch.setattr("vopd.flight.project.tracked_picks.FEWEST", 8)
+        assert np.isnan(correlation_of_neighbours(cast(Any, solved)))
 
 
 def test_a_pick_without_some_readings_is_the_mean_of_the_others() -> None:

@@ -87,6 +87,22 @@ def test_the_axis_of_unidentified_stars_is_the_true_one(place: tuple[float, floa
     assert_close("sigmas of one draw", off / sigma, 0.0)
 
 
+def test_stars_that_are_identified_keep_their_standard_deviations() -> None:
+    """Each half a pixel, but for x of the first, in the files with and without places."""
+    head, *lines = photograph(84.0, 0.0, 25.0).splitlines()[:-2]
+    rows = [f"{one},{0.2 if k == 0 else 0.5},0.5" for k, one in enumerate(lines)]
+    text = "\n".join([f"{head},sigma_x_px,sigma_y_px", *rows, ""])
+    (unknown,) = read_star_csv(text, "a.csv")
+    told = list[Finding]()
+    known = identified(unknown, AXES, SkyRequest(), told.append, focal_known=True)
+    assert known.sigmas is not None and unknown.sigmas is not None
+    kept = [unknown.lines.index(one) for one in known.lines]
+    assert np.array_equal(known.sigmas, unknown.sigmas[kept])
+    assert np.array_equal(known.image, unknown.image[kept])
+    assert known.magnitude is not None and unknown.magnitude is not None
+    assert np.array_equal(known.magnitude, unknown.magnitude[kept])
+
+
 def test_a_photograph_without_a_principal_distance() -> None:
     """It is one of several fields that are tried; then the stars determine it."""
     options = ("--format", "json", "--size", f"{WIDTH},{HEIGHT}", "--free", "focal")

@@ -83,6 +83,13 @@ def test_gps5_is_spread_over_its_packets(tmp_path: Path) -> None:
     assert_approved(rows.said)
 
 
+def test_what_is_no_place_of_gps5_is_left_out(tmp_path: Path) -> None:
+    """Latitude and longitude 0 are; one of them, and the poles, are places."""
+    places = [(0, 15.0, 1.0), (0, 0, 2.0), (47.0, 0, 3.0), (90.0, 9.0, 4.0), (90.1, 9.0, 5.0)]
+    rows = read(write_gpmf(tmp_path / "a.mp4", [(0, gps5([*places, (-90.0, 9.0, 6.0)]))]))
+    assert rows.coordinate[:, 2].tolist() == [1.0, 3.0, 4.0, 6.0]
+
+
 @pytest.mark.parametrize("cut", [1, 12, 40, 90])
 def test_a_packet_that_is_cut_off_costs_no_other(cut: int, tmp_path: Path) -> None:
     """So many bytes are missing at its end; what an entry says to hold is whole, or not there."""
@@ -103,10 +110,10 @@ def test_times_count_from_the_first_frame(tmp_path: Path) -> None:
 
 
 def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
-    """Samples at 36000.2 and .7 s of a day are half a second apart; the packet begins at 0."""
-    packets = [(0, gps9([(47.0, 36_000.2, 3), (47.1, 36_000.7, 3)])), (1000, gps9([(0, 1, 0)]))]
+    """Samples at 36000.25 and .5 s of a day are .25 s apart, about the middle of 0 and .5 s."""
+    packets = [(0, gps9([(47.0, 36_000.25, 3), (47.1, 36_000.5, 3)])), (1000, gps9([(0, 1, 0)]))]
     rows = read(write_gpmf(tmp_path / "a.mp4", packets))
-    assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5])
+    assert_close("place or time as a file has it", rows.time_s, [0.125, 0.375])
     assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.1])
     assert_approved(rows.said)
 
@@ -139,10 +146,10 @@ def test_of_two_streams_that_of_the_better_receiver_is_read(is_first: bool, tmp_
 
 def test_a_karma_states_its_standard_deviations(tmp_path: Path) -> None:
     """One for east and north, one upward; 0 where it does not know."""
-    packets = [(0, karma([(100.0, 47.0, 1.5, 2.5), (100.5, 47.1, 0.0, 3.0)]))]
+    packets = [(0, karma([(100.0, 47.0, 1.5, 2.5), (100.3, 47.1, 0.0, 3.0)]))]
     rows = read(write_gpmf(tmp_path / "a.mp4", packets))
     assert rows.time_s is not None and rows.sigma_m is not None
-    assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5])
+    assert_close("place or time as a file has it", rows.time_s, [0.1, 0.4])
     assert_close(
         "place or time as a file has it", rows.coordinate, [[15, 47, 300], [15, 47.1, 300]]
     )
