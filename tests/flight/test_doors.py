@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import read_text
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
@@ -126,6 +126,8 @@ def test_markers_of_metashape() -> None:
         "corner",
     )
     assert picks.pixel.tolist() == [[100.5, 50.25], [10.5, 5.5]]
+    only = read_text(PICK_FORMATS, "m", MARKERS.replace('pinned="false"', 'pinned="true"'))
+    assert_approved([picks.said, only.said])
 
 
 def test_markers_of_metashape_that_are_switched_off_are_left_out() -> None:

@@ -741,10 +741,12 @@ def test_a_new_project_begins_with_the_focal_length_of_the_tags(tmp_path: Path) 
     }
     assert not new.needed and len(new.said) == 1
     assert_approved(new.said[0])
-    tagged_image(tmp_path / "c.jpg", lens={0xA405: 28})
-    other = NewProject()
-    look_at_focal(other, {}, tmp_path)
-    assert_approved(other.said[0].removeprefix(str(tmp_path)))
+    for lens in ({0xA405: 28}, {}):  # of another zoom, and of none
+        tagged_image(tmp_path / "c.jpg", lens=lens)
+        other, none = NewProject(), dict[tuple[str, str], str]()
+        look_at_focal(other, none, tmp_path)
+        assert not none
+        assert_approved(other.said[0].removeprefix(str(tmp_path)))
 
 
 def test_a_lens_that_is_named_is_not_that_of_the_tags(tmp_path: Path) -> None:

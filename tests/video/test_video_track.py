@@ -234,7 +234,7 @@ def test_subtitles_of_drones(block: str, place: tuple[float, float, float], tmp_
     rows = read(path)
     assert_close("place or time as a file has it", rows.coordinate, [place])
     assert_close("place or time as a file has it", rows.time_s, [1.0])
-    assert_approved(rows.said)
+    assert_approved([rows.said, rows.from_ground])
 
 
 def test_subtitles_repeat_positions(tmp_path: Path) -> None:

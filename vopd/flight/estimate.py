@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cached_property, partial
@@ -367,9 +367,6 @@ class FlightEstimates:
         slots, own = _slots(part), part.picks
         outlier, exchanged = (slots.spread(v[own]) for v in (self._outlier, self._exchanged))
         return replace(one, outlier=outlier, exchanged=exchanged)
-
-    def __iter__(self) -> Iterator[Estimate]:
-        return (self.of(part.frames) for part in self.blocks)
 
     def whole(self) -> Estimate:
         """Estimate all frames."""
