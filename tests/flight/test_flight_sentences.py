@@ -12,11 +12,11 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved, refused
-from tests.kit.flight_project import TOML, camera_m, write_project
+from tests.kit.flight_project import TOML, camera_m, uneven_flight, write_project
 from tests.tolerances import within
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError
 from vopd.flight.coordinates import HeightDatum, crs_name
-from vopd.flight.flight import CameraPath
+from vopd.flight.flight import LEAPS, CameraPath
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import open_input
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
@@ -33,6 +33,7 @@ from vopd.flight.project.keys import Project, Section
 from vopd.flight.project.read import landmark_grid
 from vopd.flight.project.times import FrameTimes
 from vopd.flight.project.track import doubts_of_rounded_times, times_of_track
+from vopd.flight.solve.joint import no_solution
 
 
 @pytest.mark.parametrize(
@@ -183,3 +184,22 @@ def test_picks_of_one_point_in_all_frames_are_told_as_such(tmp_path: Path) -> No
     (tmp_path / "picks.csv").write_text("\n".join([*rows, "1,mast,5,5"]))
     found = [one.message for one in vopd.solve_flight(path).findings]
     assert any(one.startswith("all frames: mast is picked 2 times, up to ") for one in found)
+
+
+def test_a_flight_without_a_solution_names_what_is_far_off() -> None:
+    """A landmark 1200 km up; one that is 29 times as far as most is not; a track that leaps."""
+    flight = uneven_flight([4, 4, 4])
+    marks, places = flight.landmarks, flight.path.position_m
+    usual_m = float(np.median(flight.pick_range_m))
+    told = []
+    for away_m in (0.0, 28.0 * usual_m, 1.2e6):
+        moved = marks.position_m.copy()
+        moved[2] += away_m * (places[0] / np.linalg.norm(places[0]))
+        told.append(str(no_solution(replace(flight, landmarks=replace(marks, position_m=moved)))))
+    held = replace(flight.options, solve_position=False)
+    told.append(str(no_solution(replace(flight, options=held))))
+    leaps = Finding(f"the track {LEAPS}", flight.source, severity="warning")
+    told.append(str(no_solution(replace(flight, findings=(leaps,)))))
+    nowhere = replace(flight.path, position_m=np.full_like(places, np.nan))
+    assert str(no_solution(replace(flight, path=nowhere))) == told[0] == told[1]
+    assert_approved(told[1:])
