@@ -22,6 +22,7 @@ from vopd.attitude.sigmas import Sigmas
 from vopd.attitude.table import (
     FIXED,
     ROWS_AT_ONCE,
+    chosen_columns,
     column_name,
     columns_of,
     matrices,
@@ -304,6 +305,13 @@ def test_blocks_of_rows_of_jobs_of_which_one_lacks_what_another_has(
     long = history(estimate(np.tile([140.0, -60.0, 20.0], (3, 1))), sigmas=Sigmas(reading=1.0))
     blocks = [*table_blocks([one_part(long)], columns_of([long]))]
     assert [one["frame"].tolist() for one in blocks] == [[1, 2], [3]]
+
+
+def test_a_roll_of_half_circles_says_so() -> None:
+    h = history(one_of())
+    (plain,), (half,) = (chosen_columns([h], ["vehicle_roll_deg"], one) for one in (False, True))
+    assert half.lowest == -180.0
+    assert_approved([plain.meaning, half.meaning])
 
 
 def test_a_vertical_that_is_none() -> None:

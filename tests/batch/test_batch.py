@@ -272,6 +272,16 @@ def folder_as_a_manifest(place: Path) -> list[Any]:
     return ["--manifest", place, "-d", place / "out"]
 
 
+def picture_as_a_manifest(place: Path) -> list[Any]:
+    (place / "list.png").write_bytes(b"\x89PNG\r\n\x1a\n more")
+    return ["--manifest", place / "list.png", "-d", place / "out"]
+
+
+def archive_as_a_manifest(place: Path) -> list[Any]:
+    (place / "list.gz").write_bytes(b"\x1f\x8b\x08 more")
+    return ["--manifest", place / "list.gz", "-d", place / "out"]
+
+
 REFUSED = (
     empty_manifest,
     same_name,
@@ -284,6 +294,8 @@ REFUSED = (
     standard_input,
     manifest_of_itself,
     folder_as_a_manifest,
+    picture_as_a_manifest,
+    archive_as_a_manifest,
 )
 
 
@@ -337,6 +349,7 @@ def test_a_part_without_a_source_has_nothing_to_do(tmp_path: Path) -> None:
     first = vopd("batch", CASE_1, "-d", out, "--shard", "2/2")
     assert (first.status, first.stdout, out.exists()) == (0, "", False)
     assert_approved(first.stderr)
+    assert vopd("batch", CASE_1, "-d", out, "--shard", "2/2", "-q").stderr == ""
     assert vopd("batch", CASE_1, "-d", out, "--shard", "1/2").status == 0
     before = contents(out)
     assert vopd("batch", CASE_1, "-d", out, "--shard", "2/2").status == 0

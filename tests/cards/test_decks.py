@@ -581,10 +581,11 @@ def test_a_deck_without_its_sequence_numbers_is_the_deck(end: str, form: str) ->
 
 
 def test_sequence_numbers_from_nought_on_in_steps_of_one() -> None:
-    cards = TEXT.splitlines()[:33]
+    """Of more cards than the farthest step to the next number."""
+    cards = [*TEXT.splitlines()[:33], *TEXT.splitlines()[43:64] * 5]
     numbered = [f"{card:<72}{k:08}" for k, card in enumerate(cards)]
     bare, stripped = strip_sequence("\n".join(numbered).encode(), "a")
-    assert (bare.decode().split("\n"), stripped) == (cards, set(range(1, 34)))
+    assert (bare.decode().split("\n"), stripped) == (cards, set(range(1, 139)))
 
 
 def test_blank_lines_behind_the_head_of_a_deck_are_no_cards() -> None:

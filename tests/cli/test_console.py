@@ -326,6 +326,14 @@ def test_what_is_offered(monkeypatch: pytest.MonkeyPatch, line: str, expected: l
     assert offered(monkeypatch, line) == expected
 
 
+def test_a_shell_that_shows_what_a_command_does_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = {"_VOPD_COMPLETE": "zsh_complete", "COMP_WORDS": "vopd ", "COMP_CWORD": "1"}
+    for name, value in asked.items():
+        monkeypatch.setenv(name, value)
+    lines = vopd().stdout.splitlines()
+    assert {*zip(lines[1::3], lines[2::3], strict=True)} >= {*COMMANDS.items()}
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_a_shell_accepts_its_script(shell: str, tmp_path: Path) -> None:
     environment = os.environ | {"_VOPD_COMPLETE": f"{shell}_source", "PYTHONPATH": str(ROOT)}

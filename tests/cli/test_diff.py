@@ -46,6 +46,22 @@ def test_differences() -> None:
     )
 
 
+def test_the_largest_may_come_behind_those_that_are_sorted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of two frames' differences, a thousandth of a degree and two, only the first is held."""
+    monkeypatch.setattr("vopd.cli.diff.SORTED", 1)
+    Path("two.lst").write_text(PAGE + PAGE.replace("  730 ", "   60 "), encoding="ascii")
+    more = PHI + PAGE.replace("  730 ", "   60 ").replace(" 75.837", " 75.839")
+    result = diff("two.lst", "-", "--units", "0", stdin=more)
+    assert (result.status, result.stderr) == (1, "")
+    assert result.stdout.splitlines()[-2] == "largest: 0.002 deg (frame 60, PHI)"
+
+
+def test_a_long_text_is_no_listing_by_its_first_megabyte() -> None:
+    result = diff("page.lst", "-", stdin="a line of text\n" * 80_000)
+    assert result.status == 1
+    assert_approved(result.stderr)
+
+
 def test_lines_and_pages_that_only_one_has() -> None:
     lines = PAGE.splitlines(keepends=True)
     shorter = "".join(lines[:10] + lines[11:])

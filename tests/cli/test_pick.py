@@ -7,20 +7,23 @@ import os
 import re
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from tests.approved.texts import assert_approved
+from tests.approved.texts import assert_approved, refused
 from tests.kit.command import DECKS, vopd
 from tests.kit.flight_project import TOML, camera_m, marks_m, write_project
 from tests.kit.video import write_video
 from tests.tolerances import assert_close
+from vopd.findings import VopdError
 from vopd.flight.flight import Refraction
 from vopd.flight.project.new import example_project
 from vopd.flight.solve.lines_of_sight import sight_lines
+from vopd.report.pick import PageContent, pick_page
 
 MARKS = "landmark,lat_deg,lon_deg,h_m\nmast,47,8,400\n</script>,47.001,8,400\n"
 
@@ -298,6 +301,34 @@ def test_a_pixel_of_a_scanned_film_in_inches_of_the_reader() -> None:
     done = vopd("pick", "1.png", "-o", "p.html", "--cards", deck, "--dpi", "2540")
     assert done.status == 0, done.stderr
     assert_close("inch of the reader", data()["deck"]["inch"], 0.01 / 0.713816400205)
+    assert [one["number"] for one in data()["frames"]] == [1]
+    Path("again").mkdir()
+    Path("1.png").rename(Path("again", "b_1.png"))
+    Image.new("L", (8, 6)).save(Path("again", "a_1.png"))
+    done = vopd("pick", "again", "-o", "q.html", "--cards", deck, "--dpi", "2540")
+    assert done.status == 1 and not Path("q.html").exists()
+    assert_approved(done.stderr)
+
+
+@pytest.mark.parametrize(
+    ("chapters", "chosen"), [(["a"], [2, 5, 7]), (["a"], [7]), (["a"], [0]), ([], [2, 7])]
+)
+def test_a_frame_that_cannot_be_read_is_said_with_those_before_it(
+    chapters: list[str], chosen: list[int]
+) -> None:
+    """The last one; of a video, whose end may be missing, but not of images or the first frame."""
+
+    def pictures(which: list[int]) -> list[Any]:
+        if which == chosen[-1:]:
+            raise VopdError("no picture.")
+        return [Image.new("L", (8, 6))]
+
+    frames: Any = SimpleNamespace(
+        pictures=pictures, chapters=chapters, source="a.mp4", label=str, time_s=np.zeros(8),
+        jpeg=lambda k: None,
+    )  # fmt: skip
+    with refused(VopdError):
+        pick_page(frames, chosen, PageContent())
 
 
 def test_wrong_usage(tmp_path: Path) -> None:
@@ -307,13 +338,15 @@ def test_wrong_usage(tmp_path: Path) -> None:
     Path("short.dat").write_text("\n".join(deck.splitlines()[:28]))
     Path("head.dat").write_text("\n".join(deck.splitlines()[:30]))
     Image.new("L", (8, 6)).save("x.png")
+    Path("only").mkdir()
+    write_project(tmp_path / "only", TOML)
     Path("many").mkdir()
     for k in range(61):
         Path("many", f"{k}.png").touch()
     for arguments in (
         "a.mp4 -o p.txt", "a.mp4", "a.mp4 -o p.html --at 3,x", "a.mp4 -o p.html --at 3,40",
-        "flight.toml -o p.html", "flight.toml a.mp4 -o p.html", "many -o p.html",
-        "none.mp4 -o p.html", "a.mp4 -o p.html --landmarks none.csv",
+        "flight.toml -o p.html", "flight.toml a.mp4 -o p.html", "only a.mp4 -o p.html",
+        "many -o p.html", "none.mp4 -o p.html", "a.mp4 -o p.html --landmarks none.csv",
         "a.mp4 -o p.html --clicks picks.csv", "a.mp4 -o a.mp4/p.html",
         "a.mp4 -o p.html --cards picks.csv", "flight.toml -o p.html --cards x --dpi 9",
         "a.mp4 -o p.html --cards picks.csv --dpi 9", "a.mp4 -o p.html --cards none.dat --dpi 9",

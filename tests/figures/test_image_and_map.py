@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import csv
+import io
 import json
 import shutil
 from dataclasses import replace
@@ -31,7 +33,7 @@ from vopd.attitude.history import History
 from vopd.attitude.history import history as from_estimate
 from vopd.errata import fixes
 from vopd.figures import draw, patches
-from vopd.figures.map import LOOKS_UP, MISSES, STEPS
+from vopd.figures.map import LOOKS_UP, MISSES, STEPS, ground
 from vopd.figures.style import doubts_text, place_names
 from vopd.film import film_estimate
 from vopd.findings import VopdError
@@ -176,6 +178,15 @@ def test_a_photograph_is_found_by_its_number(tmp_path: Path) -> None:
             assert (f"{40 + frame} x 30: not the size" in said) == (frame in (1, 3, 4))
 
 
+def test_photographs_of_a_report_are_reduced() -> None:
+    scene: Any = SimpleNamespace(
+        photographs=lambda names: [(k, Image.new("L", (3000, 1500))) for k in range(len(names))]
+    )
+    found, why = embedded_photographs([with_estimate(hill(), scene=lambda: scene)])
+    sizes = {Image.open(io.BytesIO(base64.b64decode(one))).size for _, one in found}
+    assert ([frame for frame, _ in found], sizes, why) == ([0, 1, 2, 3, 4], {(1024, 512)}, "")
+
+
 def test_lines_of_sight_meet_their_landmarks() -> None:
     """To a metre: the picks are of the third of a pixel at some hundred metres."""
     axis, said = panel("map", hill())
@@ -295,6 +306,18 @@ def test_a_camera_below_its_landmarks_has_a_sector_in_place_of_ground() -> None:
     azimuth = np.degrees(np.arctan2(ways[:, 0], ways[:, 1]))
     half = np.degrees(np.arctan(35.9 / 2.0 / 35.0))  # and more in the corners, by the pitch
     assert half < np.ptp(azimuth) / 2.0 < half + 2.0
+
+
+def test_a_view_above_the_horizon_meets_no_ground() -> None:
+    """Of a camera 100 m above its landmarks: rays upward, and one that goes down."""
+    camera_m = np.array([6378137.0, 0.0, 0.0])
+    axes = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # east, north, up
+    marks = camera_m + np.array([[-100.0, 0.0, 300.0], [-100.0, 50.0, 300.0]])
+    up = np.array([[0.0, 0.8, 0.6], [0.6, 0.0, 0.8]])
+    assert ground(up, marks, camera_m, axes, 320.0) == (None, False)
+    met, endless = ground(np.array([[0.0, 0.8, -0.6], up[0]]), marks, camera_m, axes, 320.0)
+    assert met is not None and endless
+    assert_close("miss on a map", met[0] - camera_m, [-100.0, 0.0, 400.0 / 3.0])
 
 
 def test_heights_are_not_drawn_smaller_than_distances() -> None:

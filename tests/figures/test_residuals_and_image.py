@@ -88,6 +88,18 @@ def test_no_mean_is_where_no_frame_is() -> None:
         assert_close("drawn residual", found, expected)
 
 
+def test_many_residuals_are_dots() -> None:
+    """Each where it is, up to an edge that a few are beyond."""
+    residual = np.column_stack([np.linspace(-0.004, 0.004, 250)] * 8)
+    residual[100] = [0.5, -0.5] * 4
+    above = drawn(by_hand(250, residual=residual, units=ON_FILM))[0].axes[0]
+    (dots,) = (one for one in above.lines if one.get_marker() == ",")
+    most = above.get_ylim()[1] / 1.06
+    assert most < 500.0
+    expected = np.clip(1000.0 * residual[:, :4], -most, most)
+    assert_close("drawn residual", np.sort(dots.get_ydata()), np.sort(expected.ravel()))
+
+
 def test_pixels_are_drawn_as_they_are_picked() -> None:
     """Residuals x to the left and y up are u to the right and v down."""
     figure, said = drawn(film(units=Units("m", "px", 1.0, "px", 1.0)))
@@ -168,6 +180,7 @@ def test_one_frame_has_its_residuals_by_landmark() -> None:
     assert f"picked minus computed; rms of a coordinate {rms:.3g} px; in sigmas, rms " in said
     figure, said = drawn(one, one)
     assert "; columns from left to right: the jobs; " in said
+    assert len(texts(figure.legends[0])) == 3
     heights = [bar.get_height() for bar in figure.axes[0].patches]
     assert_close("table value", heights, 2.0 * np.abs(X[0]))
     assert len({spot.get_facecolor().tobytes() for spot in figure.axes[0].collections}) == 2

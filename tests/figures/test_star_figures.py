@@ -53,6 +53,19 @@ def test_a_photograph_is_drawn_to_scale() -> None:
     assert_close("unit element", np.column_stack([arrows.U, arrows.V]), residuals)
 
 
+@pytest.mark.parametrize("shown", [True, False])
+def test_a_border_covers_no_photograph(shown: bool) -> None:
+    images, edges = np.array([[10.0, 20.0], [40.0, 5.0]]), (0.0, 60.0, 40.0, 0.0)
+    photograph = pytest.importorskip("PIL.Image").new("L", (60, 40), 20) if shown else None
+    picture = StarPicture(
+        "", images, 0.0 * images, ("a", "b"), "px", edges=edges, in_file=True, y_down=True,
+        photograph=photograph,
+    )  # fmt: skip
+    (axis,) = draw_star_residuals(picture).axes
+    (border,) = axis.patches
+    assert (border.get_facecolor()[3], len(axis.images)) == ((0.0, 1) if shown else (1.0, 0))
+
+
 UNITS = {  # of the images: of the longest residual, .03, in the unit of residuals, and of the axes
     "mm": ("20 µm", 0.02, "x, mm in the image, to the right", "y, mm in the image, up"),
     "px": ("0.02 px", 0.02, "x, px in the image, to the right", "y, px in the image, up"),
@@ -415,6 +428,10 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     file.write_text(unsaid, encoding="utf-8")
     assert images() == 1 and "600 x 400" not in picture.read_text(encoding="utf-8")
     file.write_text(text, encoding="utf-8")
+    (tmp_path / "orion.png").rename(tmp_path / "whole.png")
+    (tmp_path / "orion.png").write_bytes(b"no image")
+    assert images() == 0 and "no photograph" not in picture.read_text(encoding="utf-8")
+    (tmp_path / "whole.png").rename(tmp_path / "orion.png")
     (tmp_path / "broken.png").write_bytes(b"no image")
     broken = plot(file, "-o", picture, "--images", tmp_path / "broken.png")
     assert broken.status == 0 and "no photograph: " in picture.read_text(encoding="utf-8")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,8 +16,10 @@ from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import assert_approved, refused
 from tests.kit.clicked_flights import ClickedFlight, clicked_flight, dense_solution, with_rows
+from tests.kit.command import vopd
 from tests.kit.flight_project import TOML, pixels, write_project
 from tests.kit.joint_flights import NED_FROM_ENU, axes, turned_out
+from tests.kit.video import write_video
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.attitude.included import left_out_text
@@ -26,7 +29,7 @@ from vopd.flight.adjust.adjustment import adjust
 from vopd.flight.adjust.project import adjusted_project
 from vopd.flight.check import check_flight
 from vopd.flight.flight import Flight, FrameSlots
-from vopd.flight.formats.picks import Names
+from vopd.flight.formats.picks import CLICKS, HIDDEN, Names
 from vopd.flight.formats.tracked import TrackedRows, tracked_lines
 from vopd.flight.misfits.click_tests import without_readings, without_wrong_clicks
 from vopd.flight.misfits.unsolved import picks_outside
@@ -570,6 +573,37 @@ def test_residuals_of_an_adjusted_project_are_those_of_the_joint_solution(tmp_pa
         first, again = (getattr(one.estimates.whole(), name) for one in (joint.result, held))
         assert_close("residual as solved", again, first)
     assert joint.result.next_clicks and not held.next_clicks
+
+
+def test_the_page_of_picks_says_where_to_click_next(tmp_path: Path) -> None:
+    """Three places, and others where the page says that a landmark is not to be seen."""
+    path = clicked_project(tmp_path)
+    path.write_text(path.read_text().replace("[picks]\n", '[picks]\nvideo = "a.mp4"\n'))
+    write_video(tmp_path / "a.mp4", [100 * k for k in range(5)])
+    picks, tracked = tmp_path / "picks.csv", tmp_path / "tracked.csv"
+    rows = [row for row in tracked.read_text().splitlines() if not row.startswith("# ")]
+
+    def places() -> list[tuple[str, str]]:
+        digests = [
+            f"# {name}: {one}" for name, one in track_digests(read_project(str(path))).items()
+        ]
+        tracked.write_text("\n".join([*digests, *rows, ""]))
+        done = vopd("pick", path, "-o", tmp_path / "p.html")
+        assert done.status == 0, done.stderr
+        page = (tmp_path / "p.html").read_text(encoding="utf-8")
+        found = re.search(r'id="data">(.*?)</script>', page, re.S)
+        assert found
+        shown = json.loads(found[1])
+        names = [one["name"] for one in shown["frames"]]
+        return [(names[one["frame"]], one["landmark"]) for one in shown["places"]]
+
+    found = places()
+    joint = solve_flight(path).estimates.joint
+    assert joint is not None
+    assert found == [(one.frame, one.landmark) for one in next_places(joint)]
+    picks.write_text(f"{CLICKS}\n{HIDDEN}{','.join(found[0])}\n{picks.read_text()}")
+    others = places()
+    assert len(others) == len(found) == 3 and found[0] not in others
 
 
 def test_another_lens_is_said_and_the_picks_serve(tmp_path: Path) -> None:

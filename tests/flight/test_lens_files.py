@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -833,6 +834,7 @@ def test_broken_json_and_yaml_say_where() -> None:
     assert_approved(no_lens(text[:-1]))
     assert_approved(no_lens("camera_matrix: [1, 2\nb: }"), others_after="not valid YAML:")
     assert "\n" not in no_lens("camera_matrix: [1, 2\nb: }")
+    assert re.search(r"line 2, column \d+: \w", no_lens("camera_matrix: [1, 2\nb: }"))
     assert_approved(no_lens("# camera_matrix\n- 1\n"))
     for head in ("%YAML:1.0\n---\n", "%YAML 1.2\n---\n", "\n  # x\n"):
         found = lens_of(head + "camera_matrix: [70, 0, 2, 0, 60, 3, 0, 0, 1]\n", size_px=(64, 48))

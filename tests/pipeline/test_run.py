@@ -26,6 +26,14 @@ GOLDEN = Path(__file__).parents[2] / "golden_outputs" / "regression" / "appendix
 STACKED = DECKS / "appendix_h" / "cases_1_2_3.dat"  # of 3, 2 and 2 landmarks
 
 
+def test_a_job_with_a_number_that_is_none_is_refused() -> None:
+    """A card cannot hold one, but an array that is made can."""
+    (job,) = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")
+    clock = replace(job.clock, time_s=np.full_like(job.clock.time_s, np.nan))
+    with refused(VopdError):
+        vopd.run(replace(job, clock=clock))
+
+
 def test_the_arrays_are_those_of_each_job() -> None:
     jobs = vopd.read_deck(STACKED)
     together = vopd.run(jobs)

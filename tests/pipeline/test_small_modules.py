@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ from vopd.findings import (
     strict,
 )
 from vopd.geometry.ellipsoids import ELLIPSOIDS
+from vopd.inputs import no_file
 from vopd.job import copied_readings_text
 from vopd.pipeline import SolveOptions, is_flight, solve_decks, solve_sources
 from vopd.results import CONVERGED_RAD, Outcome, SolvedJob, SourceEnd
@@ -209,6 +211,12 @@ def test_what_a_file_is_by_its_first_bytes() -> None:
     assert kind_by_first_bytes(b"\xff\xfe\0") == dict(SIGNATURES)[b"\xff\xfe"]
     assert kind_by_first_bytes(b"") is None
     assert_approved([f"{start!r}: {kind}" for start, kind in SIGNATURES])
+
+
+def test_a_device_is_no_file() -> None:
+    """Also the one that is empty, which may stand where a pipe may."""
+    assert no_file(os.devnull, pipes=True) == no_file(__file__) == ""
+    assert_approved(no_file(os.devnull))
 
 
 @pytest.mark.parametrize(("copied", "said"), [(0, False), (3, False), (4, True), (6, True)])

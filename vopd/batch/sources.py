@@ -175,7 +175,7 @@ def _in_folder(folder: str) -> Iterator[tuple[str, str]]:
 def _fixed_part(pattern: str) -> str:
     """Take the folders of a pattern before the first that has a wildcard."""
     fixed = []
-    for part in PurePath(pattern).parts[:-1]:
+    for part in PurePath(pattern).parts:
         if glob.has_magic(part):
             break
         fixed.append(part)
