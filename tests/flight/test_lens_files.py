@@ -24,9 +24,9 @@ from vopd.flight.formats.lens import (
     LensRead,
     coefficients_said,
 )
-from vopd.flight.project.camera import read_lens
+from vopd.flight.project.camera import doubts_of_lens, read_lens
 from vopd.flight.project.keys import Project, Section
-from vopd.geometry.lenses import LensKind
+from vopd.geometry.lenses import Lens, LensKind
 
 
 def read(folder: Path, text: str, **question: Any) -> LensRead:
@@ -842,3 +842,22 @@ def test_broken_json_and_yaml_say_where() -> None:
         assert_approved(found.said)
     code = "!!python/object/apply:os.getpid []"
     assert_approved(no_lens(f"camera_matrix: {code}\n"), others_after="not valid YAML:")
+
+
+@pytest.mark.parametrize(
+    ("centre_px", "told", "size"),
+    [
+        ((959.5 - 190.0, 539.5), False, ""), ((959.5 + 194.0, 539.5), True, ""),
+        ((959.5, 539.5 - 110.0), True, ""), ((639.5, 359.5), True, "1280 x 720"),
+        ((1439.5, 809.5), True, "2880 x 1620"),
+    ],
+)  # fmt: skip
+def test_a_principal_point_far_from_the_middle_is_doubted(
+    centre_px: tuple[float, float], told: bool, size: str
+) -> None:
+    """By more than a tenth of 1920 or of 1080; (c + .5) over half of them is the other size's."""
+    lens = Lens(LensKind.BROWN, (1920, 1080), np.full(2, 1500.0), np.array(centre_px), np.zeros(12))
+    found = list(doubts_of_lens(lens))
+    assert bool(found) == told
+    assert [one for one in found if "It is the middle of " in one] == found[: bool(size)]
+    assert not size or found[0].endswith(f"It is the middle of {size}.")

@@ -288,16 +288,30 @@ def check_size(section: Section, own: tuple[int, int], size: tuple[int, int], wh
 
 
 OBLONG = 1.5  # fx_px by fy_px: pixels of 1440 x 1080 that are shown in 16:9 have 1.33
+ASIDE = 0.1  # of a side: principal points are within some hundredths of the middle
+ALIKE = 0.05  # of a side, by which the two parts of it differ in a smaller picture
 SHORT = 0.1  # of the longer side: an image without the distortion of a fisheye is 157 degrees wide
 
 
 def doubts_of_lens(lens: Lens) -> Iterator[str]:
-    """Doubt a principal point at pixel 0, 0, oblong pixels, and a focal length in millimetres."""
+    """Doubt a principal point far from the middle, oblong pixels, a focal length in millimetres."""
+    wide, high = lens.size_px
+    aside = np.abs(lens.centre_px + 0.5 - np.array(lens.size_px) / 2.0) / lens.size_px
     if (np.abs(lens.centre_px) <= 1.0).all():
         yield (
             "[camera] lens: the principal point {:g}, {:g} is in the corner of the image: was it "
             "set? Without cx_px and cy_px a table's is the image's middle"
         ).format(*lens.centre_px)
+    elif (aside > ASIDE).any():
+        (part, other), of = 2.0 * (lens.centre_px + 0.5) / lens.size_px, ""
+        if abs(part - other) < ALIKE:
+            part = (part + other) / 2.0
+            of = f" It is the middle of {part * wide:.0f} x {part * high:.0f}."
+        yield (
+            f"[camera] lens: the principal point {lens.centre_px[0]:g}, {lens.centre_px[1]:g} is "
+            f"{aside.max():.0%} of the side from the middle of an image of {wide} x {high}: is it "
+            f"of images of another size (lens_size_px), or cut off at a side?{of}"
+        )
     (fx_px, fy_px), side_px = lens.focal_px.tolist(), max(lens.size_px)
     if max(fx_px, fy_px) > OBLONG * min(fx_px, fy_px):
         yield (
