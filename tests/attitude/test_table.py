@@ -307,6 +307,12 @@ def test_blocks_of_rows_of_jobs_of_which_one_lacks_what_another_has(
     assert [one["frame"].tolist() for one in blocks] == [[1, 2], [3]]
 
 
+@pytest.mark.parametrize("name", ["vehicle_yaw_dg", "yaw", "sigma_yaw", "temperature"])
+def test_a_column_that_there_is_not_has_a_neighbour(name: str) -> None:
+    with refused(VopdError):
+        chosen_columns([history(one_of())], [name])
+
+
 def test_a_roll_of_half_circles_says_so() -> None:
     h = history(one_of())
     (plain,), (half,) = (chosen_columns([h], ["vehicle_roll_deg"], one) for one in (False, True))

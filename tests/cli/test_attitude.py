@@ -342,6 +342,14 @@ def test_the_status_of_attitude_histories(
     assert capsys.readouterr().err == said
 
 
+@pytest.mark.parametrize("flights", [1, 2])
+def test_flights_whose_inputs_seem_wrong_are_counted(flights: int, capsys: Said) -> None:
+    assert Collected([], [], False, False, flights).status(USUAL, Messages()) == 0
+    assert capsys.readouterr().err == ""
+    assert Collected([], [], False, False, flights).status(STRICT, Messages()) == 3
+    assert_approved(capsys.readouterr().err)
+
+
 def test_misfits_of_long_jobs_are_told_at_the_end(
     monkeypatch: pytest.MonkeyPatch, capsys: Said
 ) -> None:

@@ -201,6 +201,13 @@ def test_a_number_of_thousands_of_digits(option: str) -> None:
     assert vopd("cards", CASE_1, option, "9" * 5000).status == 2
 
 
+@pytest.mark.parametrize("option", ["--card", "--group"])
+def test_sequence_numbers_are_taken_off_all_cards(option: str, tmp_path: Path) -> None:
+    ran = vopd("cards", CASE_1, "--strip-sequence", option, "8", "-o", tmp_path / "a.dat")
+    assert ran.status == 2 and not (tmp_path / "a.dat").exists()
+    assert_approved(ran.stderr.splitlines()[-1])
+
+
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_sequence_numbers_are_taken_off(end: str, tmp_path: Path) -> None:
     """Of all cards but those of group 7, which have the altitude there."""

@@ -137,3 +137,11 @@ def test_the_command_draws_it(wrong: Path, tmp_path: Path) -> None:
     assert vopd("adjust", wrong, "--free", "focal", "--figure", tmp_path / "a.jpg").status == 2
     over = vopd("adjust", wrong, "--free", "focal", "--figure", wrong)
     assert over.status == 2 and wrong.read_text(encoding="utf-8").startswith("[flight]")
+    photograph = wrong.parent / "frame_0000.png"
+    photograph.write_bytes(b"a photograph")
+    named = wrong.read_text(encoding="utf-8").replace(
+        "[picks]", '[picks]\nvideo = "frame_0000.png"'
+    )
+    wrong.write_text(named, encoding="utf-8")
+    over = vopd("adjust", wrong, "--free", "focal", "--figure", photograph)
+    assert over.status == 1 and photograph.read_bytes() == b"a photograph"

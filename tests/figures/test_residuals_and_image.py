@@ -100,6 +100,24 @@ def test_many_residuals_are_dots() -> None:
     assert_close("drawn residual", np.sort(dots.get_ydata()), np.sort(expected.ravel()))
 
 
+def test_of_more_landmarks_than_colours_the_others_are_dots_alone() -> None:
+    """Of three jobs with four landmarks each those with the smallest residuals."""
+    size = np.arange(12.0).reshape(3, 4) + 1.0
+    jobs = [
+        by_hand(
+            250, residual=np.tile(np.tile(size[k], 2) * 1e-3, (250, 1)), units=ON_FILM,
+            landmark=np.tile(np.arange(4) + 4 * k + 7, (250, 1)), said={"job": k},
+        )
+        for k in range(3)
+    ]  # fmt: skip
+    figure, said = drawn(*jobs)
+    lines = by_landmark(figure.axes[0])
+    least = min(float(np.nanmin(np.array(line, float)[:, 1])) for line in lines.values())
+    assert 4 < len(lines) < 12
+    assert_close("drawn residual", least, 13.0 - len(lines))
+    assert_approved(next(one for one in said.split("; ") if one.startswith("lines: ")))
+
+
 def test_pixels_are_drawn_as_they_are_picked() -> None:
     """Residuals x to the left and y up are u to the right and v down."""
     figure, said = drawn(film(units=Units("m", "px", 1.0, "px", 1.0)))

@@ -325,6 +325,15 @@ def test_a_narrow_field_has_its_lines_in_minutes_and_seconds() -> None:
     assert_approved(sorted(one.get_text() for one in axis.texts))
 
 
+def test_a_field_between_two_lines_has_none() -> None:
+    """A hundredth of a second of arc, which no whole second crosses."""
+    axis = Figure().add_subplot()
+    edges = (-1e-6, 1e-6, -1e-6, 1e-6)
+    sky = np.array([84.00123, -10.00012])
+    assert len(_draw_sky(axis, lambda at: at + sky, edges, "black", np.zeros((1, 2)))) == 0
+    assert not axis.texts and not axis.collections
+
+
 @pytest.mark.parametrize("name", ["orion.csv", "orion_misidentified.csv"])
 def test_no_number_of_the_sky_is_covered(name: str, tmp_path: Path) -> None:
     """Each line has one at most, and it is off the stars' names, marks and the panel's edge."""

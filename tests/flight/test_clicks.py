@@ -583,7 +583,7 @@ def test_the_page_of_picks_says_where_to_click_next(tmp_path: Path) -> None:
     picks, tracked = tmp_path / "picks.csv", tmp_path / "tracked.csv"
     rows = [row for row in tracked.read_text().splitlines() if not row.startswith("# ")]
 
-    def places() -> list[tuple[str, str]]:
+    def places(file: str) -> list[tuple[str, str]]:
         digests = [
             f"# {name}: {one}" for name, one in track_digests(read_project(str(path))).items()
         ]
@@ -591,18 +591,22 @@ def test_the_page_of_picks_says_where_to_click_next(tmp_path: Path) -> None:
         done = vopd("pick", path, "-o", tmp_path / "p.html")
         assert done.status == 0, done.stderr
         page = (tmp_path / "p.html").read_text(encoding="utf-8")
+        assert f">Save {file}<" in page
         found = re.search(r'id="data">(.*?)</script>', page, re.S)
         assert found
         shown = json.loads(found[1])
         names = [one["name"] for one in shown["frames"]]
         return [(names[one["frame"]], one["landmark"]) for one in shown["places"]]
 
-    found = places()
+    found = places("clicks.csv")
     joint = solve_flight(path).estimates.joint
     assert joint is not None
     assert found == [(one.frame, one.landmark) for one in next_places(joint)]
-    picks.write_text(f"{CLICKS}\n{HIDDEN}{','.join(found[0])}\n{picks.read_text()}")
-    others = places()
+    text = picks.read_text()
+    picks.write_text(f"{CLICKS}\n{text}")
+    assert places("picks.csv") == found
+    picks.write_text(f"{CLICKS}\n{HIDDEN}{','.join(found[0])}\n{text}")
+    others = places("picks.csv")
     assert len(others) == len(found) == 3 and found[0] not in others
 
 

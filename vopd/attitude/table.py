@@ -320,7 +320,10 @@ def _instead_of(name: str, every: Sequence[str]) -> str:
     word = name.lower().removeprefix("camera_").removesuffix("_deg")
     if word in OTHER_WORDS:
         return OTHER_WORDS[word]
-    near = nearest_word(name, every)
+    having = [one for one in every if {*word.split("_")} <= {*one.split("_")}]
+    shortest = min((one.count("_") for one in having), default=0)
+    near = [one for one in having if one.count("_") == shortest][:MOST_HINTED]
+    near = near or nearest_word(name, every)
     parts = dict.fromkeys(part for one in every for part in one.split("_") if one[:4] != "half")
     for part in (word, *nearest_word(word, parts)):
         near = near or [one for one in every if part in one.split("_")][:MOST_HINTED]

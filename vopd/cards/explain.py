@@ -148,8 +148,6 @@ class _Explainer:
     def _point(self) -> str:
         """Name the point on this card of the basic data, and which of its three readings it is."""
         frame = bisect_right(self._frame_ends, self._row)
-        if frame == len(self._frame_ends):
-            return "beyond the frames that group 5 counts"
         count = self._per_frame[frame]
         row = self._row - self._frame_ends[frame] + FIDUCIAL_CARDS + 3 * count
         point, reading = row // 3 + 1, row % 3 + 1
