@@ -42,6 +42,7 @@ from vopd.figures import (
     refuse_small,
 )
 from vopd.figures.attitude import (
+    NO_ATTACK,
     broken,
     draw_table,
     from_cut,
@@ -191,6 +192,14 @@ def test_one_frame_is_a_table() -> None:
     values = table([one])
     yaw, half = values["vehicle_yaw_deg"][0], values["half_width_95_vehicle_yaw_deg"][0]
     assert 1.0 <= half < 10.0 and f"{yaw:.1f} ± {half:.1f}" in cells
+    (axis,) = panels(draw("attack", [one]))
+    cells = [cell.get_text().get_text() for cell in axis.tables[0].get_celld().values()]
+    alpha, half = values["alpha_deg"][0], values["half_width_95_alpha_deg"][0]
+    assert 1.0 <= half < 10.0 and f"{alpha:.1f} ± {half:.1f}" in cells
+    lost = with_estimate(one, attack_deg=np.full((1, 3), np.nan))
+    (part,) = draw("attitude", [lost]).subfigs
+    assert part.get_suptitle().endswith(f"\n{NO_ATTACK}")
+    assert NO_ATTACK not in draw("attitude", [one]).subfigs[0].get_suptitle()
 
 
 def test_the_table_of_one_frame_tells_camera_and_vehicle_apart() -> None:

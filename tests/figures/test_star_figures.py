@@ -415,7 +415,10 @@ def test_a_matrix_as_solved_is_drawn(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("not_laid_out")
 def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
-    """It is beside the star file, under the name of column image, or where --images says."""
+    """It is beside the star file, under the name of column image, or where --images says.
+
+    Its border is half a pixel beyond the first and the last one, and the panel's 3 % more.
+    """
     pillow = pytest.importorskip("PIL.Image")
     lines = [line for line in PIXELS.read_text().splitlines() if not line.startswith("#")]
     text = "\n".join([f"image,{lines[0]}", *(f"orion.png,{line}" for line in lines[1:])])
@@ -429,6 +432,14 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
         return picture.read_text(encoding="utf-8").count("<image")
 
     assert images() == 0
+
+    def border() -> Any:
+        axis = plot_stars([str(file)], None, None)[0].axes[0]
+        (one,) = axis.patches
+        return [*np.sort(one.get_bbox().get_points(), axis=0).ravel(), *axis.get_ylim()]
+
+    whole = [-0.5, -0.5, 5999.5, 5199.5, 2599.5 + 0.515 * 5200, 2599.5 - 0.515 * 5200]
+    assert_close("table value", border(), whole)
     pillow.new("L", (600, 400), 20).save(tmp_path / "orion.png")
     assert images() == 1 and "600 x 400" in picture.read_text(encoding="utf-8")
     text = file.read_text(encoding="utf-8")
@@ -436,7 +447,9 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     assert unsaid != text
     file.write_text(unsaid, encoding="utf-8")
     assert images() == 1 and "600 x 400" not in picture.read_text(encoding="utf-8")
+    assert_close("table value", border()[:4], [-0.5, -0.5, 599.5, 399.5])
     file.write_text(text, encoding="utf-8")
+    assert_close("table value", border(), whole)
     (tmp_path / "orion.png").rename(tmp_path / "whole.png")
     (tmp_path / "orion.png").write_bytes(b"no image")
     assert images() == 0 and "no photograph" not in picture.read_text(encoding="utf-8")

@@ -579,7 +579,7 @@ def test_the_page_of_picks_says_where_to_click_next(tmp_path: Path) -> None:
     """Three places, and others where the page says that a landmark is not to be seen."""
     path = clicked_project(tmp_path)
     path.write_text(path.read_text().replace("[picks]\n", '[picks]\nvideo = "a.mp4"\n'))
-    write_video(tmp_path / "a.mp4", [100 * k for k in range(5)])
+    write_video(tmp_path / "a.mp4", [100 * k for k in range(40)])
     picks, tracked = tmp_path / "picks.csv", tmp_path / "tracked.csv"
     rows = [row for row in tracked.read_text().splitlines() if not row.startswith("# ")]
 

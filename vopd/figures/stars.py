@@ -152,7 +152,6 @@ def draw_star_residuals(picture: StarPicture, size_in: Inches | None = None) -> 
                 np.asarray(shown), extent=(left, right, low, high), zorder=0,
                 origin="upper", interpolation="antialiased",
             )  # fmt: skip
-            axis.set(xlim=sides[:, 0], ylim=sides[:, 1])
         if picture.edges is not None:
             axis.add_patch(image_border(edges, "none" if picture.photograph else "0.97"))
         start = images - residuals
