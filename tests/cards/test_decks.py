@@ -581,9 +581,11 @@ def test_a_deck_without_its_sequence_numbers_is_the_deck(end: str, form: str) ->
 
 
 def test_sequence_numbers_from_nought_on_in_steps_of_one() -> None:
-    """Of more cards than the farthest step to the next number."""
+    """Of more cards than the farthest step to the next number; a smaller one at the end is none."""
     cards = [*TEXT.splitlines()[:33], *TEXT.splitlines()[43:64] * 5]
     numbered = [f"{card:<72}{k:08}" for k, card in enumerate(cards)]
+    numbered.append(f"{'END':<72}{7:08}")
+    cards.append(numbered[-1])
     bare, stripped = strip_sequence("\n".join(numbered).encode(), "a")
     assert (bare.decode().split("\n"), stripped) == (cards, set(range(1, 139)))
 

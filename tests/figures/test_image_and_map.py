@@ -183,6 +183,8 @@ def test_photographs_of_a_report_are_reduced() -> None:
         photographs=lambda names: [(k, Image.new("L", (3000, 1500))) for k in range(len(names))]
     )
     found, why = embedded_photographs([with_estimate(hill(), scene=lambda: scene)])
+    assert embedded_photographs([with_estimate(hill(), scene=None)])[0] == []
+    assert_approved(embedded_photographs([with_estimate(hill(), scene=None)])[1])
     sizes = {Image.open(io.BytesIO(base64.b64decode(one))).size for _, one in found}
     assert ([frame for frame, _ in found], sizes, why) == ([0, 1, 2, 3, 4], {(1024, 512)}, "")
 

@@ -436,6 +436,9 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     def border() -> Any:
         axis = plot_stars([str(file)], None, None)[0].axes[0]
         (one,) = axis.patches
+        for shown in axis.images:
+            edges = np.reshape(shown.get_extent(), (2, 2)).T
+            assert_close("table value", np.sort(edges, axis=0), np.sort(one.get_bbox(), axis=0))
         return [*np.sort(one.get_bbox().get_points(), axis=0).ravel(), *axis.get_ylim()]
 
     whole = [-0.5, -0.5, 5999.5, 5199.5, 2599.5 + 0.515 * 5200, 2599.5 - 0.515 * 5200]

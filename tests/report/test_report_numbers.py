@@ -314,6 +314,8 @@ def test_what_is_doubtful_and_what_no_sigma_includes() -> None:
     assert doubts([by_hand(3)]) == []
     assert_approved(not_included([flagged_film()]), parts=[])
     assert_approved(not_included([with_effect(2.0)] * 6))
+    everything = {name: np.full(np.shape(value), 0.5) for name, (value, _) in IN_FORCE.items()}
+    assert not_included([with_sigmas(flagged_film(), **everything)]) == []
 
 
 def misfits(*told: str) -> History:

@@ -551,7 +551,7 @@ def _look_for_more(deck: CardDeck, frame: int, count: int, report: Report) -> No
     if fields[3].value[0] == frame and fields[0].value[0] != 0:
         counted = count_text(count, "landmark")
         message = f"group 5 counts {counted} for frame {frame}, and here is one more"
-        report(replace(card.finding(0, message, *_FRAME_FIELD), severity="error"))
+        report(card.finding(0, message, *_FRAME_FIELD))
 
 
 # The jobs that are stacked in a deck (A 25 to A 118)
