@@ -50,6 +50,21 @@ def test_a_notebook_has_what_print_has() -> None:
         assert paragraph.removeprefix("not in it: ").removeprefix("warning: ") in printed
 
 
+def test_where_no_frame_has_an_attitude_that_is_said() -> None:
+    lost = one_part(
+        by_hand(2, angles_deg=np.full((2, 9), np.nan), half_deg=np.full((2, 9), np.nan))
+    )
+    assert_approved(summary.text([lost], 80))
+    assert_approved(re.findall("<p>(.*?)</p>", summary.html([lost])))
+
+
+def test_on_the_narrowest_screen_angles_come_before_what_is_about_them() -> None:
+    """It may be too narrow for these, too."""
+    one = one_part(by_hand(2, time_s=np.arange(2.0)))
+    for wide in (40, 20):
+        assert_approved("\n".join(summary.text([one], wide).splitlines()[:6]))
+
+
 def test_flagged_frames_of_several_jobs_are_told_with_their_jobs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -215,15 +215,24 @@ def test_a_strip_has_the_clicks_near_its_places(
 ) -> None:
     """Of 13 frames four places: 0, 4, 8, 12; a click stands for the first as near as half way.
 
-    A wrong one goes before others, and the first good one stands at the left.
+    A wrong one goes before others, and the first good one stands at the left. One in a frame
+    without an attitude has no patch.
     """
     monkeypatch.setattr(patches, "camera_index", lambda history, k, scene: k)
     history: Any = SimpleNamespace(estimate=None, has_attitude=np.ones(13, bool))
-    count = len(clicks)
-    every = np.array(clicks), np.zeros(count, int), np.zeros((count, 2)), np.isin(clicks, wrong)
+    at = np.array([*clicks, 13])
+    every = at, np.zeros(len(at), int), np.zeros((len(at), 2)), np.isin(at, wrong)
     scene: Any = SimpleNamespace(clicks=lambda: every)
     (found,) = patches._strips(history, scene, 4).values()
     assert ", ".join(f"{one.k} {one.kind}" for one in found) == strip
+
+
+def test_patches_are_alike_whatever_their_light() -> None:
+    """The correlation of brightness; none of a patch without contrast, or beyond the picture."""
+    one = np.random.default_rng(1).normal(size=(patches.SIDE, patches.SIDE))
+    for other, alike in ((2.0 * one + 3.0, 1.0), (-one, -1.0), (one * 0.0, np.nan),
+                         (one * np.nan, np.nan)):  # fmt: skip
+        assert_close("ratio", patches._correlation(one, other), alike)
 
 
 def test_patches_of_picks_are_of_frames_over_the_whole_flight() -> None:

@@ -211,6 +211,12 @@ def test_a_residual_of_one_frame_that_does_not_fit_is_marked() -> None:
         assert points(labelled(axis)["does not fit"]) == [[1.0, values[1]]]
 
 
+def test_a_flight_whose_picks_are_all_left_out_has_no_residuals() -> None:
+    figure, said = drawn(film(used=np.zeros((3, 4), bool)))
+    assert said.endswith("measured minus computed")
+    assert ticks(figure.axes[1]) == ([], [])
+
+
 def test_residuals_whose_sigma_is_left_out_have_none() -> None:
     """A reading sigma of 0 says nothing of their size: none is beyond a sigma."""
     one = film()

@@ -417,8 +417,6 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
 
 def _has_neighbour(index: Any, known: Any) -> Any:
     """Find the points of a broken line that have a neighbour without a break between."""
-    if not len(known):
-        return known
     present = np.append(-1, np.append(index, -1))
     whole = (present >= 0) & known[present]
     beside = np.zeros(len(known), bool)

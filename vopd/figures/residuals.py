@@ -210,9 +210,7 @@ def _directions(histories: Sequence[History], found: Residuals) -> tuple[list[st
 
 def _limit(values: Floats) -> float:
     """Choose how far an axis goes: as far as all values, or if a few are far off beside most."""
-    size = np.abs(values[np.isfinite(values)])
-    if not len(size):
-        return 1.0
+    size = np.abs(values)
     most, usual = float(size.max()), float(np.quantile(size, 0.99))
     return max(3.0 * usual if most > FAR * usual > 0.0 else most, 1e-9)
 
