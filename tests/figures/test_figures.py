@@ -218,6 +218,7 @@ def test_the_table_of_one_frame_tells_camera_and_vehicle_apart() -> None:
         draw_table(figure, [one], names)
         figure.draw_without_rendering()
         cells = figure.axes[0].tables[0].get_celld()
+        assert not figure.axes[0].axison
         assert {cell.get_fontsize() for cell in cells.values()} == {11.0}
         rows = {row: cells[row, 0].get_text().get_text() for row, _ in cells}
         return {name: cells[row, 1].get_text().get_text() for row, name in rows.items()}

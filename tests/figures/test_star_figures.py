@@ -368,7 +368,8 @@ def test_a_misidentified_star_is_marked(tmp_path: Path) -> None:
         vopd("stars", "solve", wrong, "--focal", "76", *options, "-o", file)
         (solution,) = read_solutions(str(file))
         assert solution.picture is not None and solution.picture.odd == (8,)
-        assert plot(file, "-o", tmp_path / "a.svg").status == status
+        done = plot(file, "-o", tmp_path / "a.svg")
+        assert done.status == status and done.stderr.startswith("warning: ") == (status == 3)
         shown = re.findall(r">([^<>]+)</text>", (tmp_path / "a.svg").read_text(encoding="utf-8"))
         assert label in shown and "Tabit: does not fit" in shown
         assert [one for one in shown if one.startswith("5h")]  # meridians
@@ -465,6 +466,13 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     assert images() == 0
     named = plot(file, "-o", picture, "--images", tmp_path / "other.png")
     assert named.status == 0 and "<image" in picture.read_text(encoding="utf-8")
+    unnamed = json.loads(text)
+    unnamed[0]["image"] = ""
+    file.write_text(json.dumps(unnamed), encoding="utf-8")
+    by_hand = plot(file, "-o", picture, "--images", tmp_path / "other.png")
+    assert by_hand.status == 0 and "<image" in picture.read_text(encoding="utf-8")
+    assert images() == 0
+    file.write_text(text, encoding="utf-8")
     missing = plot(file, "-o", picture, "--images", tmp_path / "other")
     assert missing.status == 0 and "no photograph" in picture.read_text(encoding="utf-8")
 

@@ -67,6 +67,13 @@ def test_what_matplotlib_says_of_a_figure_is_not_kept(monkeypatch: pytest.Monkey
         save(_Failing(ValueError("too large")), ".png")
     with pytest.warns(UserWarning, match=r"^odd$"):
         assert save(_Failing(UserWarning("odd")), ".svg").startswith(b"<?xml")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        figure = Figure()
+        figure.text(0.5, 0.5, "\ue123")
+        told: list[str] = []
+        save(figure, ".png", note=told.append)
+    assert len(told) == 1
 
 
 @cache
