@@ -91,6 +91,18 @@ def test_three_landmarks_below_may_have_a_second_position(seed: int, expected: l
     assert named == expected
 
 
+@pytest.mark.parametrize("seed", [12, 23])
+def test_a_second_position_may_fit_as_badly_as_the_first(seed: int) -> None:
+    """Places are 60 m too high, three standard deviations: the cost is far above what is usual."""
+    rng, priors = np.random.default_rng(seed), own_fixes(2, (10.0, 10.0, 20.0))
+    flight = flight_of(rng, drone(rng, 2, 3, tilt_deg=3.0), 1.0, priors)
+    place_m = flight.path.position_m
+    higher = place_m * (1.0 + 60.0 / np.linalg.norm(place_m, axis=1, keepdims=True))
+    solution = solve_jointly(replace(flight, path=replace(flight.path, position_m=higher)), priors)
+    assert solution.normal.frame_cost[1] > 10.0
+    assert np.isfinite(other_solutions_deg(solution)).tolist() == [False, True]
+
+
 @pytest.mark.parametrize("clock", [np.inf, 5.0])
 def test_a_position_that_a_clock_moves_has_no_second_one(clock: float) -> None:
     """One frame of three landmarks, exact fixes: it can only be on the line of the flight."""
