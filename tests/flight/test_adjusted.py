@@ -184,6 +184,9 @@ def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:
     file.write_text(text, encoding="utf-8")
     both = again(tmp_path, file, "readout")
     (readout,) = both.joint.parameters
+    away_deg = both.again.camera_deg - both.joint.result.camera_deg
+    sigma_deg = both.again.history().uncertainty.total[:, :3]
+    assert_close("part of a sigma", away_deg / sigma_deg, 0.0)
     assert_sigmas_are_of_one_unit(both)
     project = tomllib.loads((both.folder / "flight.toml").read_text(encoding="utf-8"))
     assert readout.after < readout.before / 2.0
