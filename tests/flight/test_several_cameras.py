@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +19,11 @@ from vopd.convert.flight_to_deck import flight_job
 from vopd.findings import VopdError
 from vopd.flight.formats.image_lenses import lens_files
 from vopd.flight.formats.lens import make_lens
+from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.project.camera import read_camera
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.named import named_files
+from vopd.flight.project.picks import sizes_px
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight
 from vopd.flight.solve.equations import by_lens_parameters, with_parameters
@@ -220,6 +223,23 @@ def test_the_cards_have_one_lens(tmp_path: Path) -> None:
     """And so a flight of several is not punched."""
     with refused(VopdError, parts=[tmp_path.as_posix()]):
         flight_job(solve_flight(str(two_cameras(tmp_path))))
+
+
+def test_images_have_the_sizes_of_their_lenses(tmp_path: Path) -> None:
+    """As far as the file of picks states them: of the second image it is another, or upright."""
+    project = read_project(str(two_cameras(tmp_path)))
+    camera, section = read_camera(project), project.section("picks")
+    file, frames = project.open("picks"), Names(["0", "1", "1"])
+    sizes = {"0": (1920, 1080), "1": (1280, 960)}
+    for known in (sizes, {"1": sizes["1"]}, None):
+        rows = PickRows(
+            frames, Names("abc"), np.zeros((3, 2)), np.full(3, np.nan), "centre", known, ""
+        )
+        found = sizes_px(section, file, rows, camera)
+        assert found.tolist() == [[1920, 1080], [1280, 960], [1280, 960]]
+    for wrong in ((640, 480), (960, 1280)):
+        with refused(VopdError, parts=[tmp_path.as_posix()]):
+            sizes_px(section, file, replace(rows, size_px=sizes | {"1": wrong}), camera)
 
 
 def test_a_table_of_one_lens_is_that_lens(tmp_path: Path) -> None:

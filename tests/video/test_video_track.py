@@ -118,6 +118,14 @@ def test_gps9_has_times_of_its_own(tmp_path: Path) -> None:
     assert_approved(rows.said)
 
 
+def test_a_clock_that_goes_back_is_none(tmp_path: Path) -> None:
+    """Nor one that stands: samples are spread over their packets."""
+    for later_s in (36_000.0, 36_000.25):
+        packets = [(0, gps9([(47.0, 36_000.25, 3), (47.1, later_s, 3)])), (1000, gps9([(0, 1, 0)]))]
+        rows = read(write_gpmf(tmp_path / "a.mp4", packets))
+        assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5])
+
+
 def test_a_packet_that_is_cut_short_has_what_is_whole_in_it(tmp_path: Path) -> None:
     whole, cut = gps5([(47.1, 15.2, 400.5)]), gps5([(47.2, 15.3, 401.0)])[:-4]
     rows = read(write_gpmf(tmp_path / "a.mp4", [(0, whole + cut), (1000, whole[:-4])]))
