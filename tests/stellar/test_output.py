@@ -290,6 +290,14 @@ camera_roll_deg | 89.0
 vehicle_yaw_deg | 91.0
 vehicle_pitch_deg | 92.0
 vehicle_roll_deg | 93.0
+sigma_ra_of_date_deg | 0.84
+sigma_dec_of_date_deg | 0.86
+sigma_azimuth_deg | 0.87
+sigma_elevation_deg | 0.88
+sigma_camera_roll_deg | 0.89
+sigma_vehicle_yaw_deg | 0.91
+sigma_vehicle_pitch_deg | 0.92
+sigma_vehicle_roll_deg | 0.93
 *epoch | of date
 *camera_m | 1001.0 1002.0 1003.0
 *camera_sigma_m | 0.01 0.02 0.03
@@ -309,7 +317,10 @@ FULL = SolvedStars(
     {name: float(CELLS[name]) for name in (
         "ra_deg", "ra_hours", "dec_deg", "ra_of_date_deg", "ra_of_date_hours", "dec_of_date_deg",
         "azimuth_deg", "elevation_deg", "camera_roll_deg",
-        "vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg",
+        "vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg", "sigma_ra_of_date_deg",
+        "sigma_dec_of_date_deg", "sigma_azimuth_deg", "sigma_elevation_deg",
+        "sigma_camera_roll_deg", "sigma_vehicle_yaw_deg", "sigma_vehicle_pitch_deg",
+        "sigma_vehicle_roll_deg",
     )},
     dict(zip(CAMERA, (71.0, 72.0, 73.0, 74.0), strict=True)),
     dict(zip(CAMERA, (0.71, 0.72, 0.73, 0.74), strict=True)),

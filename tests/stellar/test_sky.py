@@ -34,6 +34,8 @@ from vopd.stellar.sky import (
     BODY_FRAME,
     CAMERA_FRAME,
     IDENTIFIED,
+    OF_PLACE,
+    OF_VEHICLE,
     FileSky,
     PlacesOfStars,
     SkyFrame,
@@ -463,6 +465,31 @@ def test_a_vehicle(
     names = ("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg")
     turns = (np.array([found[name] for name in names]) - vehicle + 180.0) % 360.0 - 180.0
     assert_close("rae angle", turns, np.zeros(3))
+
+
+@pytest.mark.parametrize("angles", ANGLES)
+def test_standard_deviations_of_the_pointing(angles: tuple[float, float, float]) -> None:
+    """By differences of the angles when the camera turns by a second of arc about each axis."""
+    root = np.array([[3.0, 0.0, 0.0], [1.0, 4.0, 0.0], [-7.0, 9.0, 30.0]])
+    frame, mount = SkyFrame(OF_DATE, LOCAL_AXES, 0.0), mount_by_angles([40.0, 20.0, 10.0])
+    matrix, covariance = camera(*angles), root @ root.T
+    found = sky_pointing(matrix, frame, mount, covariance.tolist())
+    names = [one.removeprefix("sigma_") for one in found if one.startswith("sigma_")]
+    assert names == [*places.OF_DATE, *OF_PLACE, *OF_VEHICLE]
+    by_turns = []
+    for axis in np.eye(3):
+        ends = [
+            sky_pointing(
+                Rotation.from_rotvec(sign * axis / 3600.0, degrees=True).as_matrix() @ matrix,
+                frame, mount,
+            )
+            for sign in (0.5, -0.5)
+        ]  # fmt: skip
+        change = np.array([ends[0][name] - ends[1][name] for name in names])
+        by_turns.append((change + 180.0) % 360.0 - 180.0)
+    expected = np.sqrt(np.einsum("ia,ij,ja->a", by_turns, covariance, by_turns))
+    sigmas = np.array([found[f"sigma_{name}"] for name in names])
+    assert_close("rae sigma by scipy", sigmas / expected, 1.0)
 
 
 PLACE_AXES = (30.0, 180.0, 500.0)

@@ -20,10 +20,16 @@ from vopd.files import install_command, optional_package
 from vopd.findings import Finding, Report, VopdError, input_error
 from vopd.geometry.earth import NED_FROM_ENU, east_north_up
 from vopd.geometry.linear import transform
-from vopd.geometry.rotations import FORWARD, body_angles_deg, camera_angles_deg
+from vopd.geometry.rotations import (
+    FORWARD,
+    body_angles_by_turns,
+    body_angles_deg,
+    camera_angles_deg,
+)
 from vopd.inputs import no_file, read_limited
 from vopd.stellar.field import right_ascension_declination_deg, star_directions
 from vopd.stellar.files.read import StarFile
+from vopd.stellar.uncertainty import angle_sigmas_rad
 
 # Date, place and air
 
@@ -377,33 +383,58 @@ LEFT_UP = np.diag([-1.0, 1.0, -1.0])
 """From the report's camera axes to image x left, image y up, and the optical axis."""
 
 
-def sky_pointing(matrix: Floats, frame: SkyFrame | None, mount: Floats | None) -> dict[str, float]:
+def sky_pointing(
+    matrix: Floats,
+    frame: SkyFrame | None,
+    mount: Floats | None,
+    covariance_arcsec2: Sequence[Sequence[float]] | None = None,
+) -> dict[str, float]:
     """Describe the pointing of a camera, by the names of columns.
 
     Args:
         matrix: rotation from ICRF axes (or those of the stars' coordinates) to camera axes, (3, 3)
         frame: the axes of the date and the place
         mount: from camera axes (x right, y down, z forward) to body axes, (3, 3)
+        covariance_arcsec2: of turns about the camera's axes, (3, 3); None: not known
 
     Returns:
         Right ascension (0 to 360 degrees, and hours) and declination; with a date also
         those of the true equator and equinox of date; with a place azimuth, elevation
-        and roll of the camera; with a mount yaw, pitch and roll of the vehicle.
+        and roll of the camera; with a mount yaw, pitch and roll of the vehicle. Standard
+        deviations of what date and place add; both count as exact.
     """
     found = _equatorial(-matrix[2], "")
     if frame is None:
         return found
+    sigmas = dict[str, float]()
+    known = covariance_arcsec2 is not None
+    covariance = np.radians(np.radians(np.array(covariance_arcsec2 if known else np.zeros((3, 3)))))
+    covariance /= 3600.0**2
+
+    def sigmas_deg(axes: Floats) -> list[float]:
+        """Find those of an axis's angle about the third of these, its height, and the roll."""
+        sigma_rad = angle_sigmas_rad((matrix @ axes.T)[None], covariance[None])[0, 3:]
+        return np.degrees(sigma_rad).tolist()  # type: ignore[no-any-return]
+
     found |= _equatorial(frame.of_date @ -matrix[2], "_of_date")
-    if frame.local is None:
-        return found
-    to_local = frame.local @ matrix.T
-    azimuth, elevation, roll = camera_angles_deg(LEFT_UP @ to_local.T).tolist()
-    found |= {"azimuth_deg": azimuth, "elevation_deg": elevation, "camera_roll_deg": roll}
-    if mount is not None:
-        body = body_to_ned(matrix, frame.local, mount)
-        names = ("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg")
-        found |= dict(zip(names, body_angles_deg(body).tolist(), strict=True))
-    return found
+    sigmas |= dict(zip(OF_DATE, sigmas_deg(frame.of_date), strict=False))
+    if frame.local is not None:
+        axes = LEFT_UP @ matrix @ frame.local.T
+        found |= dict(zip(OF_PLACE, camera_angles_deg(axes).tolist(), strict=True))
+        sigmas |= dict(zip(OF_PLACE, sigmas_deg(frame.local), strict=True))
+    if frame.local is not None and mount is not None:
+        angles_deg = body_angles_deg(body_to_ned(matrix, frame.local, mount))
+        found |= dict(zip(OF_VEHICLE, angles_deg.tolist(), strict=True))
+        by_turns = body_angles_by_turns(np.radians(angles_deg)[None])[0]
+        by_turns = by_turns @ mount @ CAMERA_FROM_PHOTOGRAPH
+        sigma_rad = np.sqrt(np.einsum("ai,ij,aj->a", by_turns, covariance, by_turns))
+        sigmas |= dict(zip(OF_VEHICLE, np.degrees(sigma_rad).tolist(), strict=True))
+    return found | ({f"sigma_{name}": sigma for name, sigma in sigmas.items()} if known else {})
+
+
+OF_DATE = ("ra_of_date_deg", "dec_of_date_deg")
+OF_PLACE = ("azimuth_deg", "elevation_deg", "camera_roll_deg")
+OF_VEHICLE = ("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg")
 
 
 def body_to_ned(matrix: Floats, local: Floats, mount: Floats) -> Floats:

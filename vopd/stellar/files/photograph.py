@@ -489,8 +489,11 @@ def solved_photograph(
     if sky is not None and file.kind in EQUATORIAL:
         mount = request.sky.mount
         shown = [
-            replace(one, sky=sky_pointing(np.array(one.matrix), frame, mount)) for one in shown
-        ]
+            replace(one, sky=sky_pointing(
+                np.array(one.matrix), frame, mount, one.rotation_covariance_arcsec2
+            ))
+            for one in shown
+        ]  # fmt: skip
     return SolvedPhotograph(
         label,
         file,

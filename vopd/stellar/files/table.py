@@ -20,6 +20,7 @@ from vopd.stellar.files.picture import StarCamera, picture_as_dict, read_picture
 from vopd.stellar.files.read import UNITS, read_text
 from vopd.stellar.files.text import half_widths
 from vopd.stellar.methods.run import ANGLE_NAMES, ANGLE_SIGMA_NAMES, SolvedStars
+from vopd.stellar.sky import OF_DATE, OF_PLACE, OF_VEHICLE
 from vopd.version import __version__
 
 # Columns: name, unit and meaning
@@ -106,6 +107,8 @@ COLUMNS = (
     SolutionColumn("camera_roll_deg", "deg", "of the camera about the optical axis"),
     *(SolutionColumn(f"vehicle_{name}_deg", "deg", f"{name} of the vehicle")
       for name in ("yaw", "pitch", "roll")),
+    *(SolutionColumn(f"sigma_{name}", "deg", "standard deviation; date and place count as exact")
+      for name in (*OF_DATE, *OF_PLACE, *OF_VEHICLE)),
     SolutionColumn("epoch", "", "what right ascensions and declinations refer to", text=True),
     SolutionColumn("camera_m", "m", "position of the camera, where it is solved", text=True),
     SolutionColumn("camera_sigma_m", "m", "its standard deviations", text=True),

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import stdtrit
 
-from vopd.findings import angle_text, count_text, size_text
+from vopd.findings import count_text, size_text
 from vopd.geometry.sexagesimal import format_dms
 from vopd.screen import aligned
 from vopd.stellar.files.images import in_file_coordinates
@@ -17,6 +17,7 @@ from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
 from vopd.stellar.listed import LISTED_CORRECTIONS, stars_printout
 from vopd.stellar.methods.run import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
+from vopd.stellar.sky import OF_PLACE, OF_VEHICLE
 
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
 
@@ -114,6 +115,16 @@ def hours_text(ra_deg: float, decimals: int) -> str:
     return text
 
 
+def _sexagesimal(
+    ra_deg: float, dec_deg: float, half_ra_deg: float | None, half_dec_deg: float | None
+) -> tuple[str, str]:
+    """Write a right ascension in hours and a declination, with the digits that they have."""
+    seconds = None if half_ra_deg is None else half_ra_deg * 240.0
+    arc = None if half_dec_deg is None else half_dec_deg * 3600.0
+    hours = hours_text(ra_deg, min(_decimals(seconds), 3))
+    return hours, format_dms(dec_deg, min(_decimals(arc), 3))
+
+
 def _pointed(one: SolvedStars) -> tuple[float, float, float]:
     """Take right ascension, 0 to 360, declination and position angle, degrees."""
     alpha, delta, swing = one.angles_deg[3:]
@@ -124,11 +135,8 @@ def _answer(photograph: SolvedPhotograph, one: SolvedStars, size_px: Sequence[fl
     """Say where the camera points, at which scale, and what it sees."""
     stars, unit = photograph.stars, photograph.file.unit
     halves, values = _half_widths(one), _pointed(one)
-    ra, dec = values[:2]
-    seconds = None if halves[0] is None else halves[0] * 240.0
-    hours = hours_text(ra, min(_decimals(seconds), 3))
-    arc = None if halves[1] is None else halves[1] * 3600.0
-    notes = (hours, format_dms(dec, min(_decimals(arc), 3)), "of the y axis, from north to east")
+    sexagesimal = _sexagesimal(*values[:2], *halves[:2])
+    notes = (*sexagesimal, "of the y axis, from north to east")
     rows = []
     for name, value, half, note in zip(
         ("right ascension", "declination", "position angle"), values, halves, notes, strict=True
@@ -241,7 +249,7 @@ def _details(one: SolvedStars, file: StarFile) -> str:
     elif one.reading_sigma is None:
         text = "two stars do not tell the reading error; --reading-sigma states it"
         lines += ["", f"no standard deviations: {text}"]
-    if one.sky is not None and (pointing := _pointing(one.sky)):
+    if one.sky is not None and (pointing := _pointing(one.sky, one.reading_freedom)):
         lines += ["", *pointing]
     if one.camera is not None:
         lines += ["", *_camera(one, file.unit)]
@@ -297,29 +305,45 @@ def _cameras(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> list[str]:
     return ["\n".join([f"camera of {', '.join(of)}", *own, ""]) for own, of in by_camera.items()]
 
 
-def _pointing(sky: dict[str, float]) -> list[str]:
-    """Format the pointing of the optical axis: right ascension, declination, azimuth, vehicle."""
+def _pointing(sky: dict[str, float], freedom: float | None) -> list[str]:
+    """Format the pointing of the optical axis: right ascension, declination, azimuth, vehicle.
+
+    Args:
+        sky: angles and standard deviations by the names of their columns
+        freedom: degrees of freedom of the reading sigma; None: it is stated
+    """
+    half = dict[str, float | None]()
+    for name in sky:
+        sigma = sky.get(f"sigma_{name}")
+        half[name] = None if sigma is None else half_widths([sigma], freedom)[0]
+
+    def told(label: str, name: str) -> str:
+        value, width = with_half(sky[name], half[name])
+        return f"{label} {value}{f' +- {width}' * bool(width)}"
+
     lines = []
     if "ra_of_date_deg" in sky:
-        ra_deg, dec_deg = sky["ra_of_date_deg"], sky["dec_of_date_deg"]
+        hours, arc = _sexagesimal(
+            sky["ra_of_date_deg"], sky["dec_of_date_deg"],
+            half["ra_of_date_deg"], half["dec_of_date_deg"],
+        )  # fmt: skip
         lines.append(
-            f"optical axis: right ascension of date {angle_text(ra_deg, 5)} = "
-            f"{hours_text(ra_deg, 3)}, declination {dec_deg:.5f} = {format_dms(dec_deg)}"
+            f"optical axis: {told('right ascension of date', 'ra_of_date_deg')} = {hours}, "
+            f"{told('declination', 'dec_of_date_deg')} = {arc}"
         )
     if "azimuth_deg" in sky:
-        azimuth, elevation, roll = (
-            sky[name] for name in ("azimuth_deg", "elevation_deg", "camera_roll_deg")
-        )
-        lines.append(
-            f"azimuth {angle_text(azimuth, 5)}, elevation {elevation:.5f}, "
-            f"camera roll {angle_text(roll, 5)}"
-        )
+        lines.append(", ".join(map(told, ("azimuth", "elevation", "camera roll"), OF_PLACE)))
     if "vehicle_yaw_deg" in sky:
-        yaw, pitch, roll = (sky[f"vehicle_{name}_deg"] for name in ("yaw", "pitch", "roll"))
-        lines.append(
-            f"vehicle yaw {angle_text(yaw, 5)}, pitch {pitch:.5f}, roll {angle_text(roll, 5)}"
-        )
+        lines.append(", ".join(map(told, ("vehicle yaw", "pitch", "roll"), OF_VEHICLE)))
+    if "azimuth_deg" in sky:
+        lines.append(EXACT_SKY)
     return lines
+
+
+EXACT_SKY = (
+    "date and place count as exact: in a second of the date the sky turns by 0.0042 degree, over "
+    "a kilometre of the place by 0.009"
+)
 
 
 def _uncertainty(one: SolvedStars, unit: str) -> list[str]:
