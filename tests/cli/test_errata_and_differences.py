@@ -60,7 +60,9 @@ FIELD = Difference("field", 2, "730", 18, 19, "75.837", "75.836", "66", "PHI", D
 
 def test_differences_in_json() -> None:
     """One object; each difference on a line of its own, with every field; then the counts."""
-    counts = Comparison(pages=2, fields_compared=82, fields_illegible=3)
+    counts = Comparison(
+        pages=2, pages_missing=4, pages_extra=5, fields_compared=82, fields_illegible=3
+    )
     written: list[bytes] = []
     file: Any = SimpleNamespace(write=written.append)
     assert diff._write_json(file, [FIELD, FIELD], counts) == 2
@@ -75,7 +77,7 @@ def test_differences_in_json() -> None:
         "off_by": 1.5, "determined": True, "apart": None, "unit": "",
     }  # fmt: skip
     assert {name: found[name] for name in found if name != "differences"} == {
-        "pages": 2, "fields_compared": 82, "fields_illegible": 3, "fields_undetermined": 0,
+        "pages": 2, "pages_missing": 4, "pages_extra": 5, "fields_compared": 82, "fields_illegible": 3, "fields_undetermined": 0,
         "fields_within": 0,
     }  # fmt: skip
 
