@@ -590,6 +590,15 @@ def test_sequence_numbers_from_nought_on_in_steps_of_one() -> None:
     assert (bare.decode().split("\n"), stripped) == (cards, set(range(1, 139)))
 
 
+def test_a_sequence_number_that_is_there_twice_stays_on_the_second_card() -> None:
+    cards = TEXT.splitlines()
+    numbered = [f"{card:<72}{10 * k:08}" for k, card in enumerate(cards[:33], 1)]
+    numbered[30] = numbered[30][:72] + numbered[29][72:]
+    bare, stripped = strip_sequence("\n".join(numbered).encode(), "a")
+    assert bare.decode().split("\n")[30] == numbered[30]
+    assert stripped == {*range(1, 34)} - {31}
+
+
 def test_blank_lines_behind_the_head_of_a_deck_are_no_cards() -> None:
     content = CASE_1.read_bytes()
     assert read_head(content + b"\n   \n\n", "deck") == read_head(content, "deck")

@@ -77,8 +77,8 @@ def test_differences_in_json() -> None:
         "off_by": 1.5, "determined": True, "apart": None, "unit": "",
     }  # fmt: skip
     assert {name: found[name] for name in found if name != "differences"} == {
-        "pages": 2, "pages_missing": 4, "pages_extra": 5, "fields_compared": 82, "fields_illegible": 3, "fields_undetermined": 0,
-        "fields_within": 0,
+        "pages": 2, "pages_missing": 4, "pages_extra": 5, "fields_compared": 82,
+        "fields_illegible": 3, "fields_undetermined": 0, "fields_within": 0,
     }  # fmt: skip
 
 

@@ -93,6 +93,9 @@ def test_picks_stand_in_the_photograph_s_own_pixels() -> None:
     assert_close("flight pixel", np.column_stack([arrows.U, arrows.V]), -residual)
     assert {text.get_text() for text in axis.texts} >= {*picks, "000° N"}
     assert "times as long" in said and "no photograph" not in said
+    assert "not the size" not in said  # of 1920 pixels, of which 1600 are shown
+    larger = Image.new("RGB", (3840, 2160))
+    assert "3840 x 2160: not the size" in panel("image", hill(), photograph=lambda *_: larger)[1]
 
 
 def test_photographs_of_a_video_are_read_once_each(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from tests.approved.texts import refused
 from tests.kit.dense_minimum import dense_minimum, drawn_problem
+from tests.kit.flight_project import uneven_flight
 from tests.kit.joint_flights import (
     Dense,
     drone,
@@ -145,6 +146,15 @@ def test_the_size_of_all_residuals_is_the_joint_cost_over_its_freedom() -> None:
     assert_close("degrees of freedom", size**2 * freedom, solution.normal.cost)
     assert_close("degrees of freedom", chance, chi2.sf(solution.normal.cost, freedom))
     assert size_of_residuals(solution, np.zeros(dense.frames, bool)) == (1.0, 1.0)
+
+
+def test_frames_of_two_landmarks_have_one_degree_of_freedom() -> None:
+    """Those of one have none."""
+    flight = uneven_flight([2, 2, 1, 2, 2])
+    solution = solve_jointly(flight, Priors())
+    size, chance = size_of_residuals(solution, np.ones(5, bool))
+    cost = solution.normal.frame_cost[[0, 1, 3, 4]].sum()
+    assert_close("degrees of freedom", [4.0 * size**2, chance], [cost, chi2.sf(cost, 4)])
 
 
 def test_what_stated_errors_explain_is_taken_from_the_cost() -> None:

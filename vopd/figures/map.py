@@ -87,13 +87,13 @@ def draw_map(
     missed = (miss_m > MISSED * along) | np.isin(picked, np.flatnonzero(culprit))
     flat = (mark_m - camera_m) @ axes[:2].T
     level = (flat / np.maximum(np.hypot(*flat.T), 1e-9)[:, None]).sum(axis=0)
-    azimuth = np.degrees(np.arctan2(level[0], level[1])) if len(ray) else 0.0
     gathered = np.hypot(*level) > GATHERED * len(ray)
+    azimuth = np.degrees(np.arctan2(level[0], level[1])) if gathered else 90.0
 
     def beside(position_m: Floats) -> Floats:
         """The distance along the view, and the height."""
         flat = (position_m - camera_m) @ axes[:2].T
-        way = np.radians(azimuth if gathered else 90.0)
+        way = np.radians(azimuth)
         along = flat @ np.array([np.sin(way), np.cos(way)]) / unit_m
         height = geodetic(position_m).height_m
         return np.stack([along, height / unit_m], axis=-1)
@@ -178,7 +178,7 @@ def draw_map(
     where = f"in {scene.crs}, m" if scene.plane is not None else f"of this frame's camera, {unit}"
     above.set_xlabel(f"easting {where}" if scene.plane is not None else f"east {where}")
     above.set_ylabel("northing, m" if scene.plane is not None else f"north, {unit}")
-    toward = angle_text(azimuth if gathered else 90.0, 0)
+    toward = angle_text(azimuth, 0)
     side.set_xlabel(f"distance from the camera toward {toward}° from true north, {unit}")
     side.set_ylabel(f"height, {unit}")
     for axis in (above, side):
