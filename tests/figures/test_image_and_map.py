@@ -190,6 +190,11 @@ def test_photographs_of_a_report_are_reduced() -> None:
     assert_approved(embedded_photographs([with_estimate(hill(), scene=None)])[1])
     sizes = {Image.open(io.BytesIO(base64.b64decode(one))).size for _, one in found}
     assert ([frame for frame, _ in found], sizes, why) == ([0, 1, 2, 3, 4], {(1024, 512)}, "")
+    angles_deg = hill().estimate.vehicle_deg.copy()
+    angles_deg[1] = np.nan
+    lost = with_estimate(hill(), scene=lambda: scene, vehicle_deg=angles_deg)
+    numbers = [frame for frame, _ in embedded_photographs([lost, lost])[0]]
+    assert numbers == [0, 2, 3, 4, 5, 7, 8, 9]  # those of the second are counted on
 
 
 def test_lines_of_sight_meet_their_landmarks() -> None:

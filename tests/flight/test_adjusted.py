@@ -18,6 +18,7 @@ import pytest
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import vopd
 from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
+from tests.kit.video import write_video
 from tests.tolerances import assert_close
 from vopd.attitude.history import History
 from vopd.attitude.mean import mean_attitude
@@ -191,6 +192,21 @@ def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:
     project = tomllib.loads((both.folder / "flight.toml").read_text(encoding="utf-8"))
     assert readout.after < readout.before / 2.0
     assert_close("table value", project["camera"]["readout_ms"], readout.after)
+
+
+def test_all_files_of_a_video_are_named_from_the_new_folder(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    source.mkdir()
+    write_flight(source, DRONE, np.random.default_rng(1))
+    file = source / "flight.toml"
+    text = file.read_text(encoding="utf-8")
+    video = 'video = ["a.mp4", "b.mp4"]\n'
+    file.write_text(text.replace("[picks]\n", f"[picks]\n{video}", 1), encoding="utf-8")
+    for name in ("a.mp4", "b.mp4"):
+        write_video(source / name, (np.arange(12) * 1000 / DRONE.frame_hz).astype(int).tolist())
+    new = again(tmp_path, file, "focal").folder / "flight.toml"
+    picks = tomllib.loads(new.read_text(encoding="utf-8"))["picks"]
+    assert picks["video"] == ["../source/a.mp4", "../source/b.mp4"]
 
 
 def history_with(folder: Path, change: Callable[[dict[str, Any]], None]) -> History:

@@ -62,6 +62,14 @@ def test_the_mount_is_within_its_standard_deviations(tmp_path: Path, keys: str) 
     assert (np.abs(off) < 4.0 * sigma).all()
 
 
+def test_the_vehicle_has_the_error_of_the_mount_that_was_solved_for(tmp_path: Path) -> None:
+    """About each axis .3 degree of twenty readings, beside hundredths of the camera's own."""
+    made = solved(tmp_path, 1)
+    components = made.result.history().uncertainty.components
+    assert_close("mount", components["mount"][:, 3:6].min(), SENSOR_DEG / np.sqrt(20.0))
+    assert not components["mount"][:, :3].any()
+
+
 def test_attitudes_of_images_are_those_of_their_frames(tmp_path: Path) -> None:
     """Images that are named backward, so that their order is another than that of the rows."""
     by_frame = solved(tmp_path, 1).parameters
