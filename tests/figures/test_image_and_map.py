@@ -40,6 +40,7 @@ from vopd.findings import VopdError
 from vopd.flight.result import solve_flight, solve_flight_read
 from vopd.flight.solve.equations import Priors
 from vopd.geometry.earth import earth_centred_m, geodetic
+from vopd.pipeline import run
 from vopd.program.vopd import run as solve
 from vopd.report import embedded_photographs
 from vopd.report.answer import doubts
@@ -195,6 +196,19 @@ def test_photographs_of_a_report_are_reduced() -> None:
     lost = with_estimate(hill(), scene=lambda: scene, vehicle_deg=angles_deg)
     numbers = [frame for frame, _ in embedded_photographs([lost, lost])[0]]
     assert numbers == [0, 2, 3, 4, 5, 7, 8, 9]  # those of the second are counted on
+
+
+def test_landmarks_that_are_ignored_have_no_line_of_sight() -> None:
+    """Of four in each frame one is, and two in the first."""
+    deck = ROOT / "tests" / "approved" / "inputs" / "ignored_frames.dat"
+    (film,) = run(deck).histories()
+    e = film.estimate
+    assert e.scene is not None
+    scene, counts = e.scene(), [2, 0, 3, 3, 3]
+    assert [len(scene.sight(int(one), "")[0]) for one in e.frame] == counts
+    for k in (0, 2):
+        seen = [scene.names[one] for one in scene.sight(int(e.frame[k]), "")[0]]
+        assert seen == [str(one) for one in e.landmark[k][e.used[k]]]
 
 
 def test_lines_of_sight_meet_their_landmarks() -> None:

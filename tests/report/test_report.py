@@ -23,7 +23,7 @@ import vopd.report.frames as frames_module
 from tests.approved.texts import assert_approved, refused
 from tests.kit.clicked_flights import clicked_flight
 from tests.kit.command import DECKS, vopd
-from tests.kit.flight_project import TOML, write_project
+from tests.kit.flight_project import TOML, uneven_flight, write_project
 from tests.kit.histories import about, by_hand, flight, histories, table_text
 from tests.kit.html_page import Page, frame_columns
 from tests.kit.video import write_video
@@ -421,6 +421,17 @@ def test_frames_of_a_video_that_cannot_be_shown_are_named(
 def drawn_of(*together: History) -> list[set[str]]:
     """What a page has of each job besides its table."""
     return [set(one) for one in json.loads(frames_json(together))["jobs"]]
+
+
+def test_a_frame_without_a_position_costs_the_plan_of_the_others_nothing() -> None:
+    flight = uneven_flight([4, 4, 4, 4])
+    places = flight.path.position_m.copy()
+    places[1] = np.nan
+    made = solve_flight_read(replace(flight, path=replace(flight.path, position_m=places)))
+    (job,) = json.loads(frames_json([made.history()]))["jobs"]
+    for axis in job["camera"].values():
+        assert [one is None for one in axis] == [False, True, False, False]
+    assert not any(None in axis for axis in job["places"].values())
 
 
 def test_what_a_page_draws_is_decided_by_all_of_its_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
