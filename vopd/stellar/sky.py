@@ -406,30 +406,43 @@ def sky_pointing(
     found = _equatorial(-matrix[2], "")
     if frame is None:
         return found
-    sigmas = dict[str, float]()
-    known = covariance_arcsec2 is not None
-    covariance = np.radians(np.radians(np.array(covariance_arcsec2 if known else np.zeros((3, 3)))))
-    covariance /= 3600.0**2
-
-    def sigmas_deg(axes: Floats) -> list[float]:
-        """Find those of an axis's angle about the third of these, its height, and the roll."""
-        sigma_rad = angle_sigmas_rad((matrix @ axes.T)[None], covariance[None])[0, 3:]
-        return np.degrees(sigma_rad).tolist()  # type: ignore[no-any-return]
-
     found |= _equatorial(frame.of_date @ -matrix[2], "_of_date")
-    sigmas |= dict(zip(OF_DATE, sigmas_deg(frame.of_date), strict=False))
     if frame.local is not None:
         axes = LEFT_UP @ matrix @ frame.local.T
         found |= dict(zip(OF_PLACE, camera_angles_deg(axes).tolist(), strict=True))
-        sigmas |= dict(zip(OF_PLACE, sigmas_deg(frame.local), strict=True))
+    if frame.local is not None and mount is not None:
+        body = body_to_ned(matrix, frame.local, mount)
+        found |= dict(zip(OF_VEHICLE, body_angles_deg(body).tolist(), strict=True))
+    if covariance_arcsec2 is None:
+        return found
+    covariance_deg2 = np.array(covariance_arcsec2) / 3600.0**2
+    sigmas = _sigmas_of_pointing(matrix, frame, mount, covariance_deg2)
+    return found | {f"sigma_{name}": float(one) for name, one in sigmas.items()}
+
+
+def _sigmas_of_pointing(
+    matrix: Floats, frame: SkyFrame, mount: Floats | None, covariance: Floats
+) -> dict[str, Floats]:
+    """Propagate turns of the camera to the angles of date, place and vehicle, by their names.
+
+    Args:
+        covariance: of turns about the camera's axes, (3, 3), degrees squared
+    """
+
+    def along(axes: Floats) -> Floats:
+        """Take the angle about the third of these axes, that from it, and the roll."""
+        return angle_sigmas_rad((matrix @ axes.T)[None], covariance[None])[0, 3:]
+
+    found = dict(zip(OF_DATE, along(frame.of_date), strict=False))
+    if frame.local is not None:
+        found |= dict(zip(OF_PLACE, along(frame.local), strict=True))
     if frame.local is not None and mount is not None:
         angles_deg = body_angles_deg(body_to_ned(matrix, frame.local, mount))
-        found |= dict(zip(OF_VEHICLE, angles_deg.tolist(), strict=True))
         by_turns = body_angles_by_turns(np.radians(angles_deg)[None])[0]
         by_turns = by_turns @ mount @ CAMERA_FROM_PHOTOGRAPH
-        sigma_rad = np.sqrt(np.einsum("ai,ij,aj->a", by_turns, covariance, by_turns))
-        sigmas |= dict(zip(OF_VEHICLE, np.degrees(sigma_rad).tolist(), strict=True))
-    return found | ({f"sigma_{name}": sigma for name, sigma in sigmas.items()} if known else {})
+        variance = np.einsum("ai,ij,aj->a", by_turns, covariance, by_turns)
+        found |= dict(zip(OF_VEHICLE, np.sqrt(variance), strict=True))
+    return found
 
 
 OF_DATE = ("ra_of_date_deg", "dec_of_date_deg")

@@ -143,7 +143,7 @@ def _answer(photograph: SolvedPhotograph, one: SolvedStars, size_px: Sequence[fl
     ):
         shown, width = with_half(value, half)
         rows.append([name, shown, f"+- {width}" if width else "", "deg", note])
-    focal = (one.camera or {}).get("focal", float(np.ravel(stars.focal_length_mm)[0]))
+    focal = float(np.ravel(stars.focal_length_mm)[0])  # as solved, where it was
     scale = ARCSEC / focal
     rows.append(["scale", f"{scale:.5g}", "", "", f"seconds of arc a {unit}, on the axis"])
     image = np.asarray(stars.image_mm).reshape(-1, 2)[photograph.used]
