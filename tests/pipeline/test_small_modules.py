@@ -23,8 +23,10 @@ from vopd.findings import (
     InputError,
     VopdError,
     angle_text,
+    finding_of,
     first_of_each_kind,
     frames_text,
+    input_error,
     kind_of,
     raising,
     size_text,
@@ -339,3 +341,13 @@ def test_a_run_has_every_array_of_its_results() -> None:
     run = vopd.run(vopd.read_deck(CASE_1))
     for name in (*RESULT_ARRAYS, "focal_length_mm", "solved", "converged"):
         np.testing.assert_array_equal(getattr(run, name), getattr(run[0], name))
+
+
+def test_an_error_in_a_file_of_a_project_is_one_of_the_project() -> None:
+    """The file stays in its text; an error in the source itself has its place, and not its name."""
+    of_file = finding_of(input_error("odd", "a.csv"), "flight.toml")
+    assert of_file == Finding("a.csv: odd", "flight.toml")
+    of_project = finding_of(VopdError("flight.toml: odd"), "flight.toml")
+    assert of_project == Finding("odd", "flight.toml")
+    of_card = Finding("odd", "deck.dat", card=3)
+    assert finding_of(InputError(of_card), "deck.dat") == of_card
