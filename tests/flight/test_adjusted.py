@@ -68,12 +68,23 @@ class Both(NamedTuple):
 
 
 def adjusted(folder: Path, plan: Plan, *free: str, more: str = "", seed: int = 1) -> Both:
+    file = written(folder, plan, {}, seed)
+    file.write_text(file.read_text(encoding="utf-8") + more, encoding="utf-8")
+    return again(folder, file, *free)
+
+
+def written(folder: Path, plan: Plan, keys: dict[str, str], seed: int = 1) -> Path:
+    """A flight in a folder below, with further lines at the beginning of some sections."""
     source = folder / "source"
     source.mkdir()
     write_flight(source, plan, np.random.default_rng(seed))
     file = source / "flight.toml"
-    file.write_text(file.read_text(encoding="utf-8") + more, encoding="utf-8")
-    return again(folder, file, *free)
+    text = file.read_text(encoding="utf-8")
+    for section, lines in keys.items():
+        assert f"[{section}]\n" in text
+        text = text.replace(f"[{section}]\n", f"[{section}]\n{lines}\n", 1)
+    file.write_text(text, encoding="utf-8")
+    return file
 
 
 def again(folder: Path, file: Path, *free: str) -> Both:
@@ -175,14 +186,11 @@ def test_a_rate_of_the_clock_moves_all_frames_but_the_middle_one(tmp_path: Path)
 
 def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:
     """The rows of these frames are all of one time, and 16 ms are far off."""
-    source = tmp_path / "source"
-    source.mkdir()
-    write_flight(source, DRONE._replace(swing_deg=15.0), np.random.default_rng(1))
-    file = source / "flight.toml"
-    keys = 'readout_ms = 16.0\nreadout = "down"\nframe_time = "middle"\n'
-    text = file.read_text(encoding="utf-8").replace("[camera]\n", f"[camera]\n{keys}", 1)
-    text = text.replace("[uncertainty]\n", "[uncertainty]\nreadout_ms = 2.0\n", 1)
-    file.write_text(text, encoding="utf-8")
+    keys = {
+        "camera": 'readout_ms = 16.0\nreadout = "down"\nframe_time = "middle"',
+        "uncertainty": "readout_ms = 2.0",
+    }
+    file = written(tmp_path, DRONE._replace(swing_deg=15.0), keys)
     both = again(tmp_path, file, "readout")
     (readout,) = both.joint.parameters
     away_deg = both.again.camera_deg - both.joint.result.camera_deg
@@ -195,15 +203,10 @@ def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:
 
 
 def test_all_files_of_a_video_are_named_from_the_new_folder(tmp_path: Path) -> None:
-    source = tmp_path / "source"
-    source.mkdir()
-    write_flight(source, DRONE, np.random.default_rng(1))
-    file = source / "flight.toml"
-    text = file.read_text(encoding="utf-8")
-    video = 'video = ["a.mp4", "b.mp4"]\n'
-    file.write_text(text.replace("[picks]\n", f"[picks]\n{video}", 1), encoding="utf-8")
+    file = written(tmp_path, DRONE, {"picks": 'video = ["a.mp4", "b.mp4"]'})
     for name in ("a.mp4", "b.mp4"):
-        write_video(source / name, (np.arange(12) * 1000 / DRONE.frame_hz).astype(int).tolist())
+        at_ms = np.arange(12) * 1000 / DRONE.frame_hz
+        write_video(file.with_name(name), at_ms.astype(int).tolist())
     new = again(tmp_path, file, "focal").folder / "flight.toml"
     picks = tomllib.loads(new.read_text(encoding="utf-8"))["picks"]
     assert picks["video"] == ["../source/a.mp4", "../source/b.mp4"]
@@ -331,13 +334,7 @@ def test_of_the_images_of_a_folder_names_sizes_and_tags_count(tmp_path: Path) ->
 
 def test_a_lens_with_a_skew_is_written_as_a_table(tmp_path: Path) -> None:
     """As OpenCV has none like it."""
-    source = tmp_path / "source"
-    source.mkdir()
-    write_flight(source, EXACT, np.random.default_rng(1))
-    file = source / "flight.toml"
-    text = file.read_text(encoding="utf-8")
-    assert "[camera.lens]\n" in text
-    file.write_text(text.replace("[camera.lens]\n", "[camera.lens]\nskew_px = 2.5\n"), "utf-8")
+    file = written(tmp_path, EXACT, {"camera.lens": "skew_px = 2.5"})
     both = again(tmp_path, file, "focal", "k1")
     lens = both.again.flight.lens
     assert isinstance(lens, Lens) and lens.skew_px == 2.5
