@@ -430,7 +430,7 @@ def _sigmas_of_pointing(
     """
 
     def along(axes: Floats) -> Floats:
-        """Take the angle about the third of these axes, that from it, and the roll."""
+        """Take the angle about the third of these axes, that from it, and the roll, degrees."""
         return angle_sigmas_rad((matrix @ axes.T)[None], covariance[None])[0, 3:]
 
     found = dict(zip(OF_DATE, along(frame.of_date), strict=False))
