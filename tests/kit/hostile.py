@@ -336,6 +336,9 @@ TABLE = (
     Hostile("srt longitude of 400 digits", other("track", "t.srt", SRT.replace("16.4759", LARGE))),
     Hostile("srt hours of 400 digits", other("track", "t.srt", SRT.replace("00:00:05", LARGE
             + ":00:05"))),
+    Hostile("track column of 20,000 words", project(track__csv=re.sub(r"(?m)(\d)$", r"\1,1",
+            HILL["track.csv"].decode()).replace("lat_deg,lon_deg,h_m", "lat,lon,alt,"
+            + "above_" * 20_000 + "x1")), ("check flight.toml",)),
     Hostile("track marks that nobody sees", project(track__csv="\ufeff\ufeff".encode()
             + HILL["track.csv"])),
     Hostile("track year 1", other("track", "t.csv", "t_utc,lat_deg,lon_deg,h_m\n"
@@ -391,6 +394,7 @@ TABLE = (
     Hostile("manifest device", {"m": zeros}, ("batch --manifest m -d out",)),
     Hostile("stars device", {"s.csv": zeros}, STAR),
     Hostile("stars separator", {"s.csv": re.sub(r"(?m)^-?[\d.]+,", "1_0.5,", STARS)}, STAR),
+    Hostile("stars blanks", {"s.csv": f"{STARS.rstrip()}\n1,2,1{' ' * 100_000}x,5\n"}, STAR),
     Hostile("stars columns", {"s.csv": "x_mm,y_mm" + ",a" * 1_000_000 + "\n1,2\n"},
             (*STAR, "stars radec s.csv --focal 76 --attitude 1,2,3")),
     Hostile("stars arabic", {"s.csv": NAMED.replace("27989", "٢٧٩٨٩")}, (SKY,)),

@@ -6,11 +6,12 @@ import re
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
 SEXAGESIMAL = re.compile(
-    r"(?P<sign>[+-])?\s*(?P<whole>\d{1,4})\s*(?P<unit>[dh°:]|\s)\s*"
-    r"(?P<minutes>\d{1,2})\s*(['′m:]|\s|$)\s*"  # noqa: RUF001
-    r"((?P<seconds>\d{1,2}(\.\d*)?)\s*(\"|''|″|s)?)?",
+    r"(?P<sign>[+-])? ?(?P<whole>\d{1,4}) ?(?P<unit>[dh°:]| ) ?"
+    r"(?P<minutes>\d{1,2}) ?(['′m:]| |$) ?"  # noqa: RUF001
+    r"((?P<seconds>\d{1,2}(\.\d*)?) ?(\"|''|″|s)?)?",
     re.ASCII,
 )
+"""In a text with single blanks: any number of them in several places takes hours."""
 
 
 def parse_number(text: str) -> float:
@@ -42,7 +43,7 @@ def parse_angle_deg(text: str, *, hours: bool = False) -> float:
     Raises:
         ValueError: the text is none of these, or its minutes or seconds are 60 or more.
     """
-    stripped = text.strip().replace("−", "-")  # noqa: RUF001
+    stripped = " ".join(text.split()).replace("−", "-")  # noqa: RUF001
     if NUMBER.fullmatch(stripped):
         return float(stripped)
     match = SEXAGESIMAL.fullmatch(stripped)

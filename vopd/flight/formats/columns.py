@@ -55,7 +55,7 @@ BESIDE = re.compile(r"(^|_)(gps|gnss|utm|wgs84|deg|degrees?|dd|decimal)(?=_|$)")
 """Words of the name of a coordinate that leave it the same: its receiver, system or unit."""
 OF_ANGLE = re.compile(r"(^|_)(deg|degrees?)(_|$)")
 LEVEL = re.compile(
-    r"(^|_)(baro|rel|relative|agl|asl|a?msl|above(_[a-z]+)*?(?=_(m|ft|feet)$|$))(?=_|$)"
+    r"(^|_)(baro|rel|relative|agl|asl|a?msl|above(_[a-z]+){0,9}?(?=_(m|ft|feet)$|$))(?=_|$)"
 )
 """Words of the name of a height alone: what it is counted from, which the project says."""
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
