@@ -708,6 +708,33 @@ def test_times_whose_names_say_the_clock(name: str) -> None:
     assert_close("time", found.time_s - first, [0.0])
 
 
+def track_at(name: str, times: str) -> InputFile:
+    rows = "\n".join(f"{one},47.6,16.4,{k}" for k, one in enumerate(times.split()))
+    return of(f"{name},lat,lon,alt\n{rows}\n")
+
+
+@pytest.mark.parametrize(
+    "times", ["115858 115859 115900 115901", "115859.6 115859.8 115900 115900.2", "55 58 101 104",
+              "95958 95959 100000 100001", "115859 115858 115901 115900"],
+)  # fmt: skip
+def test_times_of_day_without_colons_are_no_seconds(times: str) -> None:
+    # 40 s, or 4040, are skipped where a minute, or an hour, is full
+    for name in ("utc", "GPS time", "t"):
+        with refused(VopdError):
+            read_by_content(TRACK_FORMATS, track_at(name, times))
+    rows = read_by_content(TRACK_FORMATS, track_at("t_s", times))
+    assert rows.time_s is not None and rows.time_s.tolist() == [*map(float, times.split())]
+
+
+@pytest.mark.parametrize(
+    "times", ["115856 115857 115858 115859", "58 59 60 61", "58 59 100 260", "0 50 100 150",
+              "100 200 300 400", "58 59 105 106", "0 30 59 99.5 100", "245958 245959 250000"],
+)  # fmt: skip
+def test_seconds_that_are_no_times_of_day(times: str) -> None:
+    rows = read_by_content(TRACK_FORMATS, track_at("utc", times))
+    assert rows.time_s is not None and rows.time_s.tolist() == [*map(float, times.split())]
+
+
 def test_an_elapsed_time_counts_before_one_of_the_receiver() -> None:
     rows = "gps_time,elapsed,lat,lon,alt\n471522.0,2.5,48,15,3\n"
     assert read_text(TRACK_FORMATS, "track", rows).time_s.tolist() == [2.5]

@@ -377,7 +377,34 @@ class CsvTable:
         if name == "t_utc":
             return self.times(name), True
         unit = 1e-3 if name == "t_unix_ms" or self.in_ms(name) else 1.0
-        return self.numbers(name) * unit, name != TIME[0]
+        found = self.numbers(name)
+        if name == TIME[0] and self._own_name(name) not in ("", name):
+            self._refuse_times_of_day(name, found)
+        return found * unit, name != TIME[0]
+
+    def _refuse_times_of_day(self, name: str, numbers: Floats) -> None:
+        """Refuse hhmmss, as receivers write it, which goes from 115959 on to 120000.
+
+        Minutes and seconds of all are below 60, and all that is skipped is the rest up to 100.
+
+        Raises:
+            VopdError: naming the row after it
+        """
+        known, row = np.unique(numbers, return_index=True)
+        seconds, minutes, hours = known % 100.0, known // 100.0 % 100.0, known // 10_000.0
+        if not len(known) or known[0] < 0.0 or max(seconds.max(), minutes.max()) >= 60.0:
+            return
+        step, own = np.diff(known), np.diff(3600.0 * hours + 60.0 * minutes + seconds)
+        over = step - own > 1.0
+        if not over.any() or over.all():
+            return
+        usual = 2.0 * step[~over].max()
+        if hours[-1] < 24.0 and own[over].max() <= usual < step[over].min():
+            k = int(np.argmax(over))
+            pair = f"{known[k]:.10g} and then {known[k + 1]:.10g}"
+            message = f"{pair} seem to be times of day, hhmmss: write dates and times in a column"
+            how = "t_utc, as 2026-05-01T11:58:42.25Z; if they are seconds, call the column t_s"
+            raise self.error(f"{message} {how}", int(row[k + 1]), name)
 
     def in_ms(self, name: str) -> bool:
         """Tell whether the file's own name of a column of seconds says milliseconds."""
