@@ -201,6 +201,25 @@ class NeededError(VopdError):
     """A value is missing that no file has; there may be others."""
 
 
+class SeveralErrors(VopdError):
+    """Errors of one source, a line each, of which none follows from another."""
+
+    def __init__(self, errors: Sequence[VopdError]) -> None:
+        super().__init__("\n".join(map(str, errors)))
+        self.errors = errors
+
+
+def raise_all(errors: Sequence[VopdError]) -> None:
+    """Raise errors of one source together, each text once; nothing where there is none.
+
+    Raises:
+        VopdError: the one, or `SeveralErrors`
+    """
+    known = [*{str(one): one for one in errors}.values()]
+    if known:
+        raise known[0] if len(known) < 2 else SeveralErrors(known)
+
+
 class InputError(VopdError):
     """An error in an input that cannot be read or solved; `finding` has the location."""
 
@@ -214,13 +233,19 @@ def input_error(message: str, source: str) -> InputError:
     return InputError(Finding(message, source))
 
 
-def finding_of(error: VopdError, source: str) -> Finding:
-    """Make a finding of an error, whose text may leave out of which source it is.
+def findings_in(error: VopdError, source: str) -> list[Finding]:
+    """Make findings of an error, or of several, whose texts may leave out of which source they are.
 
     Args:
         error: of the source, or of a file that it names
         source: a project or a deck
     """
+    errors = error.errors if isinstance(error, SeveralErrors) else [error]
+    return [finding_of(one, source) for one in errors]
+
+
+def finding_of(error: VopdError, source: str) -> Finding:
+    """Make a finding of one error, as `findings_in` does."""
     if isinstance(error, InputError) and error.finding.source == source:
         return error.finding
     return Finding(str(error).removeprefix(f"{source}: "), source)

@@ -52,6 +52,39 @@ def test_an_error_is_one_and_has_status_1(tmp_path: Path) -> None:
     assert_approved(found["errors"][0]["message"])
 
 
+def test_all_keys_that_are_wrong_are_named(tmp_path: Path) -> None:
+    """Those inside an inline table, too, by every command."""
+    text = TOML.replace("[landmarks]", "v = 5\nsigma = 1\n[landmarks]")
+    text = text.replace("fx_px =", "f_px = 1, fx_px =").replace(
+        "[flight]", "name = 1\nzz = 1\n[flight]"
+    )
+    path = write_project(tmp_path, text + "[solv]\n")
+    ran, solved = vopd("check", path), vopd("attitude", path)
+    assert (ran.status, solved.status, solved.stdout) == (1, 1, "")
+    assert_approved(ran.stdout)
+    assert_approved(solved.stderr)
+
+
+def test_each_file_that_is_wrong_is_named(tmp_path: Path) -> None:
+    """Also where another is, and what no file says; an error that follows from another is not."""
+    text = TOML.replace(
+        '[landmarks]\nfile = "landmarks.csv"\nheight = "ellipsoid"\n', "[landmarks]\n"
+    )
+    text = text.replace("[landmarks]", '[landmarks]\nfile = "landmarks.csv"\n')
+    path = write_project(
+        tmp_path, text + '[wind]\nfile = "wind.csv"\n[vehicle]\nattitude = "a.csv"\n'
+    )
+    changed(path, "picks.csv", lambda row: [*row[:2], "left", row[3]])
+    (tmp_path / "track.csv").write_text("t_s,lat_deg,lon_deg,h_m\n0,91,16,400\n")
+    ran, solved = vopd("check", path), vopd("attitude", path)
+    assert (ran.status, solved.status, solved.stdout) == (1, 1, "")
+    assert_approved(ran.stdout)
+    texts = [
+        one.removeprefix("error: ").removeprefix(f"{path}: ") for one in ran.stdout.splitlines()
+    ]
+    assert [one.removeprefix(f"{path}: ") for one in solved.stderr.splitlines()] == texts[:-1]
+
+
 @pytest.mark.parametrize(("stated_s", "wrong_s"), [(0.5, 0.4), (0.5, -0.6), (5.0, -4.0)])
 def test_a_clock_that_is_off_by_what_is_stated_is_named(
     stated_s: float, wrong_s: float, tmp_path: Path

@@ -9,7 +9,7 @@ import numpy as np
 
 from vopd.attitude.findings import findings_of
 from vopd.attitude.history import HistoryOptions
-from vopd.findings import Finding, VopdError, finding_of, first_of
+from vopd.findings import Finding, VopdError, finding_of, findings_in, first_of
 from vopd.flight.flight import Flight
 from vopd.flight.formats.photographs import missing_images
 from vopd.flight.misfits.blunders import ARE_EXCHANGED, WRONG
@@ -18,7 +18,7 @@ from vopd.flight.misfits.input_errors import SPEAK_FOR
 from vopd.flight.misfits.mistakes import other_clock, usual_mistakes
 from vopd.flight.misfits.unsolved import picks_outside
 from vopd.flight.project.keys import Project, read_project
-from vopd.flight.project.read import flight_of
+from vopd.flight.project.read import flight_or_errors
 from vopd.flight.project.terrain import read_terrain
 from vopd.flight.result import solve_flight_read
 from vopd.video import open_frames
@@ -30,12 +30,12 @@ def check_flight(name: str) -> list[Finding]:
     try:
         project = read_project(name)
     except VopdError as error:
-        return [finding_of(error, name)]
+        return findings_in(error, name)
     try:
-        flight = flight_of(project)
+        flight = flight_or_errors(project)
     except VopdError as error:
-        hint = other_clock(project)
-        return [Finding(str(error).removeprefix(f"{name}: ") + hint, name)]
+        first, *others = findings_in(error, name)
+        return [replace(first, message=first.message + other_clock(project)), *others]
     far = list(far_landmarks(flight))
     found = [*flight.findings, *_warned(name, [*messages_of_files(flight), *far])]
     found += findings_of_terrain(project, flight)

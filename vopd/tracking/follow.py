@@ -27,7 +27,7 @@ from vopd.flight.project.camera import read_camera
 from vopd.flight.project.covariance import adjusted_from, with_stated_offset
 from vopd.flight.project.keys import Project
 from vopd.flight.project.picks import NO_LANDMARK, NONE_USED
-from vopd.flight.project.read import flight_of, read_pick_rows, require_clicks
+from vopd.flight.project.read import flight_or_errors, read_pick_rows, require_clicks
 from vopd.flight.project.terrain import read_terrain, relief_text
 from vopd.flight.project.times import frames_of
 from vopd.flight.project.track import read_path
@@ -138,7 +138,7 @@ def read_footage(project: Project) -> Footage:
     clicked = project.without("picks", "tracked", "tracked_from")
     if clicked.section("solve").has("frames"):
         clicked = clicked.changed("solve", "frames", "each")
-    flight = flight_of(clicked)
+    flight = flight_or_errors(clicked)
     frames = open_frames([str(project.folder / one) for one in section.files("video")])
     camera = read_camera(clicked)
     if camera.several:

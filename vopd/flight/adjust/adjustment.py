@@ -16,7 +16,7 @@ from vopd.flight.flight import Flight
 from vopd.flight.parameters import Parameter, parameters_of
 from vopd.flight.project.covariance import adjusted_from
 from vopd.flight.project.keys import Project, read_project
-from vopd.flight.project.read import flight_of
+from vopd.flight.project.read import flight_or_errors
 from vopd.flight.result import FlightResult, solve_flight_read
 from vopd.flight.solve.free import check_free, names_of
 
@@ -106,10 +106,10 @@ def flight_to_adjust(name: str) -> tuple[Flight, Project]:
     project = read_project(name)
     before = adjusted_from(project)
     if before is None:
-        return flight_of(project), project
+        return flight_or_errors(project), project
     try:
         project = read_project(before)
-        flight = flight_of(project)
+        flight = flight_or_errors(project)
     except VopdError as error:
         raise VopdError(
             f"{name}: it is adjusted already, and its priors are in {before}, which cannot be "

@@ -130,6 +130,15 @@ def coefficients_said(k: Sequence[float], model: str) -> str:
     return f"{model}, {named}"
 
 
+def wrong_count_text(count: int, kind: LensKind) -> str:
+    """Say how many coefficients a lens of that kind can have, and in which order."""
+    counts = MODELS[kind].counts
+    said = f"{count_text(count, 'coefficient')}; {', '.join(map(str, counts))} are known"
+    if kind is not LensKind.BROWN or count > counts[-1]:
+        return said
+    return f"{said}, in OpenCV's order k1, k2, p1, p2, k3, ...: write 0 for one that is not there"
+
+
 def refuse_camera(file: InputFile, question: LensQuestion) -> None:
     """Refuse the name of a camera where the file has one, which has no name."""
     if question.camera is not None:
@@ -456,7 +465,7 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
         raise file.error(f"a fisheye has 4 coefficients, not {len(k)}")
     if len(k) not in COUNTS_OPENCV:
         raise file.error(
-            f"{count_text(len(k), 'coefficient')}; {', '.join(map(str, COUNTS_OPENCV))} are known"
+            wrong_count_text(len(k), LensKind.BROWN)
             + (" (a tilted sensor is not)" if len(k) == 14 else "")
         )
     size_px = question.size_px

@@ -22,6 +22,7 @@ from vopd.flight.formats.lens import (
     coefficients_said,
     image_centre,
     make_lens,
+    wrong_count_text,
 )
 from vopd.flight.project.keys import Project, Section
 from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
@@ -131,11 +132,8 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
     if found is not None:
         return LensRead(found, f"lens: radial table{assumed}")
     k = table.numbers("k") if table.has("k") and table.values["k"] != [] else ()
-    counts = MODELS[LensKind(model)].counts
-    if len(k) not in counts:
-        raise table.error(
-            "k", f"{count_text(len(k), 'coefficient')}; {', '.join(map(str, counts))} are known"
-        )
+    if len(k) not in MODELS[LensKind(model)].counts:
+        raise table.error("k", wrong_count_text(len(k), LensKind(model)))
     skew = table.number("skew_px")
     lens = make_lens(model, size, focal, centre, k, skew)
     return LensRead(lens, f"lens: {coefficients_said(k, model)}{assumed}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from math import isfinite
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from vopd.attitude.sigmas import HALF_A_TURN_DEG
 from vopd.files import not_utf8, reason
-from vopd.findings import NeededError, VopdError, did_you_mean, shown
+from vopd.findings import NeededError, VopdError, did_you_mean, raise_all, shown
 from vopd.flight.coordinates import GIVE_METRES, HEIGHTS
 from vopd.flight.formats.by_content import InputFormat, read_by_content
 from vopd.flight.formats.files import Columns, InputFile, open_input
@@ -321,6 +321,11 @@ REQUIRED = ("camera", "picks", "landmarks")
 SECTIONS = tuple(dict.fromkeys(key.section for key in KEYS if "." not in key.section))
 
 
+def sections_of(key: str) -> list[str]:
+    """List the sections that have a key of this name, as they are written."""
+    return [f"[{section}]" for section in SECTIONS if (section, key) in ROWS]
+
+
 def with_common_error(needed: Mapping[tuple[str, str], str]) -> dict[tuple[str, str], str]:
     """Ask for the error that a track's positions have in common beside that of each by itself.
 
@@ -377,7 +382,8 @@ class Section:
             known = f": {', '.join(choices)}" if choices else ""
             raise self.error(key, f"is needed{known}")
         if not isinstance(value, str):
-            raise self.error(key, f"{shown(value)} is not a text in quotes")
+            known = f": {row.comment}" if row.choices else ""
+            raise self.error(key, f"{shown(value)} is not a text in quotes{known}")
         if choices and value not in choices:
             raise self.error(key, f"{shown(value)} is not known{did_you_mean(value, choices)}")
         return value
@@ -515,15 +521,26 @@ class Section:
 
     def check(self) -> None:
         """Refuse keys that are not known, and values of another kind, also where none is read."""
+        for error in self.errors():
+            raise error
+
+    def errors(self) -> Iterator[VopdError]:
+        """Find keys that are not known, and values of another kind."""
         known = keys_of(self.name)
         for key, value in self.values.items():
             if key not in known:
-                raise self.error(key, f"there is no such key{did_you_mean(key, known)}")
+                of = sections_of(key)
+                hint = did_you_mean(key, known) if len(of) != 1 else f"; it is one of {of[0]}"
+                yield self.error(key, f"there is no such key{hint}")
+                continue
             kind = ROWS[self.name, key].kind
             if isinstance(value, dict) and keys_of(f"{self.name}.{key}"):
-                self.section(key)
+                yield from Section(self.project, f"{self.name}.{key}", value).errors()
             elif kind != "other":
-                getattr(self, "text" if kind == "file" else kind)(key)
+                try:
+                    getattr(self, "text" if kind == "file" else kind)(key)
+                except VopdError as error:
+                    yield error
 
     def _row(self, key: str, *kinds: str) -> Key:
         """Look up the row of a key, which is of one of these kinds."""
@@ -650,14 +667,20 @@ def read_project(name: str, location: str | None = None) -> Project:
         if line and (wrong := no_date(path.read_text("utf-8-sig").splitlines()[int(line[1]) - 1])):
             raise VopdError(f"{name}: line {line[1]}: {wrong}") from error
         raise VopdError(f"{name}: not valid TOML: {why}") from error
-    sections = {}
+    sections, errors = dict[str, Section](), list[VopdError]()
     for section, inside in values.items():
         if section not in SECTIONS:
-            raise VopdError(f"{name}: [{section}] is not known{did_you_mean(section, SECTIONS)}")
-        if not isinstance(inside, dict):
-            raise VopdError(f"{name}: {section} is a section: write [{section}]")
-        sections[section] = Section(name, section, inside)
-        sections[section].check()
+            message = f"[{section}] is not known{did_you_mean(section, SECTIONS)}"
+            of = " or ".join(sections_of(section))
+            if of and not isinstance(inside, dict):
+                message = f"{section} is in no section: write it below {of}"
+            errors.append(VopdError(f"{name}: {message}"))
+        elif not isinstance(inside, dict):
+            errors.append(VopdError(f"{name}: {section} is a section: write [{section}]"))
+        else:
+            sections[section] = Section(name, section, inside)
+            errors += sections[section].errors()
+    raise_all(errors)
     missing = [f"[{section}]" for section in REQUIRED if section not in sections]
     if missing:
         if not {"track", "position"} & {*sections}:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from vopd.files import reason
-from vopd.findings import VopdError
+from vopd.findings import VopdError, raise_all
 from vopd.flight.coordinates import crs_is_geographic, crs_name
 from vopd.flight.formats.image_tags import images_in
 from vopd.flight.formats.tables import EXACT
@@ -362,8 +362,7 @@ def look_at_files(
             look_at_times(new, values, folder, track, tagged, by_number)
     if "wind" in named:
         look(look_at_wind, named["wind"])
-    if errors:
-        raise VopdError("\n".join(dict.fromkeys(map(str, errors))))
+    raise_all(errors)
 
 
 def _known_crs(new: NewProject, values: KeyValues, folder: Path, crs: str) -> None:

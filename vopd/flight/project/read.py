@@ -6,12 +6,22 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.estimate import MapGrid
-from vopd.findings import Finding, NeededError, count_text, did_you_mean, first_of, shown
+from vopd.findings import (
+    Finding,
+    NeededError,
+    VopdError,
+    count_text,
+    did_you_mean,
+    first_of,
+    raise_all,
+    shown,
+)
 from vopd.flight.coordinates import (
     crs_name,
     doubt_of_heights,
@@ -32,6 +42,7 @@ from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, LandmarkRows
 from vopd.flight.formats.picks import LEAST_PX, PICK_FORMATS, SMALL_SIGMA, Names, PickRows
 from vopd.flight.formats.tables import COMMENTS
+from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project.camera import CameraLens, doubts_of_lens, read_camera
 from vopd.flight.project.covariance import with_held, with_stated_offset
@@ -53,6 +64,7 @@ from vopd.geometry.earth import geodetic
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 from vopd.inputs import LONGEST_NAME, MOST_NUMBER, beyond_sigmas
 
+R = TypeVar("R")
 COPIED = (
     "picks of one landmark in one frame are the same to the last digit: if these are copies, "
     "remove them, for they make the angles look surer than they are"
@@ -161,9 +173,22 @@ def read_flight(name: str, location: str | None = None) -> Flight:
         location: where it is, if not under its name
 
     Raises:
-        VopdError: where a key or a file is not as it should be
+        VopdError: where keys or files are not as they should be, all that are
     """
-    return flight_of(read_project(name, location))
+    return flight_or_errors(read_project(name, location))
+
+
+def flight_or_errors(project: Project) -> Flight:
+    """Read the files of a project as `flight_of` does, each of them also where another is wrong.
+
+    Raises:
+        VopdError: with the errors of all files
+    """
+    try:
+        return flight_of(project)
+    except VopdError as error:
+        raise_all([error, *_further_errors(project, error)])
+        raise
 
 
 def flight_of(project: Project, rows: PickRows | None = None) -> Flight:
@@ -189,6 +214,34 @@ def flight_of(project: Project, rows: PickRows | None = None) -> Flight:
             f"{project.name}: {len(keys)} values are needed that no file has. Add these lines, "
             f"with values of your own:\n{lines_to_add(keys)}"
         ) from error
+
+
+def _further_errors(project: Project, first: VopdError) -> list[VopdError]:
+    """Find errors beside the first by reading each file of a project by itself."""
+    errors: list[VopdError] = []
+
+    def found(read: Callable[[], R]) -> R | None:
+        try:
+            return read()
+        except VopdError as error:
+            errors.append(error)
+            return None
+
+    camera = found(lambda: read_camera(project))
+    picks = found(lambda: read_pick_rows(project, camera)) if camera else None
+    frames = found(lambda: frames_of(project, picks)) if picks else None
+    found(lambda: _landmarks(project, Notes([], {})))
+    if frames:
+        found(lambda: read_path(with_stated_offset(project), frames[1]))
+    elif project.has("track"):
+        found(lambda: project.read("track", project.open("track"), TRACK_FORMATS))
+    if project.has("wind"):
+        found(lambda: read_by_content(WIND_FORMATS, project.open("wind")))
+    found(lambda: mount_of(project.section("vehicle")))
+    found(lambda: _vehicle(project, 0.0))
+    # which the first one names, where all values that are needed are known
+    all_needed = isinstance(first, NeededError) and "\n" in str(first)
+    return [one for one in errors if not (all_needed and isinstance(one, NeededError))]
 
 
 @np.errstate(all="ignore")
