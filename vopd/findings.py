@@ -201,12 +201,17 @@ class NeededError(VopdError):
     """A value is missing that no file has; there may be others."""
 
 
+MOST_ERRORS = 10  # that are told together
+MORE_ERRORS = "there are more errors: mend these first"
+
+
 class SeveralErrors(VopdError):
     """Errors of one source, a line each, of which none follows from another."""
 
     def __init__(self, errors: Sequence[VopdError]) -> None:
-        super().__init__("\n".join(map(str, errors)))
-        self.errors = errors
+        more = [VopdError(MORE_ERRORS)] if len(errors) > MOST_ERRORS else []
+        self.errors = [*errors[:MOST_ERRORS], *more]
+        super().__init__("\n".join(map(str, self.errors)))
 
 
 def raise_all(errors: Sequence[VopdError]) -> None:
