@@ -554,11 +554,13 @@ WITHOUT_TRACK = TOML.partition("[track]")[0]
 
 
 def with_wind(
-    folder: Path, velocity: Any, levels: str = "500,180,10\n600,180,30\n"
+    folder: Path, velocity: Any, levels: str = "500,180,10\n600,180,30\n", **height: object
 ) -> tuple[CameraPath, list[str], list[str]]:
     """A path at heights of 0, 550 and 9000 m, its wind, and what is doubtful of it."""
     (folder / "wind.csv").write_text(f"h_m,from_deg,speed_m_s\n{levels}")
-    project = Project("p.toml", folder, {"wind": Section("p.toml", "wind", {"file": "wind.csv"})})
+    sections = {"wind": Section("p.toml", "wind", {"file": "wind.csv"})}
+    sections |= {name: Section("p.toml", name, {"height": one}) for name, one in height.items()}
+    project = Project("p.toml", folder, sections)
     position = earth_centred_m(47.0, 16.0, np.array([0.0, 550.0, 9000.0]))
     return add_wind(project, CameraPath(position, velocity_m_s=velocity))
 
@@ -570,6 +572,27 @@ def test_wind_is_linear_in_height_and_held_beyond_the_ends(tmp_path: Path) -> No
     assert_close("flight speed", path.wind_m_s[:, 0], [10.0, 20.0, 30.0])
     assert_close("flight speed", path.wind_m_s[:, 1:], np.zeros((3, 1)))
     assert_approved([said, far])
+
+
+def test_levels_of_the_wind_count_from_the_sea(tmp_path: Path) -> None:
+    """The sea is 25 m above the ellipsoid: the camera is at -25, 525 and 8975 m above it."""
+    geoid: dict[str, object] = {"undulation_m": 25.0}
+    still = np.zeros((3, 3))
+    for height in (
+        {"track": geoid},
+        {"position": geoid},
+        {"track": "ellipsoid", "landmarks": geoid},
+        {"track": {"ground_m": 300.0}, "landmarks": geoid},
+    ):
+        path, (said,), _ = with_wind(tmp_path, still, **height)
+        assert path.wind_m_s is not None
+        assert_close("flight speed", path.wind_m_s[:, 0], [10.0, 15.0, 30.0])
+        assert_approved([said])
+    for name in ("same", "ellipsoid"):
+        path, (said,), _ = with_wind(tmp_path, still, track=name, landmarks=name)
+        assert path.wind_m_s is not None
+        assert_close("flight speed", path.wind_m_s[:, 0], [10.0, 20.0, 30.0])
+        assert_approved([said])
 
 
 def test_levels_half_a_kilometre_away_are_near_and_faster_than_any_wind_is_told(

@@ -487,9 +487,10 @@ def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str],
     if path.velocity_m_s is None:
         message = "is of no use: the velocity is not known without a track by time"
         raise project.section("wind").error("file", message)
-    height, level = geodetic(path.position_m).height_m, rows.height_m
+    sea_m, counted = _sea_level(project, path)
+    height, level = geodetic(path.position_m).height_m - sea_m, rows.height_m
     wind = np.stack([np.interp(height, level, w) for w in rows.toward_m_s.T], axis=1)
-    said = f"{rows.said}, linear in height, the last level held beyond the ends"
+    said = f"{rows.said}, linear in height, the last level held beyond the ends; levels {counted}"
     doubts = []
     beyond = np.fmax(level[0] - height, height - level[-1])
     if (beyond > WIND_BEYOND_M).any():
@@ -505,6 +506,28 @@ def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str],
         )
     (sigma_m_s,) = project.section("wind").sigma("sigma_m_s") or (0.0,)
     return replace(path, wind_m_s=wind, wind_sigma_m_s=sigma_m_s), [said], doubts
+
+
+def _sea_level(project: Project, path: CameraPath) -> tuple[float, str]:
+    """Find the sea's height above the ellipsoid at the camera, and say where levels count from.
+
+    Soundings count from the sea. Its height is 0 where no section of the project has a geoid.
+    """
+    landmarks = project.section("landmarks")
+    where = geodetic(path.position_m)
+    known = np.flatnonzero(np.isfinite(where.height_m))[:1]
+    for section in (project.section("track"), project.section("position"), landmarks):
+        datum = height_datum(section, landmarks)
+        if datum is None or datum.name == "ellipsoid" or not len(known):
+            continue
+        if datum.name == "same":
+            return 0.0, "counted as the camera's heights"
+        on_it = np.array([[where.longitude_deg[known[0]], where.latitude_deg[known[0]], 0.0]])
+        level = replace(datum, ground_m=0.0)
+        at_sea = earth_centred_positions(on_it, True, None, level, f"{project.name}: [wind]")
+        sea_m = float(geodetic(at_sea).height_m[0])
+        return sea_m, f"above the sea, which is {sea_m:.4g} m above the ellipsoid"
+    return 0.0, "taken as above the ellipsoid, as no geoid is stated"
 
 
 def frames_uncovered(
