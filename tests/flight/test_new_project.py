@@ -651,3 +651,13 @@ def test_each_option_gives_its_keys_and_nothing_more_is_needed(place: str, tmp_p
         wanted = {name: own for name, own in wanted.items() if own}
         assert json.loads(json.dumps(values, default=str)) == wanted
         assert "NEEDED (" not in text
+
+
+def test_numbers_of_a_lens_take_the_place_of_its_file(tmp_path: Path) -> None:
+    """In the project that `vopd new` wrote before, of which no lens is read again."""
+    (tmp_path / "lens.txt").write_text("1 PINHOLE 1920 1080 1400 1400 960 540\n")
+    assert run("new", tmp_path / "p", "--lens", tmp_path / "lens.txt").status == 0
+    again = run("new", tmp_path / "p", *OF_CAMERA)
+    camera = tomllib.loads((tmp_path / "p" / "flight.toml").read_text())["camera"]
+    assert (again.status, camera) == (0, CAMERA)
+    assert not any("lens.txt" in line for line in again.stdout.splitlines())

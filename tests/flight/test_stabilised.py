@@ -18,6 +18,7 @@ from tools.render_video import Settings, make
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.misfits import stabilised
 from vopd.flight.misfits.input_errors import SHIFTED
+from vopd.flight.misfits.misfit import MISFITS
 from vopd.flight.result import solve_flight_read
 
 FRAMES = 40
@@ -47,6 +48,13 @@ def test_shifts_are_named_with_their_size() -> None:
         assert result.misfits and not any("the click of" in one.message for one in result.findings)
         sizes.append(float(message.split(", by ")[1].split()[0]))
     assert_close("shift of the picture", np.sqrt(np.mean(np.square(sizes))), 8.0)
+
+
+def test_shifts_make_a_flight_doubtful_whose_picks_have_their_size() -> None:
+    result = solve_flight_read(shifted(drawn(0), 5.0, 0))
+    texts = [one.message for one in result.findings]
+    assert any(SHIFTED in one for one in texts) and result.misfits
+    assert not any(one.startswith(MISFITS) for one in texts)
 
 
 def placed(flight: Flight, rng: np.random.Generator, size_m: float, stated_m: float) -> Flight:

@@ -126,6 +126,8 @@ def test_levels_of_a_csv_list() -> None:
         assert told(part).startswith("w: the format is not recognised")
         odd = LIST + "x," + ",".join("y" if one == name else "5" for one in names) + "\n"
         assert_approved(told(odd), parts=[name, unit])
+    contrary = "x,50,,5\nx,300,180,10\nx,100,180,9\nx,300,90,10\n"
+    assert_approved(told(LIST + contrary))
     longer = LIST.replace("time", "wind speed above_m/s") + "7,300,180,10\n7,0,270,20\n"
     assert_close("ratio", read(longer).toward_m_s, [[0, 20], [10, 0]])
 
