@@ -554,7 +554,8 @@ def look_at_times(
     else:
         where = "--video names the video" if rows.by_video else "--images names the folder"
         new.needed["picks", "times"] = (
-            f"the track is by time; {where}, --fps serves numbers in names"
+            f"the track is by time; {where}, --fps serves numbers in names, or "
+            "--set picks.times=FILE, a CSV with image and t_s or t_utc"
         )
 
 
