@@ -43,10 +43,10 @@ def parse_angle_deg(text: str, *, hours: bool = False) -> float:
     Raises:
         ValueError: the text is none of these, or its minutes or seconds are 60 or more.
     """
-    stripped = " ".join(text.split()).replace("−", "-")  # noqa: RUF001
+    stripped = text.strip().replace("−", "-")  # noqa: RUF001
     if NUMBER.fullmatch(stripped):
         return float(stripped)
-    match = SEXAGESIMAL.fullmatch(stripped)
+    match = SEXAGESIMAL.fullmatch(" ".join(stripped.split()))
     if match is None or (match["unit"] == "h" and not hours):
         raise ValueError(
             f"not an angle: {stripped!r} (decimal degrees, or degrees minutes seconds)"
