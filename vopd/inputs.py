@@ -15,7 +15,7 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import TYPE_CHECKING, Any, Protocol
 
-from vopd.findings import count_text
+from vopd.findings import count_text, shown
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -139,12 +139,30 @@ def parse_json(text: str) -> Any:
     """Read JSON.
 
     Raises:
-        ValueError: if it is not valid, or has too many elements
+        ValueError: if it is not valid, has a key twice, or has too many elements
         RecursionError: if its values are nested too deep
     """
     _refuse_many(text, "[{", MOST_ELEMENTS)
     _refuse_many(text, ",", MOST_VALUES)
-    return json.loads(text)
+    return json.loads(text, object_pairs_hook=_each_once)
+
+
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Make a mapping, of which other parsers of JSON take the last value of a key in silence."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError(twice(key for key, _ in pairs))
+    return found
+
+
+def twice(keys: Iterable[str]) -> str:
+    """Say which key one mapping has twice, perhaps with two values; empty if each is there once."""
+    first = set[str]()
+    for key in keys:
+        if key in first:
+            return f"{shown(key)} stands there twice: remove one"
+        first.add(key)
+    return ""
 
 
 def parse_xml(text: str) -> Element:

@@ -254,11 +254,13 @@ def test_numbers_of_an_opencv_file_that_no_model_has_are_not_ignored(tmp_path: P
     for more in (
         {"camera_matrix": [[900, 0, 45], [0.5, 800, 35], [0, 0, 1]]},
         {"distortion_coeffs": [0.1, 0, 0, 0, 0]}, {"k1": 0.1}, {"Dist_Coefs": [0.1]},
-        {"binning_x": 2}, {"roi": {"x_offset": 5, "y_offset": 0}}, {"roi": {"y_offset": 7}},
+        {"RadialDistortion": [0.1]}, {"radial": [0.1, 0]}, {"coefficients": [0.1] * 5},
+        {"lens_distortion": [0.1] * 5}, {"binning_y": 2}, {"binning_x": 2},
+        {"roi": {"x_offset": 5, "y_offset": 0}}, {"roi": {"y_offset": 7}},
     ):  # fmt: skip
         assert_approved(told(tmp_path, json.dumps(OPENCV | more)))
     plain = {"D": [0.1] * 5, "distortion_model": "plumb_bob", "k1": 7, "distortion_type": "x",
-             "binning_x": 0, "roi": {"x_offset": 0, "y_offset": 0}}  # fmt: skip
+             "binning_x": 0, "binning_y": 1, "roi": {"x_offset": 0, "y_offset": 0}}  # fmt: skip
     assert numbers(read(tmp_path, json.dumps(OPENCV | plain)))[4:] == [0.1] * 5
 
 
@@ -753,19 +755,76 @@ def test_coefficients_are_counted_also_where_they_are_0() -> None:
 # OpenCV
 
 
+XML = (
+    '<?xml version="1.0"?>\n<{0}><image_width>64.</image_width>'
+    "<image_height>\n48.0 </image_height>"
+    "<{1}><rows>3</rows><data>\n 70. 0. {2} 0. 60. 4. 0. 0. 1.</data></{1}>"
+    "<D><data></data></D></{0}>"
+)
+
 MATRICES = ("camera_matrix", "cameraMatrix", "K", "M1", "M", "intrinsic_matrix")
 DISTORTIONS = ("distortion_coefficients", "distCoeffs", "dist_coeffs", "dist_coeff", "D", "D1")
 
 
-def test_of_several_keys_of_opencv_the_first_of_the_list_counts() -> None:
+def test_keys_of_opencv() -> None:
+    """Those of one letter and a number may be something else beside others, and are not read."""
     head = {"calibration_of": "cameraMatrix", "image_width": 64, "image_height": 48}
-    for first in range(6):
-        matrices = {MATRICES[k]: [10.0 + k, 0, 1, 0, 9, 2, 0, 0, 1] for k in range(first, 6)}
-        some = {DISTORTIONS[k]: [k, 0, 0, 0, 7.0] for k in range(first, 6)}
-        lens = lens_of(json.dumps(head | dict(reversed((matrices | some).items())))).lens
-        assert lens.focal_px.tolist() == [10.0 + first, 9.0]
-        assert lens.k[:5].tolist() == [first, 0.0, 0.0, 0.0, 7.0]
+    matrices = [{name: [10.0 + k, 0, 1, 0, 9, 2, 0, 0, 1]} for k, name in enumerate(MATRICES)]
+    some = [{name: [k, 0, 0, 0, 7.0]} for k, name in enumerate(DISTORTIONS)]
+    for k in range(6):
+        lens = lens_of(json.dumps(head | matrices[k] | some[k])).lens
+        assert lens.focal_px.tolist() == [10.0 + k, 9.0]
+        assert lens.k[:5].tolist() == [k, 0.0, 0.0, 0.0, 7.0]
+    for k in (2, 3, 4):
+        lens = lens_of(json.dumps(head | matrices[k] | matrices[0] | some[5] | some[1])).lens
+        assert lens.focal_px.tolist() == [10.0, 9.0] and lens.k[0] == 1.0
+    rows = [[10, 0, 1], [0, 9, 2], [0, 0, 1]]
+    same = {"camera_matrix": rows, "cameraMatrix": [*rows[0], *rows[1], *rows[2]]}
+    assert lens_of(json.dumps(head | same)).lens.focal_px.tolist() == [10.0, 9.0]
+    for more in (matrices[0] | matrices[1], matrices[0] | some[0] | some[3]):
+        assert_approved(no_lens(json.dumps(head | more)))
     assert_approved(no_lens(json.dumps(head)))
+
+
+MATRIX = "[70, 0, 2, 0, 60, 3, 0, 0, 1]"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"camera_matrix: {MATRIX}\nimage_width: 64\nimage_height: 48\ncamera_matrix: {MATRIX}\n",
+        f"camera_matrix: {{data: {MATRIX}, data: {MATRIX}}}\nimage_width: 64\nimage_height: 48\n",
+        f"camera_matrix: {MATRIX}\nCamera_Matrix: {MATRIX}\nimage_width: 64\nimage_height: 48\n",
+        f'{{"camera_matrix": {MATRIX}, "image_width": 64, "image_height": 48, "image_width": 64}}',
+        f'{{"camera_matrix": {{"data": {MATRIX}, "data": {MATRIX}}}}}',
+        XML.format("opencv_storage", "D", 3),
+    ],
+)
+def test_a_key_that_stands_twice_is_refused(text: str) -> None:
+    """Parsers take the last one in silence."""
+    assert_approved(no_lens(text))
+
+
+def test_sizes_of_a_calibration_under_other_names() -> None:
+    text = f"camera_matrix: {MATRIX}\n"
+    own = {"width: 128\nheight: 96": (128, 96), "image_size: [128, 96]": (128, 96),
+           "resolution: [48, 64]": (64, 48), "img_size: [64, 48]": (64, 48),
+           "width: 9\nheight: 6": (64, 48), "image_size: large": (64, 48)}  # fmt: skip
+    for more, size in own.items():
+        assert lens_of(f"{text}{more}\n", size_px=(64, 48)).lens.size_px == size
+    assert lens_of(f"{text}width: 128\nheight: 96\n").lens.size_px == (128, 96)
+    no_lens(f"{text}image_size: [128, 96]\n")  # or 96 x 128
+
+
+def test_numbers_of_yaml_are_decimal() -> None:
+    """YAML 1.1 takes 0640 for octal, and 10:40 and 10:40.0 for 640 and 640.0."""
+    text = (
+        "camera_matrix: [0070, 0, 2.5e0, 0, +60, 3, 0, 0, 1]\nimage_width: 0100\nimage_height: 50"
+    )
+    found = lens_of(text).lens
+    assert found.focal_px.tolist() == [70.0, 60.0] and found.size_px == (100, 50)
+    for odd in ("1:10", "1:10.0", "7_0", "7_0.0", "0x46", "0b1000110"):
+        assert_approved(no_lens(text.replace("0070", odd)))
 
 
 @pytest.mark.parametrize(
@@ -796,14 +855,6 @@ def test_how_many_coefficients_opencv_has(count: int) -> None:
         assert lens_of(fisheye).lens.k.tolist() == [0.25] * 4
     else:
         assert_approved(no_lens(fisheye), parts=[count])
-
-
-XML = (
-    '<?xml version="1.0"?>\n<{0}><image_width>64.</image_width>'
-    "<image_height>\n48.0 </image_height>"
-    "<{1}><rows>3</rows><data>\n 70. 0. {2} 0. 60. 4. 0. 0. 1.</data></{1}>"
-    "<D><data></data></D></{0}>"
-)
 
 
 def test_xml_of_opencv() -> None:

@@ -23,6 +23,7 @@ from vopd.inputs import (
     parse_xml,
     plain_number,
     too_many_bytes,
+    twice,
 )
 
 # Lenses of numbers, on the grid whose (0, 0) is the first pixel's centre
@@ -430,7 +431,12 @@ MODELS_OPENCV = {
     "fisheye": "fisheye",
 }
 COUNTS_OPENCV = MODELS[LensKind.BROWN].counts
-OTHER_COEFFICIENTS = re.compile(r"dist(?!\w*_?(model|type)$)|[kp][1-6]$")
+OTHER_COEFFICIENTS = re.compile(
+    r"(dist|\w*(distortion|dist_?coe|radial|tangential|coeff))(?!\w*(model|type)$)|[kp][1-6]$"
+)
+SIZES = "image_size", "imagesize", "img_size", "resolution"  # width and height, or the reverse
+SMALLEST_PX = 64  # fewer are the squares of a board
+BINNING = "binning_x", "binning_y"
 LEVELS = 3  # of lists in lists: a matrix has two; deeper ones are refused
 MOST = 100  # elements of a camera matrix or of a list of coefficients
 
@@ -444,7 +450,10 @@ def recognises_opencv(file: InputFile) -> bool:
 
 def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens of an OpenCV file."""
-    values = _of_one(file, {str(key).lower(): one for key, one in _mapping(file).items()}, question)
+    own = [(str(key).lower(), one) for key, one in _mapping(file).items()]
+    if message := twice(key for key, _ in own):
+        raise file.error(message)
+    values = _of_one(file, dict(own), question)
     matrix = _numbers(file, _first(file, values, MATRIX, "camera matrix"))
     k = _numbers(file, _first(file, values, COEFFICIENTS, "distortion coefficients", needed=False))
     for key in values if not {*COEFFICIENTS} & {*values} else ():
@@ -468,10 +477,7 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
             wrong_count_text(len(k), LensKind.BROWN)
             + (" (a tilted sensor is not)" if len(k) == 14 else "")
         )
-    size_px = question.size_px
-    if "image_width" in values and "image_height" in values:
-        width, height = (plain_number(str(values[f"image_{k}"])) for k in ("width", "height"))
-        size_px = size_of(file, width, height)
+    size_px = _size(file, values, question)
     if size_px is None:
         raise file.error("the image's size is not in the file: give [camera] image_size_px")
     centre, skew = (matrix[2], matrix[5]), matrix[1]
@@ -481,14 +487,31 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     return LensRead(checked(file, lens), said)
 
 
+def _size(
+    file: InputFile, values: dict[str, Any], question: LensQuestion
+) -> tuple[int, int] | None:
+    """Look up the size of the images that a camera was calibrated with; None if it is not known."""
+    for names in (("image_width", "image_height"), ("width", "height")):
+        if all(name in values for name in names):
+            sides = [plain_number(str(values[name])) for name in names]
+            if names[0] == "image_width" or min(sides) >= SMALLEST_PX:
+                return size_of(file, *sides)
+    for name in SIZES if question.size_px else ():
+        listed = values.get(name)
+        sides = _numbers(file, listed) if isinstance(listed, list | dict) else []
+        if len(sides) == 2 and sorted(sides) != sorted(map(float, question.size_px or ())):
+            return size_of(file, *sides)
+    return question.size_px
+
+
 def _of_one(file: InputFile, values: dict[str, Any], question: LensQuestion) -> dict[str, Any]:
     """Take the values of one camera: of two, M1, D1 and M2, D2, that which the project names."""
     if "m2" not in values:
         refuse_camera(file, question)
         roi = values.get("roi")
-        own = {"binning_x": values.get("binning_x")} | (roi if isinstance(roi, dict) else {})
-        for key in ("binning_x", "x_offset", "y_offset"):
-            if str(own.get(key)).strip() not in ("None", "0", "1" * (key == "binning_x")):
+        own = {key: values.get(key) for key in BINNING} | (roi if isinstance(roi, dict) else {})
+        for key in (*BINNING, "x_offset", "y_offset"):
+            if str(own.get(key)).strip() not in ("None", "0", "1" * (key in BINNING)):
                 message = f"{key} {shown(own[key])}: the pictures are not what was calibrated"
                 raise file.error(f"{message}: give the matrix of the pictures, and leave it out")
         return values
@@ -521,12 +544,16 @@ def _model(file: InputFile, values: dict[str, Any], question: LensQuestion, k: l
 def _first(
     file: InputFile, values: dict[str, Any], names: tuple[str, ...], what: str, needed: bool = True
 ) -> Any:
-    for name in names:
-        if name in values:
-            return values[name]
-    if needed:
+    there = [name for name in names if name in values]
+    if needed and not there:
         raise file.error(f"no {what}: looked for {', '.join(names)}")
-    return []
+    for other in [name for name in there[1:] if len(name) > LETTERS]:
+        if _numbers(file, values[other]) != _numbers(file, values[there[0]]):
+            raise file.error(f"{there[0]} and {other} differ: leave one out")
+    return values[there[0]] if there else []
+
+
+LETTERS = 2  # of names that may be something else beside another
 
 
 def _numbers(file: InputFile, value: Any) -> list[float]:
@@ -571,6 +598,8 @@ def _xml(file: InputFile) -> dict[str, Any]:
         root = parse_xml(file.text)
     except (ElementTree.ParseError, ValueError) as error:
         raise file.error(f"not valid XML: {reason(error)}") from error
+    if message := twice(one.tag for one in root):
+        raise file.error(message)
     found: dict[str, Any] = {}
     for one in root:
         data = one.find("data")
@@ -591,6 +620,25 @@ def _yaml(file: InputFile) -> Any:
 
         def flatten_mapping(self, node: object) -> None: ...
 
+        def construct_mapping(self, node: Any, deep: bool = False) -> Any:
+            """Read a mapping, each key of which stands there once."""
+            keys = (str(key.value) for key, _ in node.value if isinstance(key, yaml.ScalarNode))
+            if message := twice(keys):
+                raise yaml.constructor.ConstructorError(None, None, message, node.start_mark)
+            return super().construct_mapping(node, deep)
+
+        def construct_yaml_int(self, node: Any) -> Any:
+            """Read a whole number, of which YAML takes 0640 and 10:40 for others."""
+            text = self.construct_scalar(node)
+            return int(text) if re.fullmatch(r"[-+]?\d+", text, re.ASCII) else text
+
+        def construct_yaml_float(self, node: Any) -> Any:
+            """Read a number, of which YAML takes 10:40.5 for another."""
+            text = self.construct_scalar(node)
+            return text if {*"_:"} & {*text} else super().construct_yaml_float(node)
+
+    Loader.add_constructor("tag:yaml.org,2002:int", Loader.construct_yaml_int)
+    Loader.add_constructor("tag:yaml.org,2002:float", Loader.construct_yaml_float)
     Loader.add_constructor(
         "tag:yaml.org,2002:opencv-matrix",
         lambda loader, node: loader.construct_mapping(node, deep=True),
