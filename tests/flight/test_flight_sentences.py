@@ -203,3 +203,29 @@ def test_a_flight_without_a_solution_names_what_is_far_off() -> None:
     nowhere = replace(flight.path, position_m=np.full_like(places, np.nan))
     assert str(no_solution(replace(flight, path=nowhere))) == told[0] == told[1]
     assert_approved(told[1:])
+
+
+# Mounts
+
+MOUNTS = (
+    '"down"',
+    "{ ypr_deg = [0, -90, 0] }",  # the same
+    "{ ypr_deg = [90, 0, 0] }",
+    "{ ypr_deg = [180, 0, 90] }",  # looks back, and its roll turns the picture's right side down
+    "{ ypr_deg = [-30, 0, 0] }",
+    "{ ypr_deg = [0, -60, 0] }",
+    "{ matrix = [[0, 1, 0], [0, 0, 1], [1, 0, 0]] }",  # its right is down, its down forward
+)
+
+
+@pytest.mark.parametrize("mount", MOUNTS)
+def test_where_the_camera_looks_in_the_vehicle(tmp_path: Path, mount: str) -> None:
+    path = write_project(tmp_path, f"{TOML}[vehicle]\nmount = {mount}\n")
+    words = vopd.solve_flight(str(path)).history().about.words.conventions
+    assert_approved(words["mount"])
+
+
+def test_nothing_is_said_of_a_camera_that_is_the_vehicle_itself(tmp_path: Path) -> None:
+    mount = "{ matrix = [[0, 0, 1], [1, 0, 0], [0, 1, 0]] }"
+    path = write_project(tmp_path, f"{TOML}[vehicle]\nmount = {mount}\n")
+    assert "mount" not in vopd.solve_flight(str(path)).history().about.words.conventions

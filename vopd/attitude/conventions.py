@@ -145,12 +145,12 @@ def _own_words(histories: Sequence[History]) -> dict[str, str]:
     return {
         name: first[name]
         if name == "time"
-        else _of_each([(source, own.get(name, "")) for source, own in told.items()], more)
+        else of_each([(source, own.get(name, "")) for source, own in told.items()], more)
         for name in names
     }
 
 
-def _of_each(texts: Sequence[tuple[str, str]], more: int) -> str:
+def of_each(texts: Sequence[tuple[str, str]], more: int) -> str:
     """Join the texts of sources: one where all are alike, else each with its source.
 
     Args:
@@ -179,8 +179,8 @@ def included_statements(
         leave_out.append((one.about.source, left))
     more = len(histories) - MOST_JOBS
     return {
-        "sigmas_include": _of_each(include, more),
-        "sigmas_not_included": _of_each(leave_out, more),
+        "sigmas_include": of_each(include, more),
+        "sigmas_not_included": of_each(leave_out, more),
     }
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
+from vopd.attitude.conventions import MOST_JOBS, of_each
 from vopd.attitude.findings import HistorySummary, errata_text, misfits
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History, are_others
@@ -379,6 +380,12 @@ def azimuth_text(frames: ShownFrames) -> str:
     )
 
 
+def mount_text(frames: ShownFrames) -> str:
+    """Say how the camera is mounted, where its angles are not those of the vehicle."""
+    told = {job.about.source: job.about.words.conventions.get("mount", "") for job in frames.jobs}
+    return of_each([*told.items()], len(told) - MOST_JOBS)
+
+
 LABELS = ("angles", "how sure", "not in it", "doubtful", "next")
 INDENT = " " * (max(map(len, LABELS)) + 2)
 
@@ -415,7 +422,7 @@ def text(
             doubts.append(f"{count_text(printed, 'warning')} above")
         hint = looks_down(frames) and not any(names_mount(job.head) for job in frames.jobs)
         paragraphs = (
-            [*filter(None, [azimuth_text(frames)])],
+            [*filter(None, [azimuth_text(frames), mount_text(frames)])],
             [sure_text(frames)],
             [left_text(frames) or "nothing that can be stated"],
             doubts or ["no frame has a flag"],

@@ -49,6 +49,35 @@ def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
     )
 
 
+# How the camera is mounted
+
+
+def mount_sentence(mount: Floats) -> str:
+    """Say where the camera looks in the vehicle, and where the top of its picture points.
+
+    Args:
+        mount: the rotation from camera axes (right, down, forward) to body axes, (3, 3)
+    """
+    view, top = (_along(axis) for axis in (mount[:, 2], -mount[:, 1]))
+    return f"in the vehicle the camera looks {view}; the top of its picture points {top}"
+
+
+WAYS = (("forward", "back"), ("right", "left"), ("down", "up"))
+LEAST_WAY = 0.0005  # of a unit vector: less is not told
+
+
+def _along(axis: Floats) -> str:
+    """Describe a direction in body axes: one word, or its parts along forward, right and down."""
+    parts = [
+        (abs(part), way[int(part < 0.0)])
+        for part, way in zip(axis.tolist(), WAYS, strict=True)
+        if abs(part) >= LEAST_WAY
+    ]
+    if len(parts) == 1:
+        return parts[0][1]
+    return "along " + ", ".join(f"{size:.3f} {way}" for size, way in parts)
+
+
 ATTACK = (
     "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w the velocity "
     "{against} in the body"
@@ -92,6 +121,8 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         "position": POSITION.format(altitude=altitude),
         "time": _time(flight),
     }
+    if not np.allclose(flight.mount, FORWARD):
+        conventions["mount"] = mount_sentence(flight.mount)
     if flight.path.gimbal_deg is not None:
         conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
     if joint is not None and joint.model.clicks is not None:

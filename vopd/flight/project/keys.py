@@ -257,9 +257,12 @@ KEYS: tuple[Key, ...] = (
         "forward, down, { ypr_deg = [..] } or { matrix = [..] }",
         "how the camera is mounted: its axis forward or down, or a turn from there",
         default="forward", choices=("forward", "down")),
-    Key("vehicle.mount", "ypr_deg", "numbers", "", "yaw, pitch, roll of the camera against the "
-        "vehicle: `{ ypr_deg = [90, 0, 0] }`", size=3),
-    Key("vehicle.mount", "matrix", "other", "", "`{ matrix = [[...], [...], [...]] }`"),
+    Key("vehicle.mount", "ypr_deg", "numbers", "", "yaw, pitch, roll of the camera in the "
+        "vehicle, from `forward` about its down, the new right and the new forward axis: "
+        "`{ ypr_deg = [90, 0, 0] }` looks right, `[0, -90, 0]` is `down`", size=3),
+    Key("vehicle.mount", "matrix", "other", "", "`{ matrix = [[...], [...], [...]] }`: its "
+        "columns are the picture's right, the picture's down and the view, each by its parts along "
+        "the vehicle's forward, right and down; `[[0, 0, 1], [1, 0, 0], [0, 1, 0]]` is `forward`"),
     Key("vehicle", "mount_sigma_deg", "sigma", "",
         "standard deviation of the mount, a turn about each of the vehicle's axes, degrees"),
     Key("vehicle", "attitude", "file", "",
