@@ -24,6 +24,8 @@ def main() -> None:
     keep_freed_memory()
     # threads wait for each other in a loop, which on busy processors takes longer than the work
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # a notebook's, which matplotlib refuses where it is not installed; figures go to files alone
+    os.environ.pop("MPLBACKEND", None)
     gc.set_threshold(10_000)  # modules are no garbage, and looking for it is 4 % of a start
     from vopd.cli import cli
     from vopd.cli.console import prepare_streams

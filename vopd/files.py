@@ -285,6 +285,9 @@ def optional_package(module: str, extra: str, purpose: str = "") -> Any:
         found = import_module(module)
         if getattr(found, "__file__", None) is None:  # a mere folder of that name
             raise ImportError
+    except ValueError as error:  # of its own settings, as matplotlib's matplotlibrc
+        name = module.partition(".")[0]
+        raise VopdError(f"{name} cannot be loaded with its settings: {reason(error)}") from error
     except ImportError as error:
         package = module.partition(".")[0]
         need = f"{purpose} needs {package}, which" if purpose else package

@@ -124,6 +124,25 @@ def test_a_name_that_the_encoding_does_not_have(encoding: str) -> None:
     assert status == 1 and ".dat: " in printed and errors == ""
 
 
+def test_figures_in_a_notebook_of_another_installation(tmp_path: Path) -> None:
+    """A cell's `!vopd plot` has its backend in the environment, which need not be installed here."""
+    pytest.importorskip("matplotlib")
+    figure = tmp_path / "a.svg"
+    for backend in ("module://matplotlib_inline.backend_inline", "no_such"):
+        status, _, errors = shell(f"vopd plot -q $deck -o '{figure}'", MPLBACKEND=backend)
+        assert (status, errors) == (0, "") and figure.read_text().startswith("<?xml")
+        figure.unlink()
+
+
+def test_settings_of_figures_that_cannot_be_read(tmp_path: Path) -> None:
+    """matplotlib reads those of the current folder, where a project of others may lie."""
+    pytest.importorskip("matplotlib")
+    (tmp_path / "matplotlibrc").write_bytes(b"\xff\xfe")
+    status, _, errors = shell(f"cd '{tmp_path}'; vopd plot -q $deck -o a.svg")
+    assert status == 1 and "matplotlibrc" in errors and "Traceback" not in errors
+    assert_approved(errors.splitlines()[-1])
+
+
 def test_memory_that_runs_out_is_one_message() -> None:
     program = (
         "from vopd.cli import cli, check\n"
