@@ -125,7 +125,7 @@ def test_a_name_that_the_encoding_does_not_have(encoding: str) -> None:
 
 
 def test_figures_in_a_notebook_of_another_installation(tmp_path: Path) -> None:
-    """A cell's `!vopd plot` has its backend in the environment, which need not be installed here."""
+    """A cell's `!vopd plot` has its backend in the environment; it need not be installed here."""
     pytest.importorskip("matplotlib")
     figure = tmp_path / "a.svg"
     for backend in ("module://matplotlib_inline.backend_inline", "no_such"):

@@ -201,6 +201,17 @@ def test_hostile_names_stay_text(where: str) -> None:
 
 
 @pytest.mark.usefixtures("no_figures")
+def test_control_characters_are_written_as_escapes() -> None:
+    """HTML has none but tabs and ends of lines."""
+    (one,) = histories("appendix_h/case4")
+    control = "".join(map(chr, (*range(9), 11, 12, *range(14, 32), *range(127, 160))))
+    text, _ = page([about(one, source=f"a{control}b\t")], [f"c{control}d\n"])
+    assert not {*control} & {*text} and "\t" in text
+    escaped = "".join(f"\\x{ord(c):02x}" for c in control)
+    assert f"a{escaped}b\t" in text and f"c{escaped}d\n" in text
+
+
+@pytest.mark.usefixtures("no_figures")
 def test_messages_sigmas_and_rate_are_said() -> None:
     sigmas = Sigmas(reading=0.004, position=120.0, focal_length=0.02, time_s=0.3)
     made = histories("appendix_h/case4", sigmas=sigmas)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
+import re
 from collections.abc import Callable, Sequence
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -168,10 +169,18 @@ def page_template(name: str) -> Template:
     jinja2 = optional_package("jinja2", "report")
     loader = jinja2.FunctionLoader(_file)
     environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, loader=loader
+        autoescape=True, undefined=jinja2.StrictUndefined, loader=loader, finalize=_readable
     )
     template: Template = environment.get_template(name)
     return template
+
+
+CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")  # which no page may have
+
+
+def _readable(value: object) -> object:
+    """Write control characters of a text, as in the name of a landmark, as \\x1b."""
+    return CONTROL.sub(lambda c: f"\\x{ord(c[0]):02x}", value) if type(value) is str else value
 
 
 def style_and_script(name: str = "page") -> dict[str, str]:
