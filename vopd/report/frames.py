@@ -85,7 +85,11 @@ def _encoded(value: Any) -> str:
         return "{" + ",\n".join(inside) + "}"
     if isinstance(value, list):
         return "[" + ",".join(map(_encoded, value)) + "]"
-    return json.dumps(value, ensure_ascii=False)
+    return json.dumps(value, ensure_ascii=False).translate(CONTROL)
+
+
+CONTROL = {code: f"\\u{code:04x}" for code in range(0x7F, 0xA0)}
+"""Control characters that JSON may have as they are, and a page may not."""
 
 
 def _numbers(values: Floats | Ints, decimals: int = 0) -> Token:
