@@ -649,8 +649,7 @@ def _by_ffmpeg(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[
     half, start = 0.5 * chapter.unit_s, float(chapter.tick[0]) * chapter.unit_s
     # the frames have even times on the way out, so that no version repeats or drops one
     chosen = f"select=between(t\\,{low - half:.9f}\\,{high + half:.9f}),settb=1/25,setpts=N"
-    if grey:
-        chosen += f",format={'|'.join(WITH_LUMA)},extractplanes=y"
+    chosen += f",format={'|'.join(WITH_LUMA)},extractplanes=y" if grey else ",format=rgb24"
     how = ("-vf", chosen, "-r", "25", "-frames:v", str(last - first + 1), "-f", "image2pipe")
     sooner = ("-ss", f"{low - start - SOONER_S:.6f}") if low - start > SOONER_S else ()
     with _ffmpeg(chapter.path, *how, "-c:v", "pgm" if grey else "ppm", before=sooner) as output:

@@ -16,18 +16,21 @@ LEVELS = 5  # of grey a frame, from 20 on
 SIZE = (64, 48)
 
 
-def write_video(path: Path, shown_ms: Sequence[int], bright_corner: bool = False) -> Path:
+def write_video(
+    path: Path, shown_ms: Sequence[int], bright_corner: bool = False, pixels: str = "yuv420p"
+) -> Path:
     """Write a video in H.264, with frames that refer to later ones.
 
     Args:
         path: where to
         shown_ms: when each frame is shown, milliseconds
         bright_corner: whether the left half of the first eight rows is white
+        pixels: the format of pixels
     """
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=25)
         stream.width, stream.height = SIZE
-        stream.pix_fmt = "yuv420p"
+        stream.pix_fmt = pixels
         stream.codec_context.time_base = Fraction(1, UNIT)
         stream.options = {"crf": "10", "g": "12", "bf": "2"}
         for k, ms in enumerate(shown_ms):

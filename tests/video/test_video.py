@@ -17,7 +17,7 @@ from PIL import Image
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import peak
 from tests.kit.flight_project import TOML, write_project
-from tests.kit.video import SIZE, number_of, write_stub, write_video
+from tests.kit.video import LEVELS, SIZE, number_of, write_stub, write_video
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.findings import VopdError
@@ -280,6 +280,22 @@ def test_chapters_are_counted_on(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="the stub is a script")
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not there")
+@pytest.mark.parametrize("grey", [False, True])
+def test_ffmpeg_decodes_pixels_of_ten_bits(
+    grey: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As telephones write them; its PPM would have two bytes a colour."""
+    video = str(write_video(tmp_path / "a.mp4", EVEN_MS, pixels="yuv420p10le"))
+    by_pyav = dict(open_frames([video]).decoded(1, 4, grey))
+    monkeypatch.setitem(sys.modules, "av", None)
+    found = dict(open_frames([video]).decoded(1, 4, grey))
+    assert list(found) == [1, 2, 3, 4]
+    for k, picture in found.items():
+        assert picture.shape == by_pyav[k].shape
+        assert abs(picture.astype(int) - by_pyav[k]).max() <= LEVELS // 2
+
+
 def test_ffmpeg_serves_where_pyav_is_not_installed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
