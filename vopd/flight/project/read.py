@@ -51,6 +51,7 @@ from vopd.flight.project.picks import COPIED_PX, join_picks, sizes_px
 from vopd.flight.project.stated import (
     Notes,
     RowSigmas,
+    doubts_of_rounding,
     flight_options,
     lines_to_add,
     refuse_missing,
@@ -293,6 +294,11 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         known = (*times.image, *landmarks.name)
         doubts += doubts_of_comments(project, picks.commented, known)
     doubts += doubt_of_heights("landmarks", rows.names_units, crs)
+    place, of_marks = (
+        (rows.coordinate, rows.geodetic, crs),
+        project.section("landmarks").text("file"),
+    )
+    doubts += doubts_of_rounding("landmarks", of_marks, *place, landmarks.sigma_m)
     if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
     if camera_lens.table is None:

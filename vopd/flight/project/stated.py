@@ -9,10 +9,18 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.findings import NeededError, VopdError
+from vopd.findings import NeededError, VopdError, size_text
+from vopd.flight.coordinates import M_PER_FT, crs_is_geographic, crs_name, units_of_grid
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.formats.lens import LensRead
-from vopd.flight.project.keys import ROWS, WIDTH, Project, Section, with_common_error
+from vopd.flight.project.keys import (
+    ROWS,
+    WIDTH,
+    Project,
+    Section,
+    toml_numbers,
+    with_common_error,
+)
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS
 from vopd.flight.solve.free import COMMON
 from vopd.geometry.lenses import LensKind
@@ -207,3 +215,76 @@ def lines_to_add(keys: Mapping[tuple[str, str], str]) -> str:
             "the place of a number is for what has no error, as in a simulation.",
         ]
     return "\n".join(lines)
+
+
+# Coordinates with so few decimals that rounding alone moves them more than is stated
+
+M_PER_DEG = 111_320.0  # of latitude, and of longitude at the equator
+MOST_DECIMALS = 9
+FEWEST = 5  # different values of a coordinate: fewer may have the same decimals by themselves
+ROUNDING = 1e-6  # of a step, by which numbers differ from whole ones
+ROWS_LOOKED_AT = 10_000
+MORE = 2.0  # times the standard deviation that is stated
+UNIFORM = 12.0**-0.5  # standard deviation of what rounding leaves, in steps
+
+
+def doubts_of_rounding(
+    section: str, file: str, coordinate: Floats, geodetic: bool, crs: str | None, sigma_m: Floats
+) -> list[str]:
+    """Warn of coordinates that are rounded to more than their standard deviations say.
+
+    Args:
+        section: of the file: landmarks or track
+        file: its name
+        coordinate: longitude, latitude, height, or x, y, z, as the file has them, (N, 3)
+        geodetic: whether they are longitude and latitude
+        crs: their coordinate reference system, if any
+        sigma_m: stated of each by itself, east, north, up, (N, 3); 0: exact
+    """
+    some = coordinate[:ROWS_LOOKED_AT]
+    unit_m = _units_m(some, geodetic, crs, file)
+    step_m = np.array([_step(column) for column in some.T]) * unit_m
+    feet_m = _step(some[:, 2] / M_PER_FT) * M_PER_FT  # as a column of feet is read
+    step_m[2] = max(step_m[2], feet_m)
+    rounding_m, stated_m = UNIFORM * step_m, np.median(sigma_m, axis=0)
+    wrong = (rounding_m > MORE * stated_m) & (stated_m > 0.0)
+    if not wrong.any():
+        return []
+    names = np.array(["longitude", "latitude", "height"] if unit_m[0] > 1e3 else ["x", "y", "z"])
+    steps = ", ".join(
+        f"{name} to {size_text(step)} m"
+        for name, step in zip(names[wrong], step_m[wrong].tolist(), strict=True)
+    )
+    whole_m = np.hypot(np.where(wrong, rounding_m, 0.0), stated_m)
+    stated = toml_numbers(*(float(f"{one:.2g}") for one in whole_m))
+    return [
+        f"{file}: its numbers are rounded, {steps}: that alone is an error of "
+        f"{size_text(rounding_m[wrong].max())} m, and {size_text(stated_m[wrong].min())} m is "
+        f"stated: give all decimals, or [{section}] sigma_m = {stated}"
+    ]
+
+
+def _units_m(coordinate: Floats, geodetic: bool, crs: str | None, where: str) -> Floats:
+    """Find the metres in a unit of each coordinate, (3,)."""
+    try:
+        degrees = geodetic or (crs is not None and crs_is_geographic(crs_name(crs), where))
+    except VopdError:  # a grid that is not known is told elsewhere
+        degrees = False
+    if degrees:
+        latitude = np.radians(np.median(coordinate[:, 1]))
+        return np.array([M_PER_DEG * np.cos(latitude), M_PER_DEG, 1.0])
+    units = units_of_grid(crs, where)
+    metres = [one.metres for one in units[:2]] if len(units) > 1 else [1.0, 1.0]
+    return np.array([*metres, 1.0])
+
+
+def _step(values: Floats) -> float:
+    """Find the step to which numbers are rounded, a power of 10 of 1 at most; 0 if none is seen."""
+    known = values[np.isfinite(values)]
+    if len(np.unique(known)) < FEWEST:
+        return 0.0
+    for decimals in range(MOST_DECIMALS + 1):
+        scaled = known * 10.0**decimals
+        if (np.abs(scaled - np.rint(scaled)) < ROUNDING).all():
+            return float(10.0**-decimals)
+    return 0.0

@@ -23,7 +23,7 @@ from vopd.flight.formats.columns import coordinate_columns
 from vopd.flight.formats.tables import COMMENTS
 from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows, row_out_of_order
 from vopd.flight.project.keys import Project, Section, toml_numbers
-from vopd.flight.project.stated import Notes, RowSigmas, key_sigma, row_sigmas
+from vopd.flight.project.stated import Notes, RowSigmas, doubts_of_rounding, key_sigma, row_sigmas
 from vopd.flight.project.times import FrameTimes, first_whole_second, refuse_since_1970
 from vopd.flight.project.unused import unused_by_image
 from vopd.flight.project.velocity import (
@@ -342,6 +342,9 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         doubts += doubts_of_rounded_times(section, times, path)
         doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
         doubts += doubts_of_scatter(rows, position, path.fixes, file.name)
+    if path.fixes is not None and not path.fixes.exact:
+        of_positions_m, place = path.fixes.of_positions_m, (rows.coordinate, rows.geodetic, crs)
+        doubts += doubts_of_rounding("track", file.name, *place, of_positions_m)
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
     return PathRead(path, notes.said, times, doubts, notes.missing)
