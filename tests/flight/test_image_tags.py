@@ -285,6 +285,7 @@ def test_zones_that_are_none(text: str) -> None:
 @pytest.mark.parametrize(
     ("xmp", "value"),
     [
+        ("d:Height='1.5' d:Other=\"2\"", 1.5), ("d:Height = '' d:Other='+2'", 2.0),
         ('a:Height="5"', 5.0), ('a:Height = " -5.25 "', -5.25), ("<a:Height>+6</a:Height>", 6.0),
         ("<a:Height > 7 <", 7.0), ('a:Height="x" b:Other="8"', 8.0),
         ('a:Height="" b:Other="8"', 8.0),

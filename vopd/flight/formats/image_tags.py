@@ -344,10 +344,10 @@ def _text(value: Any) -> str:
 def xmp_number(xmp: str, names: tuple[str, ...]) -> float:
     """Read the first of these properties as a number, of any namespace; NaN if there is none."""
     for name in names:
-        found = re.search(rf':{name}\s*=\s*"([^"]*)"|:{name}\s*>([^<]{{0,100}})<', xmp)
+        found = re.search(rf""":{name}\s*(?:=\s*(?:"([^"]*)"|'([^']*)')|>([^<]{{0,100}})<)""", xmp)
         if found:
             try:
-                return plain_number((found[1] or found[2] or "").strip())
+                return plain_number("".join(filter(None, found.groups())).strip())
             except ValueError:
                 continue
     return NONE
