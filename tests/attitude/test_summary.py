@@ -6,7 +6,9 @@ import html
 import re
 import shutil
 from dataclasses import replace
+from datetime import datetime, timedelta, timezone
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ import vopd
 from tests.approved.texts import assert_approved
 from tests.kit.histories import by_hand
 from vopd.attitude import summary
+from vopd.attitude.history import History
 from vopd.attitude.long_history import one_part
 from vopd.attitude.summary import columns, frames_of
 from vopd.findings import Finding
@@ -45,9 +48,36 @@ def test_a_notebook_has_what_print_has() -> None:
     one = one_part(replace(history, estimate=estimate))
     said = re.findall("<p>(.*?)</p>", html.unescape(summary.html([one], [Finding("odd")])))
     printed = " ".join(summary.text([one], 80, ["odd"]).split())
-    assert len(said) == 5 and "less 1 degree" in said[1]
+    assert len(said) == 6 and "less 1 degree" in said[1]
     for paragraph in said:
         assert paragraph.removeprefix("not in it: ").removeprefix("warning: ") in printed
+
+
+def at(history: History, latitude: float, longitude: float, **more: Any) -> str:
+    """Where a flight begins, which is at another place and time."""
+    one = history.estimate
+    place = replace(one.position, latitude_deg=np.array([np.nan, latitude]),
+                    longitude_deg=np.array([np.nan, longitude]))  # fmt: skip
+    about = one.about._replace(epoch=more.pop("epoch", one.about.epoch))
+    return summary.where_text([replace(one, position=place, about=about, **more)])
+
+
+def test_where_and_when_a_flight_begins() -> None:
+    """At its first position: south and west by their letters; a time without a date is none."""
+    history = vopd.solve_flight(HILL).history().take(np.array([0, 1]))
+    assert_approved(at(history, -33.856784, -151.21529))
+    # .6 s after the zone's 23:59:59.5 is the next day, 13:30 earlier by UTC
+    zone = timezone(timedelta(hours=13, minutes=30))
+    moment = datetime(2025, 12, 31, 23, 59, 59, 500_000, zone)
+    assert_approved(at(history, 0.0, 180.0, epoch=moment, time_s=np.array([0.0, 0.6])))
+    for time_s in (np.nan, 1e12):
+        told = at(history, 0.0, 0.0, time_s=np.array([0.0, time_s]), frame_names=["a", "b.jpg"])
+        assert_approved(told)
+    assert at(history, np.nan, np.nan) == ""
+    (deck,) = vopd.run(CASE_1).histories()
+    assert summary.where_text([deck.estimate]) == ""
+    begins = summary.where_text([deck.estimate, history.estimate])
+    assert begins == summary.where_text([history.estimate]) != ""
 
 
 def test_where_no_frame_has_an_attitude_that_is_said() -> None:

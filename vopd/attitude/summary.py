@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
 from html import escape
 from math import floor, isfinite, log10
 from typing import NamedTuple
@@ -18,6 +19,7 @@ from vopd.attitude.history import History, are_others
 from vopd.attitude.included import errors_texts, names_mount, one_turn_texts
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.uncertainty import ANGLES
+from vopd.estimate import FrameEstimate
 from vopd.findings import (
     Finding,
     angle_text,
@@ -386,7 +388,34 @@ def mount_text(frames: ShownFrames) -> str:
     return of_each([*told.items()], len(told) - MOST_JOBS)
 
 
-LABELS = ("angles", "how sure", "not in it", "doubtful", "next")
+def where_text(estimates: Iterable[FrameEstimate]) -> str:
+    """Say where on the Earth a flight begins, and when: a wrong sign or zone shows there alone."""
+    for one in estimates:
+        known = np.flatnonzero(np.isfinite(one.position.latitude_deg)).tolist()
+        if one.about.words.source == "project" and known:
+            place, k = one.position, known[0]
+            parts = [
+                f"{abs(degrees[k]):.4f} {sides[int(degrees[k] < 0.0)]}"
+                for degrees, sides in ((place.latitude_deg, "NS"), (place.longitude_deg, "EW"))
+            ]
+            parts.append(f"{place.altitude[k]:.0f} {one.units.length} {one.about.words.altitude}")
+            parts += filter(None, [_moment_text(one.about.epoch, float(one.time_s[k]))])
+            name = "" if one.frame_names else "frame "
+            return f"{name}{one.frame_label(k)} at {', '.join(parts)}"
+    return ""
+
+
+def _moment_text(epoch: datetime | None, time_s: float) -> str:
+    """Write a moment some seconds after an epoch; empty where it has no date."""
+    if epoch is None or not isfinite(time_s):
+        return ""
+    try:
+        return f"{epoch.astimezone(UTC) + timedelta(seconds=time_s):%Y-%m-%d %H:%M:%S} UTC"
+    except OverflowError:  # before the year 1 or after 9999
+        return ""
+
+
+LABELS = ("angles", "where", "how sure", "not in it", "doubtful", "next")
 INDENT = " " * (max(map(len, LABELS)) + 2)
 
 
@@ -423,6 +452,7 @@ def text(
         hint = looks_down(frames) and not any(names_mount(job.head) for job in frames.jobs)
         paragraphs = (
             [*filter(None, [azimuth_text(frames), mount_text(frames)])],
+            [*filter(None, [where_text(part.estimate for part in frames.head)])],
             [sure_text(frames)],
             [left_text(frames) or "nothing that can be stated"],
             doubts or ["no frame has a flag"],
@@ -487,7 +517,7 @@ def means_text(
         left += [missing] * bool(missing)
     table = (steps or {"table": ".mean() has all"})["table"]
     paragraphs = ("; ".join(told), "; ".join(left) or "nothing that can be stated", table)
-    for label, said in zip((LABELS[1], LABELS[2], LABELS[4]), paragraphs, strict=True):
+    for label, said in zip((LABELS[2], LABELS[3], LABELS[5]), paragraphs, strict=True):
         lines.append(wrapped(f"{label:{len(INDENT)}}{said}", columns_wide, INDENT))
     return "\n".join(lines) + "\n"
 
@@ -503,7 +533,8 @@ def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
             for row in zip(*(one.cells for one in shown), strict=True)
         )
         after = [f"{frames.more_text}: .to_dataframe()"] if frames.more_text else []
-        after += filter(None, [azimuth_text(frames)])
+        where = where_text(part.estimate for part in frames.head)
+        after += filter(None, [azimuth_text(frames), where])
         after += [sure_text(frames), f"not in it: {left_text(frames)}"]
         parts.append(
             f"<p>{escape(heading(frames))}</p><table><thead><tr>{head}</tr></thead>"

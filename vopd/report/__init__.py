@@ -20,6 +20,7 @@ from vopd.attitude.flags import meanings
 from vopd.attitude.history import History, has_photographs
 from vopd.attitude.included import one_turn_texts
 from vopd.attitude.long_history import frame_landmarks
+from vopd.attitude.summary import where_text
 from vopd.figures import FIGURES, draw, drawn_jobs, figure_names, left_out_text
 from vopd.figures.adjust import draw_adjusted
 from vopd.figures.style import ready, svg
@@ -98,6 +99,7 @@ def report(
         job_labels=[h.about.label for h in histories],
         residual_names=residual_names(histories[0].estimate.units),
         angles=angle_table(histories),
+        where=where_text(one.estimate for one in histories),
         one_turn=one_turn_texts(histories)[:MOST],
         doubts=doubts(histories),
         not_included=not_included(histories),
