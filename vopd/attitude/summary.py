@@ -534,7 +534,7 @@ def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
         )
         after = [f"{frames.more_text}: .to_dataframe()"] if frames.more_text else []
         where = where_text(part.estimate for part in frames.head)
-        after += filter(None, [azimuth_text(frames), where])
+        after += filter(None, [azimuth_text(frames), mount_text(frames), where])
         after += [sure_text(frames), f"not in it: {left_text(frames)}"]
         parts.append(
             f"<p>{escape(heading(frames))}</p><table><thead><tr>{head}</tr></thead>"
