@@ -130,16 +130,18 @@ def test_markers_of_metashape() -> None:
     assert_approved([picks.said, only.said])
 
 
-def test_markers_of_metashape_that_are_switched_off_are_left_out() -> None:
+@pytest.mark.parametrize("no", ["false", "0"])
+def test_markers_of_metashape_that_are_switched_off_are_left_out(no: str) -> None:
     """A marker that is no reference, or lacks a coordinate; a projection that is not valid."""
-    more = """<marker id="5" label="post"><reference x="1" y="2" z="3" enabled="false"/></marker>
+    more = f"""<marker id="5" label="post"><reference x="1" y="2" z="3" enabled="{no}"/></marker>
 <marker id="6" label="edge"><reference x="1" y="2"/></marker>
 <marker id="7" label="well"><reference x="4" y="5" z="6" enabled="true"/></marker>
 """
     marks = read_text(LANDMARK_FORMATS, "m", MARKERS.replace("<marker id", f"{more}<marker id", 1))
     assert (marks.name, marks.coordinate[0].tolist()) == (["well", "church"], [4.0, 5.0, 6.0])
-    wrong = MARKERS.replace('pinned="true" x="100.5"', 'valid="false" x="100.5"')
-    assert [*read_text(PICK_FORMATS, "m", wrong).landmark] == ["mast"]
+    for key in ("valid", "pinned"):
+        wrong = MARKERS.replace('pinned="true" x="100.5"', f'{key}="{no}" x="100.5"')
+        assert [*read_text(PICK_FORMATS, "m", wrong).landmark] == ["mast"]
 
 
 def test_files_of_cirn_and_caltech(tmp_path: Path) -> None:

@@ -459,6 +459,7 @@ LATITUDE_FIRST = ("latitude", "longitude", "altitude")
 
 # Metashape's XML of markers: landmarks and their picks in one file, a name for each by its id
 
+FALSE = "false", "0"  # as newer and older versions write it
 EPSG = re.compile(r'AUTHORITY\["EPSG","(\d+)"\]\]\s*$')
 
 
@@ -493,7 +494,7 @@ def read_marker_landmarks(file: InputFile) -> LandmarkRows:
     for one in root.findall(".//marker[@label]"):
         place = one.find("reference")
         texts = [] if place is None else [place.get("x"), place.get("y"), place.get("z")]
-        if place is not None and all(texts) and place.get("enabled") != "false":
+        if place is not None and all(texts) and place.get("enabled") not in FALSE:
             places.append([plain_number(text or "") for text in texts])
             names.append(one.get("label", ""))
     if not names:

@@ -19,6 +19,7 @@ from vopd.findings import VopdError, count_text, shown
 from vopd.flight.formats.by_content import InputFormat, read_by_content
 from vopd.flight.formats.files import UNEXPECTED, InputFile, open_input
 from vopd.flight.formats.landmarks import (
+    FALSE,
     control_points,
     is_gcp_list,
     marker_tree,
@@ -461,7 +462,7 @@ def read_marker_picks(file: InputFile) -> PickRows:
     found, own = list[Any](), 0
     for marker in root.findall(".//marker[@marker_id]"):
         for place in marker.findall("location"):
-            if place.get("pinned") == "false" or place.get("valid") == "false":
+            if {place.get("pinned"), place.get("valid")} & {*FALSE}:
                 own += 1
                 continue
             camera, name = place.get("camera_id", ""), names.get(marker.get("marker_id", ""))
