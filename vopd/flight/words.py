@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import atan2, degrees, hypot
+
 import numpy as np
 
 from vopd.arrays import Floats
@@ -62,20 +64,23 @@ def mount_sentence(mount: Floats) -> str:
     return f"in the vehicle the camera looks {view}; the top of its picture points {top}"
 
 
-WAYS = (("forward", "back"), ("right", "left"), ("down", "up"))
-LEAST_WAY = 0.0005  # of a unit vector: less is not told
+WAYS = {0.0: "forward", 90.0: "right", -90.0: "left", 180.0: "back", -180.0: "back"}
+UPRIGHT = 1e-3  # of a unit vector that is not up or down: less has no way
 
 
 def _along(axis: Floats) -> str:
-    """Describe a direction in body axes: one word, or its parts along forward, right and down."""
-    parts = [
-        (abs(part), way[int(part < 0.0)])
-        for part, way in zip(axis.tolist(), WAYS, strict=True)
-        if abs(part) >= LEAST_WAY
-    ]
-    if len(parts) == 1:
-        return parts[0][1]
-    return "along " + ", ".join(f"{size:.3f} {way}" for size, way in parts)
+    """Describe a direction in body axes: where it points, and how far up or down from there."""
+    forward, right, down = axis.tolist()
+    level = hypot(forward, right)
+    if level < UPRIGHT:
+        return "down" if down > 0.0 else "up"
+    azimuth = round(degrees(atan2(right, forward)), 1)
+    elevation = round(degrees(atan2(-down, level)), 1)
+    aside = f"{abs(azimuth):g} degrees {'right' if azimuth > 0.0 else 'left'} of forward"
+    way = WAYS.get(azimuth, aside)
+    if not elevation:
+        return way
+    return f"{way} and {abs(elevation):g} degrees {'up' if elevation > 0.0 else 'down'}"
 
 
 ATTACK = (
