@@ -752,6 +752,28 @@ def test_a_star_within_a_degree_of_the_horizon_may_be_seen(
     assert [ASK in str(one) for one in said] == [True] * told
 
 
+@pytest.mark.parametrize(
+    ("moment", "height_m", "told"),
+    [(12, 500.0, True), (12, 14_999.0, True), (12, 15_000.0, False), (21, 500.0, False)],
+)
+def test_no_star_is_photographed_by_day(moment: int, height_m: float, told: bool) -> None:
+    """At 48 north, 11 east the Sun of January 15 is at declination -21.1, and at 12 UTC 8.7
+    degrees west of the meridian: 20.5 above the horizon. By night it is below, and from 15 km on
+    the sky is dark."""
+    at = datetime(2020, 1, 15, moment, tzinfo=UTC)
+    sky = SkyRequest(at, (48.0, 11.0, height_m), pressure_mbar=0.0)
+    file = star_file("ra_deg,dec_deg")
+    said = [str(one) for one in solve_file(file, sky)[1] if "Sun" in str(one)]
+    assert len(said) == told
+    if told:
+        assert_approved(said)
+
+
+def test_without_a_place_nothing_is_known_of_the_sun() -> None:
+    sky = SkyRequest(datetime(2020, 1, 15, 12, tzinfo=UTC))
+    assert not solve_file(star_file("ra_deg,dec_deg"), sky)[1]
+
+
 # Directions of a star file by each kind of position, and how findings name its lines
 
 

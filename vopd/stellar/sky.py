@@ -210,6 +210,7 @@ class SkyFrame(NamedTuple):
     of_date: Floats  # from ICRF axes to those of the true equator and equinox of the date, (3, 3)
     local: Floats | None  # from ICRF axes to east, north, up, (3, 3); None without a place
     pressure_mbar: float  # of the air; 0 without refraction
+    sun_deg: float = -90.0  # altitude of the Sun; straight down without a place
 
 
 def apparent_places(
@@ -242,6 +243,7 @@ def apparent_places(
             observer = observer + place
         seen = observer.at(moment).observe(_star(api, stars)).apparent()
         directions = np.asarray(seen.position.au / np.linalg.norm(seen.position.au, axis=0)).T
+        sun = observer.at(moment).observe(planets["sun"]).position.au
     of_date = np.asarray(moment.M)
     if place is None or sky.place is None:
         return directions, None, SkyFrame(of_date, None, 0.0)
@@ -251,7 +253,9 @@ def apparent_places(
     if pressure is None:
         pressure = 1010.0 * float(np.exp(-max(sky.place[2], 0.0) / DENSE_M))
     seen, altitude_deg = refracted(directions, local, pressure, sky.temperature_c)
-    return seen, altitude_deg, SkyFrame(of_date, local, pressure)
+    east, north, up = local @ sun
+    sun_deg = float(np.degrees(np.arctan2(up, np.hypot(east, north))))
+    return seen, altitude_deg, SkyFrame(of_date, local, pressure, sun_deg)
 
 
 def refracted(
@@ -509,6 +513,12 @@ IDENTIFIED = "identified"
 EQUATORIAL = ("ra_deg,dec_deg", "ra_hours,dec_deg", NAMES, IDENTIFIED)
 MOST_NAMED = 8  # stars of unknown names
 LOWEST_DEG = -1.0  # altitude below which a star cannot have been photographed
+SUNRISE_DEG = 1.0  # of the Sun: stars are seen no longer
+DARK_SKY_M = 15_000.0  # from there on the sky is dark by day
+DAY = (
+    "the Sun is {:.0f} degrees above the horizon at that time and place: is the date in UTC, is "
+    "the longitude positive toward east?"
+)
 
 
 UNDATED = (
@@ -555,6 +565,8 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     directions, altitude_deg, frame = apparent_places(stars, sky)
     if altitude_deg is not None and (altitude_deg < LOWEST_DEG).any():
         report(_below_horizon(file, altitude_deg))
+    if sky.place is not None and frame.sun_deg > SUNRISE_DEG and sky.place[2] < DARK_SKY_M:
+        report(file.finding(DAY.format(frame.sun_deg)).warned())
     effects = "aberration and light deflection"
     if frame.pressure_mbar > 0.0:
         effects = "aberration, light deflection and refraction"
