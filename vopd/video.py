@@ -49,6 +49,7 @@ WITH_LUMA = (
 """Formats of pixels whose luminance in eight bits is taken as it is stored."""
 REORDERED = ("h264", "hevc")  # frames that refer to later ones, of which an AVI has no times
 ORIENTATION = 274  # EXIF's tag of how an image is turned; 1: upright
+ON_ITS_SIDE = (5, 6, 7, 8)  # ORIENTATION of images whose rows are shown as columns
 BAND = 250_000  # pixels of more than eight bits that are scaled at once
 SOONER_S = 10.0  # than a frame that is asked for ffmpeg begins to decode
 
@@ -260,6 +261,20 @@ def open_image(source: Path | IO[bytes]) -> Image:
     except pillow.DecompressionBombError as error:
         most = 2 * pillow.MAX_IMAGE_PIXELS // 1_000_000
         raise ValueError(f"it has more than {most} megapixels: save it smaller") from error
+
+
+def upright_size(path: Path) -> tuple[int, int]:
+    """Read width and height of an image as it is shown, without its pixels.
+
+    Raises:
+        VopdError: if it cannot be read
+    """
+    try:
+        with warnings.catch_warnings(action="ignore"), open_image(path) as image:
+            is_turned = image.getexif().get(ORIENTATION) in ON_ITS_SIDE
+            return image.size[::-1] if is_turned else image.size
+    except (OSError, ValueError, SyntaxError) as error:
+        raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
 
 
 def eight_bits(image: Image) -> Image:

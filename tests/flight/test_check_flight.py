@@ -297,6 +297,41 @@ def test_images_that_are_not_there_or_named_otherwise(tmp_path: Path) -> None:
     assert not [*messages_of_files(own)]
 
 
+def test_pictures_of_another_size_than_their_lens(tmp_path: Path) -> None:
+    """Upright; those that are not there, or are no images, are none."""
+    images = pytest.importorskip("PIL.Image")
+    one = flight(tmp_path)
+    folder = tmp_path / "film"
+    folder.mkdir()
+    named = tuple(f"{k}.jpg" for k in range(len(one.frame)))
+    own = replace(one, video=(folder,), image_name=named, folder=tmp_path)
+    wide, high = one.lens.size_px
+
+    def write(k: int, size: tuple[int, int], orientation: int = 1) -> list[str]:
+        tags = images.Exif()
+        tags[0x112] = orientation
+        images.new("L", size).save(folder / named[k], exif=tags)
+        return [told for told in messages_of_files(own) if "the lens is for" in told]
+
+    assert write(2, (wide, high)) == write(1, (high, wide), 6) == []
+    (folder / named[0]).write_bytes(b"\xff\xd8\xff")
+    assert_approved(write(3, (wide // 2, high // 2)))
+    assert_approved(write(2, (wide, high), 8))
+
+
+def test_a_video_of_another_size_than_the_lens(tmp_path: Path) -> None:
+    """The size of one of its frames is that of all."""
+    pytest.importorskip("av")
+    from tests.kit.video import SIZE, write_video
+
+    one = flight(tmp_path)
+    video = write_video(tmp_path / "a.mp4", [40 * k for k in range(int(one.frame[-1]) + 1)])
+    own = replace(one, video=(video,), image_name=(), folder=tmp_path)
+    assert_approved([*messages_of_files(own)])
+    same = replace(own, lens=replace(one.lens, size_px=SIZE))
+    assert not [told for told in messages_of_files(same) if "the lens is for" in told]
+
+
 def test_picks_outside_the_image_are_counted_and_the_first_is_named(tmp_path: Path) -> None:
     one = flight(tmp_path)
     pixel = one.picks.pixel.copy()

@@ -11,7 +11,7 @@ from vopd.attitude.findings import findings_of
 from vopd.attitude.history import HistoryOptions
 from vopd.findings import Finding, VopdError, finding_of, findings_in, first_of
 from vopd.flight.flight import Flight
-from vopd.flight.formats.photographs import missing_images
+from vopd.flight.formats.photographs import missing_images, other_size
 from vopd.flight.misfits.blunders import ARE_EXCHANGED, WRONG
 from vopd.flight.misfits.far_landmarks import far_landmarks
 from vopd.flight.misfits.input_errors import SPEAK_FOR
@@ -87,6 +87,8 @@ def messages_of_files(flight: Flight) -> Iterator[str]:
                 yield frames.about
     if lost := missing_images(flight):
         yield lost
+    if other := other_size(flight):
+        yield other
     picks, names = flight.picks, flight.landmarks.name
     never = sorted(set(range(len(names))) - set(picks.landmark.tolist()) - picks.unused)
     if never:

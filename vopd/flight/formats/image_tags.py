@@ -22,13 +22,12 @@ from vopd.files import optional_package, reason
 from vopd.findings import VopdError, first_of, shown, size_text
 from vopd.geometry.earth import earth_centred_m
 from vopd.inputs import no_file, plain_number
-from vopd.video import ORIENTATION, open_image, stills_in
+from vopd.video import ON_ITS_SIDE, ORIENTATION, open_image, stills_in
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
 GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF
 TAKEN, PART_OF_SECOND = 0x9003, 0x9291  # DateTimeOriginal, SubSecTimeOriginal
 ZONES = (0x9011, 0x9010)  # OffsetTimeOriginal, OffsetTime
-ON_ITS_SIDE = (5, 6, 7, 8)  # ORIENTATION of images whose rows are shown as columns
 LATITUDE = ("GpsLatitude", "Latitude")
 LONGITUDE = ("GpsLongitude", "GpsLongtitude", "Longitude")  # the second is what DJI writes
 ALTITUDE = ("AbsoluteAltitude",)

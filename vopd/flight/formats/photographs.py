@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vopd.findings import VopdError, first_of
 from vopd.flight.flight import Flight
 
@@ -84,6 +86,46 @@ def missing_images(flight: Flight) -> str:
         f"[picks] video: {lost} picked and not among the images, where {others}: the picks name an "
         "image as its file is named, or there is no photograph of it"
     )
+
+
+def other_size(flight: Flight) -> str:
+    """Name the first picked picture that has another size than its lens; empty if none has.
+
+    One that is not there, or cannot be read, is none; of a video one frame is decoded.
+
+    Args:
+        flight: whose project may name the pictures by `[picks] video`
+    """
+    from vopd.video import upright_size
+
+    if not flight.video or flight.folder is None:
+        return ""
+    folders = [*(one if one.is_dir() else one.parent for one in flight.video), flight.folder]
+    sizes = np.broadcast_to(flight.lens.by_rows("size_px"), (len(flight.frame), 2))
+    for k in np.unique(flight.picks.frame).tolist():
+        try:
+            if flight.image_name:
+                name = flight.image_name[k]
+                there = filter(None, (image_file(one, name) for one in folders))
+                if (path := next(there, None)) is None:
+                    continue
+                size = upright_size(path)
+            else:
+                name = f"frame {flight.frame[k]}"
+                size = photograph(flight, int(flight.frame[k]), "").size
+        except VopdError:  # which is told where it is shown
+            continue
+        if (sizes[k] != size).any():
+            own, of_lens = (f"{one[0]:.0f} x {one[1]:.0f}" for one in (size, sizes[k]))
+            turned = ", turned" if (sizes[k] == size[::-1]).all() else ""
+            return (
+                f"[picks] video: {name} has {own} upright, and the lens is for {of_lens}{turned}: "
+                "if it was picked in, give the lens of such pictures; of the same picture in "
+                "another size it is lens_size_px"
+            )
+        if not flight.image_name:
+            break
+    return ""
 
 
 def image_file(folder: Path, name: str) -> Path | None:
