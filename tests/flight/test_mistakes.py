@@ -178,6 +178,24 @@ def test_labels_of_two_landmarks_that_were_exchanged_in_all_frames() -> None:
     assert all(len(set(one.picks.landmark.tolist())) == 5 for one, _ in same)
 
 
+@pytest.mark.parametrize(("order", "row"), [([1, 2, 3, 4, 0], "below"), ([4, 0, 1, 2, 3], "above")])
+def test_names_that_stand_a_row_off_their_coordinates(order: list[int], row: str) -> None:
+    """The row at the end has those of another place, or of the row at the other end."""
+    flight = uneven_flight([5] * 6, noise_px=0.0)
+    position_m = np.empty((5, 3))
+    position_m[order] = flight.landmarks.position_m
+    for end_m in (0.0, 500.0):
+        moved = position_m.copy()
+        moved[0 if row == "below" else 4] += end_m
+        wrong = replace(flight, landmarks=replace(flight.landmarks, position_m=moved))
+        found = [
+            (trial_px(one), advice) for one, advice in corrected("names a row off", ANY, wrong)
+        ]
+        fit = [advice for size, advice in found if size < 2.0 * trial_px(flight)]
+        assert len(fit) == (2 if end_m == 0.0 else 1) and len(found) == 4
+        assert all(f"the row {row} in" in advice for advice in fit)
+
+
 def test_another_frame_rate_is_tried_where_frames_have_numbers(tmp_path: Path) -> None:
     """Usual rates within a factor of three of the stated one, and not that itself."""
     project, flight = read(tmp_path)

@@ -384,6 +384,18 @@ def _exchanged_labels(project: Project | None, flight: Flight, estimate: Estimat
         yield replace(flight, picks=replace(flight.picks, landmark=label)), names
 
 
+def _names_a_row_off(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
+    """Give each landmark the coordinates of the row below or above: one is left without, or not."""
+    marks = flight.landmarks
+    last = len(marks.name) - 1
+    for step, end, row in ((-1, last, "below"), (1, 0, "above")):
+        position_m = np.roll(marks.position_m, step, axis=0)
+        without = marks.takes_part & (np.arange(last + 1) != end)
+        for used in (without, marks.takes_part):
+            shifted = replace(marks, position_m=position_m, used=tuple(used.tolist()))
+            yield replace(flight, landmarks=shifted), (row,)
+
+
 def _without_a_landmark(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
     """Leave out each landmark in all frames."""
     marks = flight.landmarks
@@ -451,6 +463,12 @@ LABEL_MISTAKES: tuple[Mistake[Flight], ...] = (
         "labels exchanged",
         _exchanged_labels,
         "with {} and {} exchanged in all frames: are their names right?",
+    ),
+    Mistake(
+        "names a row off",
+        _names_a_row_off,
+        "with each landmark at the coordinates of the row {} in its file: do names and coordinates "
+        "stand in the same rows, and were the landmarks picked under their own names?",
     ),
 )
 
