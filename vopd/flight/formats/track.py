@@ -241,9 +241,16 @@ def read_mrk(file: InputFile) -> TrackRows:
 
 
 def photo_number(name: str) -> str:
-    """Find the number of a photo in its name: 29 of MAX_0029.JPG, DJI_20230101120000_0029_V.JPG."""
+    """Find the number of a photo in its name: 29 of MAX_0029.JPG, DJI_20230101120000_0029_V.JPG.
+
+    It has four digits in the names that drones give; what is behind them, as in DJI_0029-2.JPG, is
+    of the program that has made a copy.
+    """
     stem = name.rpartition("/")[2].rpartition(".")[0]
-    found = re.search(r"(?a)_\d{14}_(\d{4})(?!\d)", stem) or re.search(r"(?a)(\d+)(?:_\D*)?$", stem)
+    found = re.search(r"(?a)_\d{14}_(\d{4})(?!\d)", stem)
+    if found is None:
+        of_four = list(re.finditer(r"(?a)(?<!\d)(\d{4})(?!\d)", stem))
+        found = of_four[-1] if of_four else re.search(r"(?a)(\d+)(?:_\D*)?$", stem)
     return str(int(found[1])) if found else name
 
 
