@@ -36,6 +36,19 @@ def test_a_frame_rate_that_is_the_video_s_own(tmp_path: Path) -> None:
     assert_close("flight angle", found, truth_deg() % 360.0 - [0, 360, 0])
 
 
+def test_the_rate_of_a_followed_video_is_that_of_all_its_frames(tmp_path: Path) -> None:
+    """`vopd track` reads all of it: `vopd check` must not look at the clicked frames alone.
+
+    Eleven frames are 100 ms apart, the first five are picked, and the twelfth is 200 ms late.
+    """
+    write_video(tmp_path / "a.mp4", [*range(0, 1100, 100), 1300])
+    keys = RATE + 'video = "a.mp4"\n'
+    vopd.solve_flight(write_project(tmp_path, TOML.replace(RATE, keys)))
+    project = write_project(tmp_path, TOML.replace(RATE, keys + 'tracked = "tracked.csv"\n'))
+    with refused(VopdError):
+        vopd.solve_flight(project)
+
+
 def test_a_frame_rate_without_a_decoder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Clicks are solved by the rate, which is not compared with the video, and that is said."""
     write_video(tmp_path / "a.mp4", EVEN_MS)

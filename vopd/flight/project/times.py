@@ -117,13 +117,17 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
     epoch = project.section("flight").date("epoch")
     if section.has("times") and section.has("frame_rate_hz"):
         raise section.error("times", "frame_rate_hz is there too: give one of them")
-    shown_s, said = np.full(len(number), np.nan), ""
+    of_video_s, said = np.zeros(0), ""
     if not image and section.has("video"):
-        shown_s, said = _shown(project, number)
+        of_video_s, said = _shown(project, number)
+    shown_s = of_video_s[number] if len(of_video_s) else np.full(len(number), np.nan)
     if section.has("frame_rate_hz"):
         rate = section.number("frame_rate_hz")
         time_s = section.number("first_frame_t_s") + number / rate
-        off_s = np.ptp(number / rate - shown_s)
+        by_click = section.has("tracked") and section.text("tracked_from") == "clicks"
+        followed = by_click and len(of_video_s) > 0  # through all of the video
+        rated = np.arange(len(of_video_s)) if followed else number
+        off_s = np.ptp(rated / rate - (of_video_s if followed else shown_s))
         if off_s * rate > 1.0:
             raise section.error(
                 "frame_rate_hz",
@@ -170,9 +174,9 @@ def _bring_times(project: Project) -> str:
 
 
 def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
-    """Read when frames are shown after the first of their video, seconds (F,), and a sentence.
+    """Read when all frames of the video are shown after its first, seconds, and a sentence.
 
-    They are NaN of images, and where nothing decodes the video and the project has a frame rate.
+    There are none of images, and where nothing decodes the video and the project has a frame rate.
     """
     from vopd.video import has_decoder, open_frames
 
@@ -183,11 +187,11 @@ def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
     except VopdError as error:
         rated = section.values.get("times") != VIDEO
         if rated and not has_decoder() and all(one.is_file() for one in paths):
-            return np.full(len(number), np.nan), f"frame_rate_hz is not checked: {error}"
+            return np.zeros(0), f"frame_rate_hz is not checked: {error}"
         raise section.error("video", str(error)) from error
     if frames.image_name:
         if section.values.get("times") != VIDEO:
-            return np.full(len(number), np.nan), frames.about if frames.missing else ""
+            return np.zeros(0), frames.about if frames.missing else ""
         raise section.error("video", f"{frames.source}: images have no times of presentation")
     if number[-1] >= len(frames):
         has = f"{frames.source} has {count_text(len(frames), 'frame')}, counted from 0"
@@ -197,8 +201,8 @@ def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
             has += f", and {frames.hidden} more that its edit list does not show"
         raise section.error("video", f"frame {number[-1]} is picked, and {has}")
     if frames.lost and section.values.get("times") != VIDEO:  # those at the end may be any
-        return np.full(len(number), np.nan), f"frame_rate_hz is not checked: {frames.about}"
-    return frames.time_s[number], frames.about
+        return np.zeros(0), f"frame_rate_hz is not checked: {frames.about}"
+    return frames.time_s, frames.about
 
 
 def times_of_csv(
