@@ -83,6 +83,9 @@ def test_each_file_that_is_wrong_is_named(tmp_path: Path) -> None:
         one.removeprefix("error: ").removeprefix(f"{path}: ") for one in ran.stdout.splitlines()
     ]
     assert [one.removeprefix(f"{path}: ") for one in solved.stderr.splitlines()] == texts[:-1]
+    for command in (("attitude", path, path), ("batch", path, "-d", tmp_path / "out")):
+        told = vopd(*command).stderr.splitlines()
+        assert {*told} == {f"{path}: {one}" for one in texts[:-1]} and len(told) % 5 == 0
 
 
 @pytest.mark.parametrize(("stated_s", "wrong_s"), [(0.5, 0.4), (0.5, -0.6), (5.0, -4.0)])

@@ -32,7 +32,7 @@ from vopd.batch.sources import (
 )
 from vopd.export import FORMATS, FileRequest, own_epoch
 from vopd.files import OutputError
-from vopd.findings import Finding, VopdError, finding_of
+from vopd.findings import Finding, VopdError, findings_in
 from vopd.flight.result import FlightResult, unused_options
 from vopd.inputs import no_file
 from vopd.listing.pages import end_of_case, pages_of_jobs
@@ -163,7 +163,7 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
     name, histories = now.source.name, now.histories
     errors = [] if now.error is None else [str(now.error)]
     if now.error is not None and is_flight(now.source.path):  # one in a file that it names
-        errors = [str(finding_of(now.error, now.source.path))]
+        errors = [*map(str, findings_in(now.error, now.source.path))]
     contents = {name + LISTING: now.listing} if now.jobs else {}
     for form, table in now.tables.items():
         if isinstance(table, VopdError):

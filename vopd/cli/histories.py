@@ -12,7 +12,7 @@ from vopd.attitude.history import History
 from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import SharedOptions
-from vopd.findings import VopdError, count_text, finding_of
+from vopd.findings import VopdError, count_text, findings_in
 from vopd.job import GOES_ON
 from vopd.pipeline import in_groups, is_flight, solve_sources
 from vopd.results import SolvedJob, SourceEnd
@@ -109,7 +109,7 @@ def collect_jobs(
                 progress.close()
                 messages.close()
                 if one.error is not None:
-                    told = str(finding_of(one.error, one.source))
+                    told = "\n".join(map(str, findings_in(one.error, one.source)))
                     messages.error(told if len(decks) > 1 else str(one.error))
                     found = found._replace(failed=True)
                 continue
