@@ -28,6 +28,7 @@ from vopd.flight.project.times import FrameTimes, first_whole_second, refuse_sin
 from vopd.flight.project.unused import unused_by_image
 from vopd.flight.project.velocity import (
     Roughness,
+    doubts_of_velocities,
     gap_curvature,
     gap_twist,
     off_chord,
@@ -342,6 +343,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         doubts += doubts_of_rounded_times(section, times, path)
         doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
         doubts += doubts_of_scatter(rows, position, path.fixes, file.name)
+        doubts += doubts_of_own_velocities(section, rows, position, path, file.name)
     if path.fixes is not None and not path.fixes.exact:
         of_positions_m, place = path.fixes.of_positions_m, (rows.coordinate, rows.geodetic, crs)
         doubts += doubts_of_rounding("track", file.name, *place, of_positions_m)
@@ -613,6 +615,32 @@ def doubts_of_leaps(
     ]
     bend = f"{'up to ' * (len(labels) > 1)}{most:.3g} m/s^2"
     return [f"{name}: {first_of(labels, MANY)}: the path bends by {bend} there: {LEAPS}"]
+
+
+def doubts_of_own_velocities(
+    section: Section, rows: TrackRows, position: Floats, path: CameraPath, name: str
+) -> list[str]:
+    """Warn of velocities of a track that contradict its positions.
+
+    Args:
+        section: `[track]`
+        rows: of a track by time
+        position: its positions, Earth-centred, (T, 3)
+        path: the camera's, with the errors of positions and velocities
+        name: of its file
+    """
+    assert rows.time_s is not None
+    if rows.velocity_m_s is None:
+        return []
+    variance = 0.0
+    of_frames = path.velocity_sigma_m_s
+    if of_frames is not None and (known := np.isfinite(of_frames[:, 0])).any():
+        variance += float((np.median(of_frames[known], axis=0) ** 2).sum()) / 2.0  # of a mean
+    if path.fixes is not None:  # of a difference
+        usual_s = float(np.median(np.diff(rows.time_s)))
+        of_fix_m = np.median(path.fixes.of_positions_m, axis=0)
+        variance += 2.0 * float((of_fix_m**2).sum()) / usual_s**2
+    return doubts_of_velocities(name, rows.time_s, position, rows.velocity_m_s, variance**0.5)
 
 
 ORDERS = (3, 4, 5, 6)  # of differences: those of a smooth path become less from one to the next

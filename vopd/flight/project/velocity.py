@@ -15,7 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats, Ints
+from vopd.findings import size_text
 from vopd.flight.flight import TrackFixes, TrackSlopes
+from vopd.geometry.earth import NED_FROM_ENU, local_axes
 from vopd.geometry.linear import inverse
 
 # Noise and curvature of a track by its third differences
@@ -523,3 +525,76 @@ def with_gaps(fixes: TrackFixes, time_s: Floats, *shapes: Floats) -> TrackFixes:
         sigma_m[k::each] = sigma
     weight = np.column_stack([before, off, a])
     return TrackFixes(each * fixes.first, weight, sigma_m, np.arange(len(sigma_m)) % each > 0)
+
+
+# Velocities that a track has itself, against the differences of its positions
+
+FEWEST_STEPS = 4  # between positions: with fewer nothing is told
+APART = 4.0  # standard deviations of a difference, in the median, from where on it is told
+LEAST_APART_M_S = 0.3
+BETTER = 3.0  # times smaller: a mistake is named without which the differences are so
+CONTRADICTED = 0.5  # of the speed by positions: by so much they contradict it whatever the mistake
+MISTAKEN = (
+    ("vn_m_s and ve_m_s exchanged", np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])),
+    (
+        "vn_m_s, ve_m_s, vd_m_s taken for east, north, up",
+        np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
+    ),
+    ("the other sign of vd_m_s, which is positive downward", np.diag([1.0, 1.0, -1.0])),
+    ("the other sign of ve_m_s, which is positive to the east", np.diag([1.0, -1.0, 1.0])),
+    ("the other sign of vn_m_s, which is positive to the north", np.diag([-1.0, 1.0, 1.0])),
+    ("the other sign of all", -np.eye(3)),
+    *(
+        (f"them taken for {unit}: multiply by {factor:.5g}", factor * np.eye(3))
+        for unit, factor in (
+            ("knots", 1852.0 / 3600.0),
+            ("mph", 0.44704),
+            ("ft/s", 0.3048),
+            ("km/h", 1.0 / 3.6),
+            ("cm/s", 0.01),
+            ("mm/s", 0.001),
+        )
+    ),
+)
+"""Mistakes in a track's velocities, and what makes north, east, down of those of a file."""
+
+
+def doubts_of_velocities(
+    name: str, time_s: Floats, position: Floats, velocity_m_s: Floats, sigma_m_s: float
+) -> list[str]:
+    """Warn of velocities that are not those of the positions beside them.
+
+    The displacement over each step is held against the mean of the velocities at its two ends.
+
+    Args:
+        name: of the file
+        time_s: ascending, (T,)
+        position: Earth-centred, (T, 3)
+        velocity_m_s: north, east, down, (T, 3)
+        sigma_m_s: how far a difference over the usual step is off by the errors that are stated
+    """
+    some = slice(FIXES_AT_ONCE)
+    time_s, position, velocity_m_s = time_s[some], position[some], velocity_m_s[some]
+    step_s = np.diff(time_s)
+    if len(step_s) < FEWEST_STEPS:
+        return []
+    to_ned = NED_FROM_ENU @ local_axes(position[:-1])
+    moved_m_s = np.einsum("tij,tj->ti", to_ned, np.diff(position, axis=0)) / step_s[:, None]
+    stated_m_s = (velocity_m_s[1:] + velocity_m_s[:-1]) / 2.0
+
+    def apart(by: Floats) -> float:
+        return float(np.median(np.linalg.norm(moved_m_s - stated_m_s @ by.T, axis=1)))
+
+    off, speed = apart(np.eye(3)), apart(np.zeros((3, 3)))
+    if not off > max(APART * sigma_m_s, LEAST_APART_M_S):
+        return []
+    without, what = min((apart(by), what) for what, by in MISTAKEN)
+    differ = (
+        f"{name}: its velocities differ from those by its positions by {size_text(off)} m/s in the "
+        "median"
+    )
+    if without < off / BETTER:
+        return [f"{differ}, and by {size_text(without)} with {what}"]
+    if off < CONTRADICTED * speed:
+        return []
+    return [f"{differ}: are the columns vn_m_s, ve_m_s, vd_m_s north, east, down, in m/s?"]

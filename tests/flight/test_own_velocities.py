@@ -1,0 +1,98 @@
+"""Velocities that a track has itself, and those of its positions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.approved.texts import assert_approved
+from tests.kit.flight_project import TOML, write_project
+from vopd.arrays import Floats
+from vopd.flight.project.read import read_flight
+from vopd.flight.project.velocity import doubts_of_velocities
+from vopd.geometry.earth import earth_centred_m
+
+TIME_S = np.arange(8.0)
+TRUE_M_S = np.array([30.0, -12.0, -4.0])
+"""Toward the north, the west, and up."""
+ELLIPSOID_M = 6_378_137.0
+
+
+def path() -> Floats:
+    """On the equator, where a metre north is a turn by (1 - e^2) / a, and east by 1 / a."""
+    north, east, down = TRUE_M_S[:, None] * TIME_S
+    latitude = np.degrees(north / (ELLIPSOID_M * (1.0 - 0.00669437999)))
+    return earth_centred_m(latitude, 20.0 + np.degrees(east / ELLIPSOID_M), -down)
+
+
+def doubts(velocity_m_s: Floats | list[float], sigma_m_s: float = 0.1) -> list[str]:
+    own = np.tile(np.asarray(velocity_m_s, float), (len(TIME_S), 1))
+    return doubts_of_velocities("t.csv", TIME_S, path(), own, sigma_m_s)
+
+
+def test_velocities_of_the_positions_are_not_told() -> None:
+    """Within .3 m/s or four sigmas; half a metre a second, of 33, that no mistake explains."""
+    assert not doubts(TRUE_M_S)
+    assert not doubts(np.add(TRUE_M_S, [0.0, 0.28, 0.0]), 0.0)
+    assert not doubts(np.add(TRUE_M_S, [0.0, 0.39, 0.0]))
+    assert not doubts(np.add(TRUE_M_S, [0.0, 0.5, 0.0]))  # no mistake, and no contradiction
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        [-12.0, 30.0, -4.0],  # exchanged
+        [-12.0, 30.0, 4.0],  # east, north, up
+        [30.0, -12.0, 4.0],
+        [30.0, 12.0, -4.0],
+        [-30.0, -12.0, -4.0],
+        [-30.0, 12.0, 4.0],
+        [58.3153, -23.3261, -7.7754],  # knots
+        [67.1081, -26.8432, -8.9477],  # mph
+        [98.4252, -39.3701, -13.1234],  # ft/s
+        [108.0, -43.2, -14.4],  # km/h
+        [3000.0, -1200.0, -400.0],
+        [30000.0, -12000.0, -4000.0],
+        [0.0, 0.0, 0.0],
+        [5.0, 5.0, 5.0],
+    ],
+)
+def test_what_makes_velocities_agree_with_positions(columns: list[float]) -> None:
+    assert_approved(doubts(columns))
+
+
+def test_an_error_of_the_vertical_is_told_where_it_is_more_than_what_is_stated() -> None:
+    """The other sign of 4 m/s is 8 m/s: two sigmas of 4, and more than four of 1.9."""
+    assert doubts([30.0, -12.0, 4.0], 1.9) and not doubts([30.0, -12.0, 4.0], 4.0)
+
+
+def test_a_leap_does_not_make_velocities_wrong_and_few_positions_tell_nothing() -> None:
+    leaping = path()
+    leaping[3] += 500.0
+    own = np.tile(TRUE_M_S, (8, 1))
+    assert not doubts_of_velocities("t.csv", TIME_S, leaping, own, 0.1)
+    assert doubts_of_velocities("t.csv", TIME_S[:5], path()[:5], -own[:5], 0.1)
+    assert not doubts_of_velocities("t.csv", TIME_S[:4], path()[:4], -own[:4], 0.1)
+
+
+@pytest.mark.parametrize("sign", ["", "-"])
+def test_a_flight_is_warned(tmp_path: Path, sign: str) -> None:
+    """The track's camera moves straight on: its mean velocity is that of each of its rows."""
+    project = write_project(tmp_path, TOML + "velocity_sigma_m_s = 0.05\n")
+    track = tmp_path / "track.csv"
+    head, *rows = track.read_text().splitlines()
+    first, last = (np.array(row.split(","), float) for row in (rows[0], rows[-1]))
+    latitude, longitude, height = ((last - first) / (last[0] - first[0]))[1:]
+    north, east = latitude * 111_190.0, longitude * 111_320.0 * np.cos(np.radians(first[1]))
+    step = (last - first) / (last[0] - first[0])
+    every = [last + k * step for k in (1.0, 2.0)]
+    rows += [",".join(f"{one:.12f}" for one in row) for row in every]
+    more = f"{sign}{north:.4f},{sign}{east:.4f},{sign}{-height:.4f}".replace("--", "")
+    lines = [f"{head},vn_m_s,ve_m_s,vd_m_s", *(f"{row},{more}" for row in rows)]
+    track.write_text("\n".join(lines) + "\n")
+    found = [one.message for one in read_flight(str(project)).findings]
+    assert len(found) == bool(sign)
+    if sign:
+        assert_approved(found)
