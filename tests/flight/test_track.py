@@ -27,6 +27,7 @@ from vopd.flight.project.times import BRING_TIMES, FrameTimes, first_whole_secon
 from vopd.flight.project.track import (
     PathRead,
     covering_text,
+    doubts_of_holes,
     doubts_of_leaps,
     doubts_of_scatter,
     height_datum,
@@ -154,6 +155,18 @@ def test_a_track_that_is_exact_is_not_so_between_its_positions() -> None:
     assert found is not None and found.exact and found.weight.shape == (1, 4)
     assert found.sigma_m[::3].tolist() == [[0.0] * 3] * 6
     assert found.frame_sigma_m.max() > 0.1
+
+
+def test_frames_where_the_track_has_no_positions_are_counted() -> None:
+    """More than ten steps, and five seconds; not frames at a position, nor outside of the track."""
+    rows = np.concatenate([np.arange(0.0, 10.0, 0.5), np.arange(14.6, 20.0, 0.5), [30.0, 30.5]])
+    at = [3.2, 9.5, 9.6, 12.0, 14.5, 14.6, 19.7, 30.0, 31.0, np.nan]
+    assert_approved(doubts_of_holes(np.array(at), rows, "t.csv"))
+    for few in ([3.2, 9.5, 14.6, 30.0], [-5.0, 40.0, np.nan], []):
+        assert doubts_of_holes(np.array(few), rows, "t.csv") == []
+    for row_s in (rows[rows < 14.0], np.array([0.0, 1.0, 2.0, 3.0, 13.0]), rows * 0.4, None):
+        assert doubts_of_holes(np.array(at), row_s, "t.csv") == []
+    assert doubts_of_holes(np.array([4.0]), np.array([0.0, 1.0, 2.0, 3.0, 13.1]), "t.csv")
 
 
 def test_a_position_that_the_track_leaps_to_is_named() -> None:

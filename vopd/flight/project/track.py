@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.findings import first_of, size_text
+from vopd.findings import count_text, first_of, size_text
 from vopd.flight.coordinates import (
     HeightDatum,
     crs_name,
@@ -341,6 +341,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     else:
         path = path_by_time(section, rows, position, times, notes, file.name)
         doubts += doubts_of_rounded_times(section, times, path)
+        doubts += doubts_of_holes(times.time_s, path.row_s, file.name)
         doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
         doubts += doubts_of_scatter(rows, position, path.fixes, file.name)
         doubts += doubts_of_own_velocities(section, rows, position, path, file.name)
@@ -573,6 +574,37 @@ def doubts_of_rounded_times(section: Section, times: FrameTimes, path: CameraPat
     return [
         f"the images' times are whole seconds, in which the camera moves {speed:.1f} m: "
         "give [track] sigma_t_s, .3 for times that are cut off so"
+    ]
+
+
+HOLE, LEAST_HOLE_S = 10.0, 5.0  # of the usual time between positions, and as much
+
+
+def doubts_of_holes(frame_s: Floats, row_s: Floats | None, name: str) -> list[str]:
+    """Warn of frames where a track has no positions: how it bends there nothing shows.
+
+    Args:
+        frame_s: times of frames, (F,)
+        row_s: times of positions, (T,); None where they are not by time
+        name: of its file
+    """
+    if row_s is None:
+        return []
+    step_s = np.diff(row_s)
+    usual_s = float(np.median(step_s))
+    between = frame_s[(frame_s > row_s[0]) & (frame_s < row_s[-1]) & ~np.isin(frame_s, row_s)]
+    gap, count = np.unique(np.searchsorted(row_s, between) - 1, return_counts=True)
+    wide = step_s[gap] > max(HOLE * usual_s, LEAST_HOLE_S)
+    told = [
+        f"{row_s[k]:.10g} to {row_s[k + 1]:.10g} s, with {count_text(n, 'frame')}"
+        for k, n in zip(gap[wide].tolist(), count[wide].tolist(), strict=True)
+    ]
+    if not told:
+        return []
+    return [
+        f"{name}: no position from {first_of(told, MANY)}; they are {usual_s:.3g} s apart as a "
+        "rule: frames there are placed between the two by interpolation; leave out those where "
+        "the camera may have gone another way"
     ]
 
 
