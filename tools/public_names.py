@@ -24,6 +24,7 @@ from vopd.attitude.table import (
     IMAGE_NAME,
     INTERVALS,
     MATRICES,
+    PLACES,
     SLIP_EFFECTS,
     TableColumn,
 )
@@ -85,10 +86,11 @@ def page() -> str:
         "Attributes of `Finding`": attributes(vopd.Finding),
         "Commands": names(COMMANDS),
         "Exit statuses": "0, 1, 2, 3, and 128 and a signal's number (see below)",
-        "Columns of the attitude table, in their order (flights have `flight`, `m` and `px` in "
+        "Columns of the attitude table, in their order (flights have `project`, `m` and `px` in "
         "place of `deck`, `ft` and `mm`)": columns(FIXED),
         "After `frame`, if frames have names": columns([IMAGE_NAME]),
         "Then, if images have them": columns(GIMBAL),
+        "Then, if positions of a flight are solved for": columns(PLACES),
         "Then standard deviations": f"{sigmas}; and `sigma_COMPONENT_ANGLE_deg` of each component "
         f"that a source has: {names(COMPONENTS)}",
         "Then intervals and covariances": columns([*INTERVALS, *COVARIANCES]),

@@ -768,6 +768,7 @@ DECK_WORDS = Words(
     columns={
         "deck": "the deck's file",
         "job": "the job's number in its deck, from 1",
+        "status": "solved, ignored, exact (no residuals at all), stopped",
         "time_s": "flight time",
         "camera_yaw_deg": "SIG1, 0 to 360",
         "camera_pitch_deg": "SIG2, -180 to 180",

@@ -58,7 +58,13 @@ FIXED = (
         ("{source}", "", None, "source_name", "the file"),
         ("job", "", None, "job_number", "the job's number in its file, from 1"),
         ("frame", "", None, "estimate.frame", "frame number"),
-        ("status", "", None, "status", "solved, ignored, exact (no residuals at all), stopped"),
+        (
+            "status",
+            "",
+            None,
+            "status",
+            "solved, ignored, exact (no residuals at all), stopped, unsolved (no attitude)",
+        ),
     ),
     *_columns(
         "estimate.",

@@ -105,7 +105,7 @@ def command(
     keys: tuple[str, ...],
     **given: str | None,
 ) -> None:
-    """Write a new flight project: DIR/flight.toml, with every key explained.
+    """Write a new flight project: DIR/flight.toml, with its keys explained.
 
     Given files, it finds out what each of them is, says so, and names them in the
     project; they stay where they are. What no file says and the project must

@@ -331,8 +331,8 @@ def history_options(function: AnyCommand) -> AnyCommand:
         click.option(
             "--strict",
             is_flag=True,
-            help="Exit with status 3 if any frame has a flag, or the residuals of a flight speak "
-            "for an error of its inputs.",
+            help="Exit with status 3 if any frame has a flag, the residuals of a flight speak for "
+            "an error of its inputs, or errata of a deck turn an angle by more than a sigma.",
         ),
         quiet_option,
         click.option(

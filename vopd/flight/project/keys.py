@@ -105,7 +105,7 @@ KEYS: tuple[Key, ...] = (
     Key("camera", "lens", "file", '"lens.yml"',
         'or a table: { model = "brown", fx_px = 1500.0 }', "the calibration, or a table: "
         '`{ model = "brown", fx_px = 1500, fy_px = 1490, cx_px = 959.5, cy_px = 539.5, '
-        "k = [-0.1, 0.02] }`", option="--lens"),
+        "k = [-0.1, 0.02, 0, 0] }`", option="--lens"),
     Key("camera.lens", "model", "text", "", "the family of the model, see below",
         choices=tuple(kind.value for kind in LensKind)),
     Key("camera.lens", "fx_px", "number", "", "focal length along u", above=1.0),
