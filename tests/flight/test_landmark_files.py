@@ -377,6 +377,20 @@ def test_a_grid_in_feet(crs: str, names: str, height: float) -> None:
     assert_close("flight position", found.coordinate[0, 2], height)
 
 
+def test_degrees_beside_a_system_in_grads_are_refused() -> None:
+    """52 degrees were read as 52 grads, which are 46.8 degrees; as x and y they are what it has."""
+    row = "a,2.5,52.0,100\n"
+    of_file = InputFile("m", Path("nowhere"), f"landmark,lon,lat,h\n{row}", None, "EPSG:4807")
+    with refused(VopdError):
+        read_by_content(LANDMARK_FORMATS, of_file)
+    for crs in ("EPSG:4258", "EPSG:4326", None):
+        of_file = InputFile("m", Path("nowhere"), f"landmark,lon,lat,h\n{row}", None, crs)
+        assert read_by_content(LANDMARK_FORMATS, of_file).coordinate[0, 1] == 52.0
+    grads = f"landmark,x_m,y_m,z_m\n{row}"
+    of_file = InputFile("m", Path("nowhere"), grads, None, "EPSG:4807")
+    assert read_by_content(LANDMARK_FORMATS, of_file).coordinate[0, 1] == 52.0
+
+
 def test_a_table_without_a_header_names_its_feet() -> None:
     text = "a,6480000,1840000,1000\n"
     file = InputFile("m", Path("nowhere"), text, ["landmark", "x_ft", "y_ft", "z_ft"], FEET)

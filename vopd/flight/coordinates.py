@@ -247,6 +247,21 @@ def units_of_grid(crs: str | None, where: str) -> list[AxisUnit]:
     ]
 
 
+def other_angle(crs: str | None, where: str) -> str:
+    """Name the unit of latitude and longitude of a CRS that does not count in degrees; or nothing.
+
+    Nothing for a CRS that is not known, which is told elsewhere.
+    """
+    name = ELLIPSOIDAL if crs is None else crs_name(crs)
+    try:
+        if name in WGS84_NAMES or not crs_is_geographic(name, where):
+            return ""
+        unit = str(_crs(name, where).axis_info[0].unit_name)
+    except VopdError:
+        return ""
+    return "" if unit == "degree" else unit
+
+
 def doubt_of_heights(section: str, named: bool, crs: str | None) -> list[str]:
     """Doubt heights in metres beside x and y in feet, where no column says their unit.
 

@@ -15,7 +15,13 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import count_text, first_of
-from vopd.flight.coordinates import M_PER_FT, crs_is_geographic, crs_name, units_of_grid
+from vopd.flight.coordinates import (
+    M_PER_FT,
+    crs_is_geographic,
+    crs_name,
+    other_angle,
+    units_of_grid,
+)
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.columns import GEODETIC, HEIGHTS, PLANE, coordinate_columns
 from vopd.flight.formats.files import UNEXPECTED, InputFile
@@ -146,6 +152,11 @@ def coordinates_of(table: CsvTable, geodetic: bool) -> Floats:
     """
     columns = coordinate_columns(geodetic)
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
+    if geodetic and (other := other_angle(table.file.crs, table.file.name)):
+        raise table.file.error(
+            f"{table.file.crs} counts in {other}, and columns lat_deg and lon_deg are degrees: "
+            "convert them to a coordinate reference system in degrees, as EPSG:4326"
+        )
     units = [] if geodetic else units_of_grid(table.file.crs, table.file.name)
     for name, unit in zip(PLANE, units, strict=False):
         said = table.unit_said(name)
