@@ -220,7 +220,8 @@ def raise_all(errors: Sequence[VopdError]) -> None:
     Raises:
         VopdError: the one, or `SeveralErrors`
     """
-    known = [*{str(one): one for one in errors}.values()]
+    each = [one for e in errors for one in (e.errors if isinstance(e, SeveralErrors) else [e])]
+    known = [*{str(one): one for one in each}.values()]
     if known:
         raise known[0] if len(known) < 2 else SeveralErrors(known)
 

@@ -328,3 +328,12 @@ def test_a_shutter_has_three_keys(keys: str, tmp_path: Path) -> None:
     path = write_project(tmp_path, TOML.replace("[picks]\nfile", f"{keys}\n[picks]\nfile", 1))
     with refused(VopdError):
         solve_flight(str(path))
+
+
+def test_keys_of_a_shutter_are_told_with_the_errors_of_files(tmp_path: Path) -> None:
+    path = write_project(
+        tmp_path, TOML.replace("[picks]\nfile", "readout_ms = 16\n[picks]\nfile", 1)
+    )
+    (tmp_path / "picks.csv").write_text("frame,landmark,u_px,v_px\n0,church,here,1\n")
+    with refused(VopdError):
+        solve_flight(str(path))

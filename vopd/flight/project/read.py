@@ -238,6 +238,7 @@ def _further_errors(project: Project, first: VopdError) -> list[VopdError]:
         found(lambda: project.read("track", project.open("track"), TRACK_FORMATS))
     if project.has("wind"):
         found(lambda: read_by_content(WIND_FORMATS, project.open("wind")))
+    found(lambda: shutter_of(project.section("camera")))
     found(lambda: mount_of(project.section("vehicle")))
     found(lambda: _vehicle(project, 0.0))
     # which the first one names, where all values that are needed are known
@@ -596,8 +597,16 @@ def shutter_of(section: Section) -> Shutter | None:
             if section.has(key):
                 raise section.error(key, "is of a rolling shutter: give readout_ms too")
         return None
-    middle = section.text("frame_time") == "middle"
-    return Shutter(section.number("readout_ms") * 1e-3, section.text("readout"), middle)
+    said: dict[str, str] = {}
+    errors: list[VopdError] = []
+    for key in ("readout", "frame_time"):
+        try:
+            said[key] = section.text(key)
+        except VopdError as error:
+            errors.append(error)
+    raise_all(errors)
+    readout_s = section.number("readout_ms") * 1e-3
+    return Shutter(readout_s, said["readout"], said["frame_time"] == "middle")
 
 
 def refraction_of(section: Section) -> Refraction:
