@@ -9,9 +9,10 @@ import pytest
 
 from tests.approved.texts import assert_approved
 from tests.kit.flight_project import TOML, write_project
+from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.project.read import read_flight
-from vopd.flight.project.velocity import doubts_of_velocities
+from vopd.flight.project.velocity import doubts_of_velocities, off_line
 from vopd.geometry.earth import earth_centred_m
 
 TIME_S = np.arange(8.0)
@@ -96,3 +97,48 @@ def test_a_flight_is_warned(tmp_path: Path, sign: str) -> None:
     assert len(found) == bool(sign)
     if sign:
         assert_approved(found)
+
+
+def test_velocities_between_rows_are_uncertain_by_what_they_bend() -> None:
+    """t^2 and rows each 2 s: the line between two rows is a (1 - a) dt^2 = 1 m/s above at a = 1/2.
+
+    Three quarters of it at a = 1/4; nothing at a row, of a straight line, or of two rows; of noise
+    of .1 alone the squares of second differences have 6 times .01, which is taken off.
+    """
+    time_s = np.arange(0.0, 12.0, 2.0)
+    bent = np.stack([time_s**2, 3.0 * time_s, 0.0 * time_s], axis=1)
+    exact, at_s = np.zeros((6, 3)), np.array([4.0, 5.0, 6.5, 9.0])
+    found = off_line(at_s, time_s, bent, exact)
+    assert_close("flight speed", found, np.outer([0.0, 1.0, 0.75, 1.0], [1.0, 0.0, 0.0]))
+    # second differences are 8 m/s at each row, by 4 s^2, and those of noise 6 sigma^2
+    sigma = np.full((6, 3), 0.5)
+    less = np.sqrt((8.0**2 - 6.0 * 0.25) / 8.0**2)
+    assert_close("flight speed", off_line(at_s, time_s, bent, sigma)[1, 0], less)
+    assert not off_line(at_s, time_s, bent, sigma)[:, 1:].any()
+    assert not off_line(np.array([1.0]), time_s[:2], bent[:2], exact[:2]).any()
+
+
+def test_uneven_rows() -> None:
+    """t^2 has the second derivative 2 whatever the steps: the middle of a gap of 4 s is 4 off."""
+    time_s = np.array([0.0, 1.0, 5.0, 6.0])
+    bent = np.repeat(time_s[:, None] ** 2, 3, axis=1)
+    assert_close("flight speed", off_line(np.array([3.0]), time_s, bent, np.zeros((4, 3))), 4.0)
+
+
+@pytest.mark.parametrize("stated", ["0.05", '"exact"'])
+def test_a_flight_has_what_its_velocities_bend(tmp_path: Path, stated: str) -> None:
+    """In its first frame the track's row is that of the frame; .1 s later its velocity bends."""
+    project = write_project(tmp_path, TOML + f"velocity_sigma_m_s = {stated}\n")
+    track = tmp_path / "track.csv"
+    head, *rows = track.read_text().splitlines()
+    lines = [f"{row},{20 + 8 * k**2},5,-2" for k, row in enumerate(rows)]
+    track.write_text("\n".join([f"{head},vn_m_s,ve_m_s,vd_m_s", *lines]) + "\n")
+    sigma_m_s = read_flight(str(project)).path.velocity_sigma_m_s
+    if stated == '"exact"':
+        assert sigma_m_s is None or not sigma_m_s.any()
+        return
+    assert sigma_m_s is not None
+    assert_close("flight speed", sigma_m_s[0], [0.05] * 3)
+    # second differences of 16 m/s less those of noise, 6 sigma^2, at a = .1: .09 / 2 of them
+    bent = 0.045 * np.sqrt(16.0**2 - 6.0 * 0.05**2)
+    assert_close("flight speed", sigma_m_s[1], [np.hypot(bent, 0.05), 0.05, 0.05])

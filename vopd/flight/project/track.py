@@ -32,6 +32,7 @@ from vopd.flight.project.velocity import (
     gap_curvature,
     gap_twist,
     off_chord,
+    off_line,
     path_slopes,
     roughness,
     track_velocity,
@@ -455,6 +456,9 @@ def path_by_time(
         notes.said.append("velocity as the track has it")
     if sigma_m_s is not None:
         of_frames = _columns_at(at, time_s, sigma_m_s)
+        if velocity_m_s is not None:  # those that are called exact stay so
+            off_m_s = off_line(at, time_s, velocity_m_s, sigma_m_s)
+            of_frames = np.where(of_frames > 0.0, np.hypot(of_frames, off_m_s), 0.0)
     unknown = ~inside[:, None]
     key_sigma(section, "sigma_t_s", "", notes)
     fixes = path_errors(at, inside, time_s, position, sigma_m, rough, way)

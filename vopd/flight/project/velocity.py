@@ -527,7 +527,36 @@ def with_gaps(fixes: TrackFixes, time_s: Floats, *shapes: Floats) -> TrackFixes:
     return TrackFixes(each * fixes.first, weight, sigma_m, np.arange(len(sigma_m)) % each > 0)
 
 
-# Velocities that a track has itself, against the differences of its positions
+# Velocities that a track has itself: between its rows, and against the differences of its positions
+
+
+def off_line(at_s: Floats, time_s: Floats, velocity_m_s: Floats, sigma_m_s: Floats) -> Floats:
+    """Estimate how far velocities are from the line between those of two rows, (F, 3), rms.
+
+    A velocity whose second derivative is c is off by a (1 - a) c dt^2 / 2, a the part of the gap
+    that is over. c is that of the rows at both ends of the gap, less what their noise shows.
+
+    Args:
+        at_s: the moments, within the track, (F,)
+        time_s: of the rows, ascending, (T,)
+        velocity_m_s: (T, 3)
+        sigma_m_s: standard deviations of these, (T, 3)
+    """
+    step_s = np.diff(time_s)[:, None]
+    if len(step_s) < 2:
+        return np.zeros((len(at_s), 3))
+    slope, both_s = np.diff(velocity_m_s, axis=0) / step_s, (step_s[1:] + step_s[:-1]) / 2.0
+    noise = 1.0 / step_s[1:] ** 2 + 1.0 / step_s[:-1] ** 2
+    noise = (noise + (1.0 / step_s[1:] + 1.0 / step_s[:-1]) ** 2) * sigma_m_s[1:-1] ** 2
+    square = (np.diff(slope, axis=0) ** 2 - noise) / both_s**2
+    square = np.pad(
+        square, ((1, 1), (0, 0)), mode="edge"
+    )  # of each row; at the ends the next one's
+    before = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, len(step_s) - 1)
+    part = ((at_s - time_s[before]) / step_s[before, 0])[:, None]
+    bent = np.sqrt(np.maximum((square[before] + square[before + 1]) / 2.0, 0.0))
+    return np.asarray(part * (1.0 - part) / 2.0 * step_s[before] ** 2 * bent)
+
 
 FEWEST_STEPS = 4  # between positions: with fewer nothing is told
 APART = 4.0  # standard deviations of a difference, in the median, from where on it is told
