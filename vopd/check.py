@@ -489,7 +489,7 @@ def altitudes(job: Job, locations: CardLocations) -> Iterator[Finding]:
 
 def focal_length(job: Job, locations: CardLocations) -> Iterator[Finding]:
     """Warn of a focal length that is not positive: no image has one."""
-    if not job.camera.focal_length_mm > 0.0:
+    if job.camera.focal_length_mm <= 0.0:  # NaN is an error that is told already
         message = (
             f"a focal length of {job.camera.focal_length_mm:g} mm: that of a camera is above 0"
         )

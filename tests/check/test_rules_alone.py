@@ -366,7 +366,9 @@ def test_frames_are_outside_no_table_that_is_out_of_order(ends: tuple[int, int])
     assert told(control_rules.tables_span, job) == []
 
 
-@pytest.mark.parametrize(("focal_mm", "warned"), [(1e-3, False), (0.0, True), (-10.4, True)])
+@pytest.mark.parametrize(
+    ("focal_mm", "warned"), [(1e-3, False), (0.0, True), (-10.4, True), (float("nan"), False)]
+)
 def test_a_focal_length_is_above_0(focal_mm: float, warned: bool) -> None:
     found = told(control_rules.focal_length, changed("camera", JOB, focal_length_mm=focal_mm))
     assert [at for at, _ in found] == [(8, 0, "CC")] * warned
