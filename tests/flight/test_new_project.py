@@ -653,6 +653,12 @@ def test_each_option_gives_its_keys_and_nothing_more_is_needed(place: str, tmp_p
         assert "NEEDED (" not in text
 
 
+def test_numbers_of_a_lens_begin_a_project(tmp_path: Path) -> None:
+    """They stand for a file: nothing else need be known yet."""
+    assert run("new", tmp_path / "p", *OF_CAMERA).status == 0
+    assert tomllib.loads((tmp_path / "p" / "flight.toml").read_text())["camera"] == CAMERA
+
+
 def test_numbers_of_a_lens_take_the_place_of_its_file(tmp_path: Path) -> None:
     """In the project that `vopd new` wrote before, of which no lens is read again."""
     (tmp_path / "lens.txt").write_text("1 PINHOLE 1920 1080 1400 1400 960 540\n")

@@ -154,9 +154,10 @@ def command(
         del files["lens"]
         answers.append(Answer("--lens", [("camera", "lens")], table, at_once=True))
     again = deck is None and bool(answers or files or video) and (Path(folder) / NAME).exists()
-    if answers and not files and not video and not again:
+    own = bool(files or video or table)
+    if answers and not own and not again:
         raise click.UsageError(f"{answers[0].option} is for a project of files: give --picks, ...")
-    if deck is not None and (files or video):
+    if deck is not None and own:
         raise click.UsageError("--deck has everything: leave the other files out.")
     if job is not None and deck is None:
         raise click.UsageError("--job is for --deck.")
@@ -168,7 +169,7 @@ def command(
         refuse_existing(Path(folder), [NAME])
         if deck is not None:
             new = _of_deck(deck, job)
-        elif files or video:
+        elif own:
             new = project_of_files(Path(folder), files, answers, _ask, video)
         else:
             new = example_project()
