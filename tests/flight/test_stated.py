@@ -92,6 +92,30 @@ def test_velocities_have_columns_of_their_own() -> None:
     assert rows.velocity_sigma_m_s.tolist() == [[0.1, 0.2, 0.3]] and rows.sigma_m is None
 
 
+def test_a_receiver_s_own_sigmas_need_what_is_common_to_its_positions(tmp_path: Path) -> None:
+    """Four positions 3 m off each would be 1.5 m off in the mean; a CSV's columns are stated."""
+    path = write_project(tmp_path, TOML.replace('"track.csv"', '"t.gpx"'))
+    rows = [row.split(",") for row in (tmp_path / "track.csv").read_text().split()[1:]]
+    here = "<trkpt lat='{}' lon='{}'><ele>{}</ele><time>2026-05-01T11:58:{:02.0f}Z</time>"
+    points = [
+        here.format(b, c, h, 42.0 + float(t)) + "<hdop>{}</hdop></trkpt>" for t, b, c, h in rows
+    ]
+    head = "<gpx version='1.1' creator='x' xmlns='http://www.topografix.com/GPX/1/1'><trk><trkseg>"
+    text = head + "".join(points) + "</trkseg></trk></gpx>"
+
+    def told() -> list[str]:
+        found = [one.message for one in read_flight(str(path)).findings]
+        return [one for one in found if "sigma_bias_m" in one]
+
+    (tmp_path / "t.gpx").write_text(text.replace("{}", "1.0"))
+    assert_approved(told())
+    path.write_text(path.read_text().replace("sigma_t_s", "sigma_bias_m = 2.0\nsigma_t_s"))
+    assert told() == []
+    path.write_text(path.read_text().replace("sigma_bias_m = 2.0\n", ""))
+    (tmp_path / "t.gpx").write_text(text.replace("{}", "0.05"))  # .15 m, .25 m upward
+    assert told() == []
+
+
 def test_dilutions_of_gpx_are_times_3_m_and_5_m_upward() -> None:
     """hdop .8 and vdop 1.2; pdop 2 for both; none; one that is none."""
     points = ("<hdop>0.8</hdop><vdop>1.2</vdop>", "<pdop>2</pdop>", "", "<pdop>-1</pdop>")

@@ -51,6 +51,7 @@ from vopd.flight.project.keys import (
     toml_text,
     with_common_error,
 )
+from vopd.flight.project.stated import NO_BASE_M
 from vopd.flight.project.track import not_in_metres
 from vopd.inputs import is_number, no_date
 from vopd.video import open_frames, stills_in
@@ -235,10 +236,6 @@ def name_same_height(new: NewProject, values: KeyValues) -> None:
         new.said.append(
             f"[landmarks] height = {values[key]}: the same as the track's, by its format"
         )
-
-
-NO_BASE_M = 0.3
-"""Standard deviation from which positions are of a receiver without a base station (RTK)."""
 
 
 def share_receiver_error(new: NewProject, values: KeyValues) -> None:

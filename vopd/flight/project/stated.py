@@ -219,6 +219,37 @@ def lines_to_add(keys: Mapping[tuple[str, str], str]) -> str:
 
 # Coordinates with so few decimals that rounding alone moves them more than is stated
 
+NO_BASE_M = 0.3
+"""Standard deviation from which positions are of a receiver without a base station (RTK)."""
+
+
+def doubts_of_own_sigmas(
+    section: Section, file: str, said_by: str, sigma_m: Floats | None
+) -> list[str]:
+    """Warn of a receiver's own standard deviations that count for each position by itself.
+
+    A hundred positions would be taken for exact in the mean, and what is off in all of them for
+    minutes is in no standard deviation. Columns of a CSV are the user's own statement.
+
+    Args:
+        section: `[track]`
+        file: its name
+        said_by: where the standard deviations come from
+        sigma_m: of each position, east, north, up, (T, 3), NaN where there is none; None: nowhere
+    """
+    if sigma_m is None or said_by.startswith("column") or section.has("sigma_bias_m"):
+        return []
+    known = sigma_m[np.isfinite(sigma_m).all(axis=1)]
+    if len(known) < 2 or (usual := np.median(known, axis=0)).max() < NO_BASE_M:
+        return []
+    stated = toml_numbers(*(float(f"{one:.2g}") for one in usual))
+    return [
+        f"{file}: its standard deviations, by {said_by}, count for each position by itself, and a "
+        f"receiver without a base is off by as much in all of them for minutes: [track] "
+        f"sigma_bias_m = {stated} says so, or 0 that it is not"
+    ]
+
+
 M_PER_DEG = 111_320.0  # of latitude, and of longitude at the equator
 MOST_DECIMALS = 9
 FEWEST = 5  # different values of a coordinate: fewer may have the same decimals by themselves

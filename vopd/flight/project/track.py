@@ -23,7 +23,14 @@ from vopd.flight.formats.columns import coordinate_columns
 from vopd.flight.formats.tables import COMMENTS
 from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows, row_out_of_order
 from vopd.flight.project.keys import Project, Section, toml_numbers
-from vopd.flight.project.stated import Notes, RowSigmas, doubts_of_rounding, key_sigma, row_sigmas
+from vopd.flight.project.stated import (
+    Notes,
+    RowSigmas,
+    doubts_of_own_sigmas,
+    doubts_of_rounding,
+    key_sigma,
+    row_sigmas,
+)
 from vopd.flight.project.times import FrameTimes, first_whole_second, refuse_since_1970
 from vopd.flight.project.unused import unused_by_image
 from vopd.flight.project.velocity import (
@@ -335,6 +342,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     )
     notes = Notes([f"{file.name}: {rows.said}{_above_ground(section)}"], {})
     doubts = [*rows.doubts, *doubt_of_heights("track", rows.names_units, crs)]
+    doubts += doubts_of_own_sigmas(section, file.name, rows.sigma_by, rows.sigma_m)
     if rows.image and (times.image or rows.time_s is None):
         times, time_s = times_of_track(section, rows, times)
         path = path_by_image(section, rows, position, times, time_s, notes)
