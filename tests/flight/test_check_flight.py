@@ -322,6 +322,21 @@ def test_pictures_of_another_size_than_their_lens(tmp_path: Path) -> None:
     assert_approved(write(2, (wide, high), 8))
 
 
+def test_each_answer_says_that_a_picture_has_another_size_than_its_lens(tmp_path: Path) -> None:
+    """One of the first twenty, once; `check` looks at all of them."""
+    images = pytest.importorskip("PIL.Image")
+    path = write_project(tmp_path, TOML.replace('"picks.csv"', '"picks.csv"\nvideo = "film"'))
+    (tmp_path / "film").mkdir()
+    picks = (tmp_path / "picks.csv").read_text().splitlines()
+    picks = [f"{row.partition(',')[0]}.png,{row.partition(',')[2]}" for row in picks[1:]]
+    (tmp_path / "picks.csv").write_text("\n".join(["image,landmark,u_px,v_px", *picks, ""]))
+    for k, size in enumerate([(1920, 1080)] * 3 + [(960, 540)] * 2):
+        images.new("L", size).save(tmp_path / "film" / f"{k}.png")
+    ran, checked = vopd("attitude", path), vopd("check", path)
+    assert (ran.status, ran.stderr.count("the lens is for")) == (0, 1)
+    assert "3.png has 960 x 540" in ran.stderr and checked.stdout.count("the lens is for") == 1
+
+
 def test_a_video_of_another_size_than_the_lens(tmp_path: Path) -> None:
     """The size of one of its frames is that of all."""
     pytest.importorskip("av")

@@ -88,21 +88,25 @@ def missing_images(flight: Flight) -> str:
     )
 
 
-def other_size(flight: Flight) -> str:
+MOST_SIZES = 20  # pictures whose size each answer looks at
+
+
+def other_size(flight: Flight, most: int | None = None) -> str:
     """Name the first picked picture that has another size than its lens; empty if none has.
 
     One that is not there, or cannot be read, is none; of a video one frame is decoded.
 
     Args:
         flight: whose project may name the pictures by `[picks] video`
+        most: how many pictures are looked at, and no video; None: all
     """
     from vopd.video import upright_size
 
-    if not flight.video or flight.folder is None:
+    if not flight.video or flight.folder is None or (most and not flight.image_name):
         return ""
     folders = [*(one if one.is_dir() else one.parent for one in flight.video), flight.folder]
     sizes = np.broadcast_to(flight.lens.by_rows("size_px"), (len(flight.frame), 2))
-    for k in np.unique(flight.picks.frame).tolist():
+    for k in np.unique(flight.picks.frame)[:most].tolist():
         try:
             if flight.image_name:
                 name = flight.image_name[k]

@@ -353,7 +353,18 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         findings=tuple(findings),
     )
     check_free(flight)
-    return with_held(project, flight)
+    return with_held(project, _with_doubt_of_size(flight))
+
+
+def _with_doubt_of_size(flight: Flight) -> Flight:
+    """Warn of a picture of another size than its lens, among the first that the project names."""
+    if not (flight.video and flight.image_name):
+        return flight
+    from vopd.flight.formats.photographs import MOST_SIZES, other_size  # of few flights
+
+    other = other_size(flight, MOST_SIZES)
+    found = [Finding(other, flight.source, severity="warning")] if other else []
+    return replace(flight, findings=(*flight.findings, *found))
 
 
 def _join_clicks(
