@@ -240,6 +240,7 @@ def refusals() -> dict[str, tuple[Flight, str]]:
     return {
         "fisheye": (replace(flight, lens=fisheye), "p1p2"),
         "table": (replace(flight, lens=radial), "k1"),
+        "one focal length": (replace(flight, lens=radial), "aspect"),
         "stands": (replace(flight, path=still), "track-offset"),
         "fixed": (replace(flight, options=fixed), "landmarks"),
         "check": (replace(flight, landmarks=replace(marks, used=used)), first),
@@ -248,7 +249,10 @@ def refusals() -> dict[str, tuple[Flight, str]]:
     }
 
 
-@pytest.mark.parametrize("lack", ["fisheye", "table", "stands", "fixed", "check", "never", "alone"])
+@pytest.mark.parametrize(
+    "lack",
+    ["fisheye", "table", "one focal length", "stands", "fixed", "check", "never", "alone"],
+)
 def test_what_a_flight_does_not_have_is_not_free(lack: str) -> None:
     flight, name = refusals()[lack]
     with refused(VopdError):

@@ -13,7 +13,7 @@ from vopd.findings import Finding, VopdError, did_you_mean, size_text
 from vopd.flight.flight import Flight, NotHeld
 from vopd.flight.solve.equations import LENS_COEFFICIENTS, SHIFT, with_parameters
 from vopd.flight.solve.readout import row_shifts_px
-from vopd.geometry.lenses import Lenses
+from vopd.geometry.lenses import Lenses, LensKind
 
 if TYPE_CHECKING:
     from vopd.flight.solve.joint import JointSolution
@@ -141,6 +141,8 @@ def _refused(flight: Flight, name: str) -> str:
         own = ", ".join(coefficients)
         has = f"its coefficients are {own}" if coefficients else "it has a table"
         return f"a lens of the model {flight.lens.kind.value} has no {name}: {has}"
+    if name == "aspect" and flight.lens.kind is LensKind.RADIAL_TABLE:  # no project could say it
+        return "a radial table has one focal length: leave aspect out"
     if name in ("clock", "clock-rate") and path.velocity_m_s is None:
         why = "stands still" if path.stands else "has positions that belong to images"
         return f"the camera {why}, and no clock moves it: leave {name} out"
