@@ -12,7 +12,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved, refused
-from tests.kit.flight_project import TOML, camera_m, uneven_flight, write_project
+from tests.kit.flight_project import TOML, camera_m, marks_m, uneven_flight, write_project
 from tests.tolerances import within
 from vopd.findings import Finding, VopdError
 from vopd.flight.coordinates import HeightDatum, crs_name
@@ -30,9 +30,10 @@ from vopd.flight.project.inspect import (
     look_at_track,
 )
 from vopd.flight.project.keys import Project, Section
-from vopd.flight.project.read import landmark_grid
+from vopd.flight.project.read import landmark_grid, read_flight
 from vopd.flight.project.times import FrameTimes
 from vopd.flight.project.track import doubts_of_rounded_times, times_of_track
+from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.joint import no_solution
 
 
@@ -229,3 +230,27 @@ def test_nothing_is_said_of_a_camera_that_is_the_vehicle_itself(tmp_path: Path) 
     mount = "{ matrix = [[0, 0, 1], [1, 0, 0], [0, 1, 0]] }"
     path = write_project(tmp_path, f"{TOML}[vehicle]\nmount = {mount}\n")
     assert "mount" not in vopd.solve_flight(str(path)).history().about.words.conventions
+
+
+# Landmarks that take no part
+
+
+def test_landmarks_that_take_no_part_say_how_far_off_they_are(tmp_path: Path) -> None:
+    """3 and 4 px in each frame are 3.54 rms of u and v, 6 and 8 in one of five are 3.16."""
+    path = write_project(tmp_path, TOML + '[solve]\ncheck_landmarks = ["tower", "well", "mast"]\n')
+    rows = [row.split(",") for row in (tmp_path / "picks.csv").read_text().splitlines()]
+    kept = [row for row in rows if row[1] != "mast"]
+    for row in kept:
+        if row[1] == "tower" or row[:2] == ["2", "well"]:
+            times = 1.0 if row[1] == "tower" else 2.0
+            row[2:] = [str(float(row[2]) + 3.0 * times), str(float(row[3]) - 4.0 * times)]
+    (tmp_path / "picks.csv").write_text("\n".join(",".join(row) for row in kept))
+    flight = vopd.solve_flight(str(path))
+    assert_approved(flight.history().about.words.conventions["check landmarks"])
+    told = flight.history().about.words.conventions["check landmarks"]
+    assert told in " ".join(flight.summary(80).split()) and told in flight._repr_html_()
+    marks = read_flight(str(path)).landmarks
+    behind = replace(marks, position_m=marks.position_m.copy())
+    behind.position_m[marks.name.index("tower")] = 2.0 * camera_m(np.array([2.2]))[0] - marks_m()[4]
+    moved = solve_flight_read(replace(read_flight(str(path)), landmarks=behind))
+    assert_approved(moved.history().about.words.conventions["check landmarks"])

@@ -384,7 +384,17 @@ def azimuth_text(frames: ShownFrames) -> str:
 
 def mount_text(frames: ShownFrames) -> str:
     """Say how the camera is mounted, where its angles are not those of the vehicle."""
-    told = {job.about.source: job.about.words.conventions.get("mount", "") for job in frames.jobs}
+    return _of_sources(frames, "mount")
+
+
+def check_text(frames: ShownFrames) -> str:
+    """Say how far landmarks that take no part are from where they were picked."""
+    return _of_sources(frames, "check landmarks")
+
+
+def _of_sources(frames: ShownFrames, name: str) -> str:
+    """Join what sources have of a statement of theirs; empty where none has any."""
+    told = {job.about.source: job.about.words.conventions.get(name, "") for job in frames.jobs}
     return of_each([*told.items()], len(told) - MOST_JOBS)
 
 
@@ -453,7 +463,7 @@ def text(
         paragraphs = (
             [*filter(None, [azimuth_text(frames), mount_text(frames)])],
             [*filter(None, [where_text(part.estimate for part in frames.head)])],
-            [sure_text(frames)],
+            [sure_text(frames), *filter(None, [check_text(frames)])],
             [left_text(frames) or "nothing that can be stated"],
             doubts or ["no frame has a flag"],
             [steps["next"] + f"; {steps['table']}" * (not frames.more_text) + LOOKS_DOWN * hint],
@@ -535,7 +545,8 @@ def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
         after = [f"{frames.more_text}: .to_dataframe()"] if frames.more_text else []
         where = where_text(part.estimate for part in frames.head)
         after += filter(None, [azimuth_text(frames), mount_text(frames), where])
-        after += [sure_text(frames), f"not in it: {left_text(frames)}"]
+        after += filter(None, [sure_text(frames), check_text(frames)])
+        after += [f"not in it: {left_text(frames)}"]
         parts.append(
             f"<p>{escape(heading(frames))}</p><table><thead><tr>{head}</tr></thead>"
             f"<tbody>{rows}</tbody></table>" + "".join(f"<p>{escape(one)}</p>" for one in after)

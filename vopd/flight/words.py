@@ -9,7 +9,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.attitude.conventions import POSITION
 from vopd.estimate import Words
-from vopd.findings import count_text, size_text
+from vopd.findings import count_text, first_of, size_text
 from vopd.flight.angles import camera_angles
 from vopd.flight.flight import Flight, Refraction
 from vopd.flight.solve.clicks import ClickEquations
@@ -18,6 +18,7 @@ from vopd.flight.solve.free import free_text
 from vopd.flight.solve.joint import JointSolution
 from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.flight.solve.rotations import SolvedFlight
+from vopd.geometry.lenses import project
 from vopd.geometry.rotations import FORWARD, from_yaw_pitch_roll, rotation_vectors_deg
 
 # Comparison with the gimbal's angles, which are never used in a solve
@@ -83,6 +84,44 @@ def _along(axis: Floats) -> str:
     return f"{way} and {abs(elevation):g} degrees {'up' if elevation > 0.0 else 'down'}"
 
 
+# Landmarks that check the solution
+
+
+def check_sentence(solved: SolvedFlight) -> str:
+    """Say how far landmarks that take no part are from where they were picked; empty without one.
+
+    Args:
+        solved: the solution, whose frames tell where each landmark would be
+    """
+    flight, rotation = solved.flight, solved.attitudes.rotation
+    picks, landmark_m = flight.picks, solved.landmark_m
+    if landmark_m is None:
+        landmark_m = flight.landmarks.position_m
+    solvable = np.isfinite(rotation[:, 0, 0])
+    rows = np.flatnonzero(~flight.landmarks.takes_part[picks.landmark] & solvable[picks.frame])
+    if not len(rows):
+        return ""
+    frame, landmark = picks.frame[rows], picks.landmark[rows]
+    lines = sight_lines(solved.camera_m, landmark_m, frame, landmark, flight.refraction)
+    ray = np.einsum("pij,pj->pi", rotation[frame], lines.direction)
+    off_px = picks.pixel[rows] - project(flight.lens.of(frame), ray).pixel
+    square = np.where(np.isfinite(off_px), off_px**2, np.inf).mean(axis=1)
+    sizes = [
+        (float(np.sqrt(square[landmark == one].mean())), int((landmark == one).sum()), one)
+        for one in np.unique(landmark).tolist()
+    ]
+    told = [
+        f"{flight.landmarks.name[one]} "
+        + (f"{size_text(size)} px rms" if np.isfinite(size) else "behind the camera")
+        + f" in {count_text(count, 'frame')}"
+        for size, count, one in sorted(sizes, reverse=True)
+    ]
+    return f"picked minus computed, of landmarks that take no part: {first_of(told, MOST_CHECKS)}"
+
+
+MOST_CHECKS = 5  # landmarks that take no part, of which the sizes are told
+
+
 ATTACK = (
     "alpha = atan2(w, u), beta = atan2(v, u), eta = atan2(sqrt(v2 + w2), u), u v w the velocity "
     "{against} in the body"
@@ -128,6 +167,8 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
     }
     if not np.allclose(flight.mount, FORWARD):
         conventions["mount"] = mount_sentence(flight.mount)
+    if check := check_sentence(solved):
+        conventions["check landmarks"] = check
     if flight.path.gimbal_deg is not None:
         conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
     if joint is not None and joint.model.clicks is not None:

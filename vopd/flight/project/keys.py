@@ -289,8 +289,8 @@ KEYS: tuple[Key, ...] = (
         "`name` tells of picks that do not fit and keeps them, `drop` leaves them out",
         default="name", choices=("name", "drop")),
     Key("solve", "check_landmarks", "texts", "[]", "landmarks that are not used",
-        "names of landmarks that are left out of the solve; images of frames have their picks "
-        "beside their computed places"),
+        "names of landmarks that are left out of the solve; the answer says how far their picks "
+        "are from their computed places, which images of frames show"),
     Key("solve", "frames", "text", '"each"', "each, or one for a camera that does not move",
         "`one`: all frames of a camera that neither moves nor turns are solved as one, with the "
         "picks of each landmark averaged. Only with `[position]`", default="each",
