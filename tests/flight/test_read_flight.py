@@ -24,7 +24,6 @@ from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.formats.lens import LensRead
 from vopd.flight.formats.picks import Names
 from vopd.flight.formats.track import TrackRows
-from vopd.flight.misfits.blunders import pick_distances_px
 from vopd.flight.misfits.unsolved import picks_set_aside, require_two_landmarks
 from vopd.flight.project import read as read_module
 from vopd.flight.project.inspect import NewProject, ask_height, look_at_track
@@ -41,7 +40,7 @@ from vopd.flight.project.stated import Notes, flight_options
 from vopd.flight.project.times import FrameTimes, number_frames
 from vopd.flight.project.track import fixed_path, lever_arm, path_by_image
 from vopd.flight.result import solve_flight_read
-from vopd.flight.solve.rotations import SolvedFlight, no_attitudes, solve
+from vopd.flight.solve.rotations import SolvedFlight, no_attitudes, pick_distances_px, solve
 from vopd.geometry.earth import earth_centred_m
 
 

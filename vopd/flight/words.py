@@ -17,8 +17,7 @@ from vopd.flight.solve.errors import covariance_of_common
 from vopd.flight.solve.free import free_text
 from vopd.flight.solve.joint import JointSolution
 from vopd.flight.solve.lines_of_sight import sight_lines
-from vopd.flight.solve.rotations import SolvedFlight
-from vopd.geometry.lenses import project
+from vopd.flight.solve.rotations import SolvedFlight, pick_errors_px
 from vopd.geometry.rotations import FORWARD, from_yaw_pitch_roll, rotation_vectors_deg
 
 # Comparison with the gimbal's angles, which are never used in a solve
@@ -93,18 +92,12 @@ def check_sentence(solved: SolvedFlight) -> str:
     Args:
         solved: the solution, whose frames tell where each landmark would be
     """
-    flight, rotation = solved.flight, solved.attitudes.rotation
-    picks, landmark_m = flight.picks, solved.landmark_m
-    if landmark_m is None:
-        landmark_m = flight.landmarks.position_m
-    solvable = np.isfinite(rotation[:, 0, 0])
-    rows = np.flatnonzero(~flight.landmarks.takes_part[picks.landmark] & solvable[picks.frame])
+    flight, picks = solved.flight, solved.flight.picks
+    has = np.isfinite(solved.attitudes.rotation[:, 0, 0])
+    rows = np.flatnonzero(~flight.landmarks.takes_part[picks.landmark] & has[picks.frame])
     if not len(rows):
         return ""
-    frame, landmark = picks.frame[rows], picks.landmark[rows]
-    lines = sight_lines(solved.camera_m, landmark_m, frame, landmark, flight.refraction)
-    ray = np.einsum("pij,pj->pi", rotation[frame], lines.direction)
-    off_px = picks.pixel[rows] - project(flight.lens.of(frame), ray).pixel
+    landmark, off_px = picks.landmark[rows], pick_errors_px(solved)[rows]
     square = np.where(np.isfinite(off_px), off_px**2, np.inf).mean(axis=1)
     sizes = [
         (float(np.sqrt(square[landmark == one].mean())), int((landmark == one).sum()), one)

@@ -34,8 +34,7 @@ from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, FrameSlots, frame_label, pick_label
 from vopd.flight.solve.errors import priors_of
 from vopd.flight.solve.joint import solve_jointly, widened
-from vopd.flight.solve.rotations import FlightBlocks, SolvedFlight, solve
-from vopd.geometry.lenses import project
+from vopd.flight.solve.rotations import FlightBlocks, SolvedFlight, pick_distances_px, solve
 from vopd.geometry.linear import norm
 
 ROUNDS = 7  # of solving without the blunders and testing all picks again
@@ -738,17 +737,3 @@ def exchange_findings(found: Exchanges, flight: Flight, left_out: Bools) -> list
         count = count_text(found.not_searched, "frame")
         tell.append(f"{count} with picks that do not fit: not searched for exchanged labels")
     return [Finding(one, flight.source, severity="warning") for one in tell]
-
-
-def pick_distances_px(solved: SolvedFlight) -> Floats:
-    """Measure how far each pick is from its landmark's image, (P,)."""
-    return np.asarray(np.hypot(*pick_errors_px(solved).T))
-
-
-def pick_errors_px(solved: SolvedFlight) -> Floats:
-    """Subtract from each pick its landmark's image, (P, 2); NaN where it has none."""
-    flight = solved.flight
-    rotation = solved.attitudes.rotation[flight.picks.frame]
-    ray = np.einsum("pij,pj->pi", rotation, solved.lines.direction)
-    seen = project(flight.lens.of(flight.picks.frame), ray).pixel
-    return np.asarray(flight.picks.pixel - seen)

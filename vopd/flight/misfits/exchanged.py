@@ -21,11 +21,18 @@ from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.findings import VopdError
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
-from vopd.flight.misfits.blunders import NO_EXCHANGE, Exchanges, pick_distances_px, pick_errors_px
+from vopd.flight.misfits.blunders import NO_EXCHANGE, Exchanges
 from vopd.flight.solve.equations import LEAST_SIGMA_M, Priors
 from vopd.flight.solve.free import as_solved
 from vopd.flight.solve.joint import solve_jointly, widened_by
-from vopd.flight.solve.rotations import FlightBlocks, SolvedFlight, path_part, solve
+from vopd.flight.solve.rotations import (
+    FlightBlocks,
+    SolvedFlight,
+    path_part,
+    pick_distances_px,
+    pick_errors_px,
+    solve,
+)
 
 LEAST_IN_FRAME = 3  # landmarks
 MOST_LANDMARKS = 24  # of a frame, the worst, that are exchanged in twos

@@ -506,6 +506,20 @@ class SolvedFlight:
         )
 
 
+def pick_distances_px(solved: SolvedFlight) -> Floats:
+    """Measure how far each pick is from its landmark's image, (P,)."""
+    return np.asarray(np.hypot(*pick_errors_px(solved).T))
+
+
+def pick_errors_px(solved: SolvedFlight) -> Floats:
+    """Subtract from each pick its landmark's image, (P, 2); NaN where it has none."""
+    flight = solved.flight
+    rotation = solved.attitudes.rotation[flight.picks.frame]
+    ray = np.einsum("pij,pj->pi", rotation, solved.lines.direction)
+    seen = project(flight.lens.of(flight.picks.frame), ray).pixel
+    return np.asarray(flight.picks.pixel - seen)
+
+
 def solve(
     flight: Flight,
     left_out: Bools | None = None,
