@@ -39,7 +39,7 @@ from vopd.flight.misfits.unsolved import (
     require_two_landmarks,
 )
 from vopd.flight.project.keys import Project, read_project
-from vopd.flight.project.read import flight_of, read_flight
+from vopd.flight.project.read import flight_or_errors, read_flight
 from vopd.flight.settled import settled, settled_as_held, with_named_picks
 from vopd.flight.solve.errors import SOLVED_WITH, with_sigmas
 from vopd.flight.solve.free import MOUNT, not_held_findings, without_parameter
@@ -277,7 +277,9 @@ def solve_flight(
     if isinstance(source, Flight):
         return solve_flight_read(with_sigmas(source, sigmas))
     if isinstance(source, Project):
-        return solve_flight_read(with_sigmas(flight_of(source), sigmas), project=lambda: source)
+        return solve_flight_read(
+            with_sigmas(flight_or_errors(source), sigmas), project=lambda: source
+        )
     if not isinstance(source, str | PathLike):
         raise VopdError(
             f"a {type(source).__name__} is no flight project: vopd.run solves the jobs of a deck"

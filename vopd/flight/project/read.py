@@ -182,14 +182,27 @@ def read_flight(name: str, location: str | None = None) -> Flight:
 def flight_or_errors(project: Project) -> Flight:
     """Read the files of a project as `flight_of` does, each of them also where another is wrong.
 
+    The sizes of pictures are looked at here, once, and not for each trial of another reading.
+
     Raises:
         VopdError: with the errors of all files
     """
     try:
-        return flight_of(project)
+        return _with_doubt_of_size(flight_of(project))
     except VopdError as error:
         raise_all([error, *_further_errors(project, error)])
         raise
+
+
+def _with_doubt_of_size(flight: Flight) -> Flight:
+    """Warn of a picture of another size than its lens, among the first that the project names."""
+    if not (flight.video and flight.image_name):
+        return flight
+    from vopd.flight.formats.photographs import MOST_SIZES, other_size  # of few flights
+
+    other = other_size(flight, MOST_SIZES)
+    found = [Finding(other, flight.source, severity="warning")] if other else []
+    return replace(flight, findings=(*flight.findings, *found))
 
 
 def flight_of(project: Project, rows: PickRows | None = None) -> Flight:
@@ -295,11 +308,10 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         known = (*times.image, *landmarks.name)
         doubts += doubts_of_comments(project, picks.commented, known)
     doubts += doubt_of_heights("landmarks", rows.names_units, crs)
-    place, of_marks = (
-        (rows.coordinate, rows.geodetic, crs),
-        project.section("landmarks").text("file"),
+    file = project.section("landmarks").text("file")
+    doubts += doubts_of_rounding(
+        "landmarks", file, rows.coordinate, rows.geodetic, crs, landmarks.sigma_m
     )
-    doubts += doubts_of_rounding("landmarks", of_marks, *place, landmarks.sigma_m)
     if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
     if camera_lens.table is None:
@@ -353,18 +365,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         findings=tuple(findings),
     )
     check_free(flight)
-    return with_held(project, _with_doubt_of_size(flight))
-
-
-def _with_doubt_of_size(flight: Flight) -> Flight:
-    """Warn of a picture of another size than its lens, among the first that the project names."""
-    if not (flight.video and flight.image_name):
-        return flight
-    from vopd.flight.formats.photographs import MOST_SIZES, other_size  # of few flights
-
-    other = other_size(flight, MOST_SIZES)
-    found = [Finding(other, flight.source, severity="warning")] if other else []
-    return replace(flight, findings=(*flight.findings, *found))
+    return with_held(project, flight)
 
 
 def _join_clicks(
