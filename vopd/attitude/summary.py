@@ -425,7 +425,8 @@ def _moment_text(epoch: datetime | None, time_s: float) -> str:
         return ""
 
 
-LABELS = ("angles", "where", "how sure", "not in it", "doubtful", "next")
+SURE, LEFT, NEXT = "how sure", "not in it", "next"
+LABELS = ("angles", "where", SURE, LEFT, "doubtful", NEXT)
 INDENT = " " * (max(map(len, LABELS)) + 2)
 
 
@@ -527,7 +528,7 @@ def means_text(
         left += [missing] * bool(missing)
     table = (steps or {"table": ".mean() has all"})["table"]
     paragraphs = ("; ".join(told), "; ".join(left) or "nothing that can be stated", table)
-    for label, said in zip((LABELS[2], LABELS[3], LABELS[5]), paragraphs, strict=True):
+    for label, said in zip((SURE, LEFT, NEXT), paragraphs, strict=True):
         lines.append(wrapped(f"{label:{len(INDENT)}}{said}", columns_wide, INDENT))
     return "\n".join(lines) + "\n"
 

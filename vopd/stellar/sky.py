@@ -241,9 +241,10 @@ def apparent_places(
             latitude, longitude, height = sky.place
             place = api.wgs84.latlon(latitude, longitude, elevation_m=height)
             observer = observer + place
-        seen = observer.at(moment).observe(_star(api, stars)).apparent()
+        here = observer.at(moment)
+        seen = here.observe(_star(api, stars)).apparent()
         directions = np.asarray(seen.position.au / np.linalg.norm(seen.position.au, axis=0)).T
-        sun = observer.at(moment).observe(planets["sun"]).position.au
+        sun = here.observe(planets["sun"]).position.au
     of_date = np.asarray(moment.M)
     if place is None or sky.place is None:
         return directions, None, SkyFrame(of_date, None, 0.0)

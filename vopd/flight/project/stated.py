@@ -217,7 +217,7 @@ def lines_to_add(keys: Mapping[tuple[str, str], str]) -> str:
     return "\n".join(lines)
 
 
-# Coordinates with so few decimals that rounding alone moves them more than is stated
+# What files say of themselves: a receiver's standard deviations, and decimals that are too few
 
 NO_BASE_M = 0.3
 """Standard deviation from which positions are of a receiver without a base station (RTK)."""

@@ -355,8 +355,9 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         doubts += doubts_of_scatter(rows, position, path.fixes, file.name)
         doubts += doubts_of_own_velocities(section, rows, position, path, file.name)
     if path.fixes is not None and not path.fixes.exact:
-        of_positions_m, place = path.fixes.of_positions_m, (rows.coordinate, rows.geodetic, crs)
-        doubts += doubts_of_rounding("track", file.name, *place, of_positions_m)
+        doubts += doubts_of_rounding(
+            "track", file.name, rows.coordinate, rows.geodetic, crs, path.fixes.of_positions_m
+        )
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
     return PathRead(path, notes.said, times, doubts, notes.missing)
