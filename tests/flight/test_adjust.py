@@ -303,9 +303,19 @@ def test_names_of_one_text(text: str, names: list[str]) -> None:
     assert names_of(text) == names
 
 
-def test_one_text_frees_the_same_as_a_list() -> None:
+def test_one_text_or_any_names_of_a_project_or_its_folder_free_the_same() -> None:
     path = "examples/summits/flight.toml"
-    assert str(adjust(path, "focal,k1")) == str(adjust(path, ["focal", "k1"]))
+    text = str(adjust(path, "focal,k1"))
+    assert text == str(adjust(path, ["focal", "k1"]))
+    assert text == str(adjust(path, (name for name in ("focal", "k1"))))
+    assert text == str(adjust(Path(path).parent, ["focal", "k1"]))
+
+
+def test_what_is_no_project_is_refused() -> None:
+    solved = vopd.solve_flight("examples/summits/flight.toml")
+    for wrong in (solved, "decks/appendix_h/case1.dat"):
+        with refused(VopdError):
+            adjust(wrong, ["focal"])  # type: ignore[arg-type]
 
 
 def test_an_adjustment_shows_the_table_of_the_command() -> None:

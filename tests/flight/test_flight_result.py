@@ -74,6 +74,16 @@ def test_its_angles_against_the_vertical_that_is_asked_for(tmp_path: Path) -> No
     assert np.abs(table["vehicle_pitch_deg"] - expected).max() < within("six decimals")
 
 
+def test_frames_and_times_are_the_callers_own(tmp_path: Path) -> None:
+    """Counted from the first frame in place, they leave the flight and its table as they are."""
+    result = solve_flight(write_project(tmp_path))
+    before = result.to_dataframe()[["frame", "time_s"]]
+    times, frames = result.time_s, result.frame
+    times -= 1.0
+    frames += 7
+    assert result.to_dataframe()[["frame", "time_s"]].equals(before)
+
+
 def test_a_frame_with_one_landmark_is_not_solved(tmp_path: Path) -> None:
     path = write_project(tmp_path)
     rows = (tmp_path / "picks.csv").read_text().splitlines()

@@ -103,7 +103,7 @@ class FlightResult(Shown):
     @property
     def frame(self) -> Ints:
         """Frame numbers (F,), from 0 where images have names; `image_name` has those."""
-        return self.flight.frame
+        return self.flight.frame.copy()
 
     @property
     def image_name(self) -> tuple[str, ...]:
@@ -113,7 +113,7 @@ class FlightResult(Shown):
     @property
     def time_s(self) -> Floats:
         """Time of every frame (F,), seconds after the project's epoch; NaN where not known."""
-        return self.flight.time_s
+        return self.flight.time_s.copy()
 
     @property
     def solved(self) -> Bools:
@@ -280,24 +280,42 @@ def solve_flight(
         return solve_flight_read(
             with_sigmas(flight_or_errors(source), sigmas), project=lambda: source
         )
-    if not isinstance(source, str | PathLike):
-        raise VopdError(
-            f"a {type(source).__name__} is no flight project: vopd.run solves the jobs of a deck"
-        )
-    name = str(source)
-    refuse_other_kind(location or "", (str, PathLike), "vopd.solve_flight", "a path as location")
-    path = Path(location or name)
-    if os.path.isdir(path):  # noqa: PTH112 (a path that is too long for the system is none)
-        name, location = str(Path(name) / NAME), str(path / NAME)
-    elif path.suffix.lower() != ".toml" and os.path.isfile(path):  # noqa: PTH113
-        raise VopdError(
-            f"{name}: a flight project is a .toml that names its files; vopd.run({name!r}) solves "
-            "a deck of 80-column cards"
-        )
+    name, location = project_file(source, location, "vopd.solve_flight")
     return solve_flight_read(
         with_sigmas(read_flight(name, location), sigmas),
         project=lambda: read_project(name, location),
     )
+
+
+def project_file(
+    source: object, location: str | PathLike[str] | None, function: str
+) -> tuple[str, str | None]:
+    """Name the project file that a public function is given, itself or by its folder.
+
+    Args:
+        source: what it was given
+        location: where the file is, if not under its name
+        function: that was called
+
+    Returns:
+        The name, and where the file is, if not under it.
+
+    Raises:
+        VopdError: where it is no path, or a file that is no project
+    """
+    takes = "the path of a flight project (vopd.run solves the jobs of a deck)"
+    refuse_other_kind(source, (str, PathLike), function, takes)
+    refuse_other_kind(location or "", (str, PathLike), function, "a path as location")
+    name = str(source)
+    path = Path(location or name)
+    if os.path.isdir(path):  # noqa: PTH112 (a path that is too long for the system is none)
+        return str(Path(name) / NAME), str(path / NAME)
+    if path.suffix.lower() != ".toml" and os.path.isfile(path):  # noqa: PTH113
+        raise VopdError(
+            f"{name}: a flight project is a .toml that names its files; vopd.run({name!r}) solves "
+            "a deck of 80-column cards"
+        )
+    return name, None if location is None else str(location)
 
 
 NAME = "flight.toml"  # the project in a folder

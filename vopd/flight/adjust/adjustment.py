@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from html import escape
 from os import PathLike
@@ -17,7 +17,7 @@ from vopd.flight.parameters import Parameter, parameters_of
 from vopd.flight.project.covariance import adjusted_from
 from vopd.flight.project.keys import Project, read_project
 from vopd.flight.project.read import flight_or_errors
-from vopd.flight.result import FlightResult, solve_flight_read
+from vopd.flight.result import FlightResult, project_file, solve_flight_read
 from vopd.flight.solve.free import check_free, names_of
 
 
@@ -64,27 +64,31 @@ NAMES = 'names of free parameters, such as "focal" or ["focal", "k1"]'
 
 def adjust(
     source: Flight | str | PathLike[str],
-    free: str | Sequence[str],
+    free: str | Iterable[str],
     tell: Callable[[], object] = lambda: None,
 ) -> Adjustment:
     """Solve a flight with some of its parameters free.
 
     Args:
-        source: the path of the project file, `flight.toml`, or the flight as it was read
+        source: the path of the project file, `flight.toml`, or of its folder; or the flight as it
+            was read, which is `read` of a result
         free: names of parameters: `focal`, `k1`, `clock`, ... (`vopd help adjust`), `landmarks` or
-            `landmark:NAME`; a sequence, or one text with commas between them
+            `landmark:NAME`; several, or one text with commas between them
         tell: is called before each solve of all frames
 
     Raises:
         VopdError: where a file cannot be read, a name is not known, or the flight has no such
             parameter
     """
-    kinds = (Flight, str, PathLike)
-    refuse_other_kind(source, kinds, "vopd.adjust", "the path of a flight project, or a flight")
+    takes = "the path of a flight project, or the `read` of a FlightResult"
+    refuse_other_kind(source, (Flight, str, PathLike), "vopd.adjust", takes)
     refuse_other_kind(tell, Callable, "vopd.adjust", "a function as tell")  # type: ignore[arg-type]
-    flight = source if isinstance(source, Flight) else flight_to_adjust(str(source))[0]
     refuse_other_kind(free, (str, Iterable), "vopd.adjust", NAMES)
-    given = names_of(free) if isinstance(free, str) else free
+    if isinstance(source, Flight):
+        flight = source
+    else:
+        flight = flight_to_adjust(project_file(source, None, "vopd.adjust")[0])[0]
+    given = names_of(free) if isinstance(free, str) else [*free]
     for name in given:
         refuse_other_kind(name, str, "vopd.adjust", NAMES)
     names = tuple(dict.fromkeys(given))
