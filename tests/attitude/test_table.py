@@ -278,6 +278,15 @@ def test_columns_that_any_job_has_and_words_of_the_source() -> None:
     assert column_name("{source}_{length}_{image}", usual.estimate) == "flight_m_px"
 
 
+@pytest.mark.parametrize("name", [field.name for field in fields(Sigmas)])
+def test_a_standard_deviation_of_numpy_is_the_same_number(name: str) -> None:
+    """In four bytes it had seven digits, and one of the wind ended in numpy's error."""
+    solved = run("decks/appendix_h/case1.dat")
+    sigmas = [Sigmas(**{name: one}) for one in (float(np.float32(0.1)), np.float32(0.1))]
+    one, other = (solved.histories(some)[0].uncertainty.total for some in sigmas)
+    assert one.tobytes() == other.tobytes()
+
+
 @pytest.mark.parametrize("rows", [0, 1, 999, 1000, 1001, 2500])
 def test_rows_a_thousand_at_a_time(rows: int) -> None:
     assert ROWS_AT_ONCE == 1000

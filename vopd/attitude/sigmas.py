@@ -71,6 +71,8 @@ class Sigmas:
                 name = field.name.removesuffix("_s").removesuffix("_deg").replace("_", " ")
                 shown = f"{value:g}" if is_number and value < 2.0 * most else repr(value)[:80]
                 raise VopdError(f"{name} sigma: {shown} is not a standard deviation: 0 to {most:g}")
+            if value is not None:  # numpy's scalars bring their own precision and comparisons
+                object.__setattr__(self, field.name, float(value))
 
 
 class SigmasInForce(NamedTuple):

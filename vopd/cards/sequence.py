@@ -12,7 +12,7 @@ from vopd.cards.text import COLUMNS
 from vopd.findings import VopdError
 
 FIRST = 73
-_NUMBER = re.compile(rb"([A-Z]*) *(\d+)")
+_NUMBER = re.compile(rb"([A-Za-z]*) *(\d+)")
 IN_ORDER = 0.8  # of the cards of group 1
 FARTHEST = 100  # steps to the next number, where cards are missing or have none
 
