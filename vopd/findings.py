@@ -8,7 +8,10 @@ from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from reprlib import Repr
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from vopd.arrays import Floats
 
 # Findings: errors and warnings about an input, with their location in it.
 #
@@ -195,6 +198,43 @@ def refuse_other_kind(
         name = type(value).__name__
         article = "an" if name[0] in "aeiou" else "a"
         raise VopdError(f"{function} takes {takes}, not {article} {name}")
+
+
+def numbers(value: object, name: str) -> Floats:
+    """Make an array of the numbers that a public function is given: an array, a list, a table.
+
+    Args:
+        value: it
+        name: of the argument
+
+    Raises:
+        VopdError: where it is anything else, or an element is masked
+    """
+    import numpy as np  # of few starts
+
+    try:
+        found = np.asarray(value)
+        if found.dtype.kind not in "iufO":
+            raise TypeError
+        found = np.asarray(found, dtype=np.float64)
+    except (TypeError, ValueError):  # numpy's, of words, sets, and lists of several lengths
+        raise VopdError(f"{name} is {type(value).__name__}, not an array of numbers") from None
+    refuse_masked(value, name)
+    return found
+
+
+def refuse_masked(value: object, name: str) -> None:
+    """Refuse an array with masked elements, which `numpy.asarray` takes for numbers.
+
+    Raises:
+        VopdError: where there is one
+    """
+    import numpy as np  # of few starts
+
+    if np.ma.is_masked(value):
+        raise VopdError(
+            f"{name} has masked elements, which are no numbers: leave them out, or fill them"
+        )
 
 
 class NeededError(VopdError):

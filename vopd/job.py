@@ -7,13 +7,14 @@ first, the landmark axis second with a mask, a pair x, y last.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import overload
+from dataclasses import dataclass, field, replace
+from operator import attrgetter
+from typing import Any, overload
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.findings import Finding, VopdError, count_text
+from vopd.findings import Finding, VopdError, count_text, refuse_masked
 from vopd.landmark_layout import LandmarkLayout
 from vopd.records import ByLandmark, FrameRecord, Record, Rows
 
@@ -196,16 +197,27 @@ SHAPES: Mapping[str, tuple[int | str, ...]] = {
     "landmarks.latitude_min": ("rows",), "landmarks.altitude_ft": ("rows",),
     "ignored.frame": ("rows",), "ignored.landmark": ("rows", 6), "ignored.everywhere": ("others",),
     "readings.frame": ("rows",), "readings.fiducial_in": ("rows", 4, 3, 2),
+    "readings.points.landmark": ("points",), "readings.points.landmark_in": ("points", 3, 2),
 }  # fmt: skip
 """The fields of a job's parts: the lengths of their axes, one of a part's rows by its word."""
+WHOLE = {
+    "clock.frame", "landmarks.number", "ignored.frame", "ignored.landmark", "ignored.everywhere",
+    "readings.frame", "readings.points.landmark",
+}  # fmt: skip
+"""Those of whole numbers."""
+EXACT = 2.0**53  # below it each whole number is a float
 PARTS: Mapping[str, type] = {
     "camera": Camera, "trajectory": Trajectory, "wind": Wind, "clock": Clock,
     "landmarks": Landmarks, "ignored": Ignored, "readings": Readings,
+    "readings.layout": LandmarkLayout, "readings.points": LandmarkReadings,
 }  # fmt: skip
 
 
-def check_fields(job: Job) -> None:
+def checked_fields(job: Job) -> Job:
     """Refuse a job one of whose fields is of another kind or shape, as `replace` can make it.
+
+    Returns:
+        The job, all of its numbers in eight bytes, as the program computes with them.
 
     Raises:
         VopdError: naming the field
@@ -213,22 +225,18 @@ def check_fields(job: Job) -> None:
     if not isinstance(job.title, str):
         raise VopdError(f"job.title is {type(job.title).__name__}, not a text")
     for part, kind in PARTS.items():
-        if not isinstance(getattr(job, part), kind):
-            own = type(getattr(job, part)).__name__
-            raise VopdError(f"job.{part} is {own}, not vopd's {kind.__name__}")
-    for own_name, kind in (("layout", LandmarkLayout), ("points", LandmarkReadings)):
-        if not isinstance(getattr(job.readings, own_name), kind):
-            own = type(getattr(job.readings, own_name)).__name__
-            raise VopdError(f"job.readings.{own_name} is {own}, not vopd's {kind.__name__}")
-    rows: dict[tuple[str, int | str], int] = {}
+        found = attrgetter(part)(job)
+        if not isinstance(found, kind):
+            raise VopdError(f"job.{part} is {type(found).__name__}, not vopd's {kind.__name__}")
+    layout = job.readings.layout
+    rows: dict[tuple[str, int | str], int] = {
+        ("readings", "rows"): len(layout.count),
+        ("readings.points", "points"): layout.total,
+    }
     for name, shape in SHAPES.items():
-        part, _, own_name = name.partition(".")
-        value = getattr(getattr(job, part), own_name)
-        number = isinstance(value, np.ndarray | np.number | int | float)
-        if not number or np.asarray(value).dtype.kind not in "iuf":
-            what = "an array of numbers" if shape else "a number"
-            raise VopdError(f"job.{name} is {type(value).__name__}, not {what}")
-        found = np.shape(value)
+        part, _, own_name = name.rpartition(".")
+        value = getattr(attrgetter(part)(job), own_name)
+        plain, found = _plain(value, name), np.shape(value)
         if len(found) == len(shape):
             for length, one in zip(found, shape, strict=True):
                 if isinstance(one, str):
@@ -236,6 +244,38 @@ def check_fields(job: Job) -> None:
         wanted = tuple(rows.get((part, one), 0) if isinstance(one, str) else one for one in shape)
         if found != wanted:
             raise VopdError(f"job.{name} has the shape {found}, not {wanted}")
+        if plain is not value:
+            job = _changed(job, name, plain)
+    return job
+
+
+def _plain(value: object, name: str) -> Floats | Ints | float:
+    """Write the numbers of a field in eight bytes; the field itself where they are.
+
+    Raises:
+        VopdError: where they are none
+    """
+    is_number = isinstance(value, np.ndarray | np.number | int | float)
+    array = np.asarray(value if is_number else None)
+    if array.dtype.kind not in "iuf":
+        what = "an array of numbers" if SHAPES[name] else "a number"
+        raise VopdError(f"job.{name} is {type(value).__name__}, not {what}")
+    refuse_masked(value, f"job.{name}")
+    if name not in WHOLE:
+        if SHAPES[name] or array.ndim:
+            return array.astype(np.float64, copy=False)
+        return value if isinstance(value, float) else float(array)
+    if array.dtype.kind == "f":
+        whole = (np.abs(array) < EXACT) & (array == np.floor(array))
+        if not whole.all():
+            raise VopdError(f"job.{name} has numbers that are not whole")
+    return array.astype(np.int64, copy=False)
+
+
+def _changed(record: Any, name: str, value: object) -> Any:
+    """Change a field of a part of a record, by its dotted name."""
+    own, _, rest = name.partition(".")
+    return replace(record, **{own: _changed(getattr(record, own), rest, value) if rest else value})
 
 
 @dataclass(frozen=True)

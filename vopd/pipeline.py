@@ -10,6 +10,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vopd.arrays import Bools, Floats
 from vopd.errata import NO_FIXES, Fix, Fixes
@@ -19,11 +20,12 @@ from vopd.findings import (
     InputError,
     VopdError,
     frames_text,
+    numbers,
     raising,
     refuse_other_kind,
 )
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
-from vopd.job import Deck, Job, check_fields, copied_readings_text
+from vopd.job import Deck, Job, checked_fields, copied_readings_text
 from vopd.results import Outcome, Results, SolvedJob, SourceEnd
 from vopd.solved import Run
 
@@ -86,7 +88,7 @@ def run(
     *,
     initial: Initial = "deck",
     compare_initial: bool = False,
-    start_deg: Floats | None = None,
+    start_deg: ArrayLike | None = None,
 ) -> Run:
     """Solve a job, or all jobs of a deck, for all their frames at once.
 
@@ -121,8 +123,8 @@ def run(
     several: list[Job] = [jobs] if isinstance(jobs, Job) else list(jobs)
     for job in several:
         refuse_other_kind(job, Job, "vopd.run", "the path of a deck, or jobs of vopd.read_deck")
-        check_fields(job)
-    deck = jobs if isinstance(jobs, Deck) else Deck(tuple(several))
+    checked = tuple(map(checked_fields, several))
+    deck = replace(jobs, jobs=checked) if isinstance(jobs, Deck) else Deck(checked)
     options = SolveOptions(fixes, initial, compare_initial)
     solved: list[SolvedJob] = []
     for one in solve_jobs(_given(deck, start_deg), options):
@@ -135,17 +137,16 @@ def run(
     return Run(solved)
 
 
-def _given(deck: Deck, start_deg: Floats | None) -> Iterator[ReadJob | SourceEnd]:
+def _given(deck: Deck, start_deg: ArrayLike | None) -> Iterator[ReadJob | SourceEnd]:
     frames = [len(job.readings.frame) for job in deck]
     starts: Sequence[Floats | None] = [None] * len(frames)
     if start_deg is not None:
-        if np.shape(start_deg) != (sum(frames), 3):
-            raise VopdError(
-                f"start_deg has the shape {np.shape(start_deg)}, not {(sum(frames), 3)}"
-            )
-        starts = np.split(np.asarray(start_deg, dtype=np.float64), np.cumsum(frames)[:-1])
-    for number, (job, start) in enumerate(zip(deck, starts, strict=True), 1):
-        yield ReadJob(deck.name, number, job, (), start)
+        start = numbers(start_deg, "start_deg")
+        if start.shape != (sum(frames), 3):
+            raise VopdError(f"start_deg has the shape {start.shape}, not {(sum(frames), 3)}")
+        starts = np.split(start, np.cumsum(frames)[:-1])
+    for number, (job, own) in enumerate(zip(deck, starts, strict=True), 1):
+        yield ReadJob(deck.name, number, job, (), own)
     yield SourceEnd(deck.name)
 
 

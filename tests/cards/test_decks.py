@@ -560,8 +560,8 @@ def test_a_last_record_that_is_cut_short_is_passed_on_as_it_is() -> None:
 
 
 FORMS = {
-    "letters": "CASE{0:04d}", "small": "vop {0:04d}", "short": "  AB{0:04d}", "apart": "AB{0:6d}", "left": " AB {0:04d}",
-    "zeros": "{0:08d}", "blanks": "{0:8d}", "five": "   {0:05d}",
+    "letters": "CASE{0:04d}", "short": "  AB{0:04d}", "apart": "AB{0:6d}", "left": " AB {0:04d}",
+    "zeros": "{0:08d}", "blanks": "{0:8d}", "five": "   {0:05d}", "small": "vop {0:04d}",
 }  # fmt: skip
 
 

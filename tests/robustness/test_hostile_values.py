@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_tags import read_tags
 from vopd.flight.formats.landmarks import LandmarkRows
 from vopd.flight.project import read as reader
+from vopd.job import SHAPES
 
 
 class CountedName(str):
@@ -120,6 +122,9 @@ OTHER_KINDS: dict[str, Callable[[], object]] = {
     "fixes in a list": lambda: fixes(["restart"]),
     "a rate in words": lambda: vopd.run(JOBS).histories(max_rate_deg_s="10"),
     "a rate that is true": lambda: vopd.run(JOBS).histories(max_rate_deg_s=True),
+    "a start in words": lambda: vopd.run(JOBS, start_deg=[["a", "b", "c"]]),  # type: ignore[list-item]
+    "starts of several lengths": lambda: vopd.run(JOBS, start_deg=[[1, 2], [3]]),  # type: ignore[list-item]
+    "a masked start": lambda: vopd.run(JOBS, start_deg=np.ma.masked_less([[1.0, 2.0, 3.0]], 2.0)),
     "zero in the place of sigmas": lambda: vopd.solve_flight(HILL, sigmas=0),
 }
 
@@ -132,6 +137,7 @@ def test_arguments_of_another_kind(kind: str) -> None:
 
 
 JOB = JOBS[0]
+FRAMES, FIDUCIALS = JOB.readings.frame, JOB.readings.fiducial_in
 FIELDS: dict[str, Callable[[], vopd.Job]] = {
     "no trajectory": lambda: replace(JOB, trajectory=None),
     "a camera in words": lambda: replace(JOB, camera="16 mm"),
@@ -148,6 +154,19 @@ FIELDS: dict[str, Callable[[], vopd.Job]] = {
         JOB, camera=replace(JOB.camera, offset_deg=np.array(["a", "b", "c"]))
     ),
     "no points": lambda: replace(JOB, readings=replace(JOB.readings, points=None)),
+    "half a frame": lambda: replace(JOB, readings=replace(JOB.readings, frame=FRAMES + 0.5)),
+    "a frame that is none": lambda: replace(
+        JOB, readings=replace(JOB.readings, frame=np.full(len(FRAMES), np.nan))
+    ),
+    "a masked height": lambda: replace(
+        JOB, wind=replace(JOB.wind, altitude_ft=np.ma.masked_less(JOB.wind.altitude_ft, 1e9))
+    ),
+    "points without their frames": lambda: replace(
+        JOB, readings=replace(JOB.readings, points=JOB.readings.points.take(slice(1)))
+    ),
+    "frames without their points": lambda: replace(
+        JOB, readings=replace(JOB.readings, frame=FRAMES[:1], fiducial_in=FIDUCIALS[:1])
+    ),
 }
 
 
@@ -158,6 +177,53 @@ def test_jobs_of_other_fields(kind: str) -> None:
         vopd.run(FIELDS[kind]())
     with pytest.raises(vopd.VopdError):
         vopd.write_deck([FIELDS[kind]()])
+
+
+STORED: dict[str, Callable[[Any], Any]] = {
+    "another byte order": lambda a: a.astype(a.dtype.newbyteorder()),
+    "more bytes": lambda a: a.astype(np.longdouble),
+    "columns first": np.asfortranarray,
+    "every second": lambda a: np.repeat(a, 2, axis=0)[::2],
+    "nothing masked": np.ma.masked_array,
+}
+
+
+@pytest.mark.parametrize("how", STORED)
+@pytest.mark.parametrize("name", SHAPES)
+def test_numbers_of_a_job_stored_in_another_way_are_the_same_numbers(name: str, how: str) -> None:
+    """More bytes ended in numpy's errors, or moved the last digits."""
+    part, _, own = name.rpartition(".")
+    value = np.atleast_1d(getattr(attrgetter(part)(JOB), own))
+    stored = STORED[how](value)
+    other = replaced(JOB, name, stored if SHAPES[name] else stored[0])
+    assert (run := vopd.run(other)).camera_deg.tobytes() == vopd.run(JOB).camera_deg.tobytes()
+    assert run[0].job == JOB and vopd.write_deck(other) == vopd.write_deck(JOB)
+
+
+def replaced(record: Any, name: str, value: Any) -> Any:
+    own, _, rest = name.partition(".")
+    return replace(record, **{own: replaced(getattr(record, own), rest, value) if rest else value})
+
+
+def test_angles_in_four_bytes_are_those_numbers() -> None:
+    """Numpy's error, as two forms of a first estimate were compared byte by byte."""
+    camera = replace(JOB.camera, initial_deg=JOB.camera.initial_deg.astype(np.float32))
+    same = replace(JOB.camera, initial_deg=camera.initial_deg.astype(np.float64))
+    angles = [vopd.run(replace(JOB, camera=one)).camera_deg for one in (camera, same)]
+    assert angles[0].tobytes() == angles[1].tobytes()
+
+
+@pytest.mark.parametrize("part", ["fiducial_in", "landmark_in"])
+def test_a_reading_that_is_no_number_is_on_no_card(part: str) -> None:
+    """Python's own error, of a whole number."""
+    readings = JOB.readings
+    if part == "fiducial_in":
+        wrong = replace(readings, fiducial_in=np.full_like(FIDUCIALS, np.nan))
+    else:
+        none = np.full_like(readings.points.landmark_in, np.inf)
+        wrong = replace(readings, points=replace(readings.points, landmark_in=none))
+    with refused(vopd.VopdError):
+        vopd.write_deck(replace(JOB, readings=wrong))
 
 
 @pytest.mark.parametrize(("job", "kind"), [(1, IndexError), (-2, IndexError), ("1", TypeError)])

@@ -14,7 +14,7 @@ from vopd.cards.numbers import nearest_that_fits, write_number
 from vopd.cards.read import read_jobs
 from vopd.cards.text import COLUMNS
 from vopd.findings import VopdError, group_text, refuse_other_kind
-from vopd.job import Job, check_fields
+from vopd.job import Job, checked_fields
 
 Rows = Sequence[Sequence[float]]
 
@@ -41,7 +41,7 @@ def write_deck(jobs: Job | Sequence[Job]) -> str:
     several: Sequence[Job] = jobs if isinstance(jobs, Sequence) else [jobs]
     for job in several:
         refuse_other_kind(job, Job, "vopd.write_deck", "jobs, as vopd.read_deck reads them")
-        check_fields(job)
+    several = [*map(checked_fields, several)]
     cards: list[str] = []
     start = 1
     for job in several:
@@ -143,7 +143,7 @@ def basic_data_cards(job: Job) -> list[str]:
 
 def _inches(value: float) -> str:
     """Write a reading as the film reader punched it: in thousandths if it is whole thousandths."""
-    thousandths = round(value * 1000.0)
+    thousandths = round(value * 1000.0) if np.isfinite(value) else 0
     if abs(thousandths) < 10**6 and thousandths / 1000.0 == value:
         return f"{'-' if np.signbit(value) else ' '}{abs(thousandths):06d}"
     item = format_items(BASIC_DATA.format)[1]
