@@ -214,7 +214,7 @@ def numbers(value: object, name: str) -> Floats:
 
     try:
         found = np.asarray(value)
-        if found.dtype.kind not in "iufO":
+        if found.dtype.kind not in ("iufO" if found.ndim else "iuf"):
             raise TypeError
         found = np.asarray(found, dtype=np.float64)
     except (TypeError, ValueError):  # numpy's, of words, sets, and lists of several lengths

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -177,6 +178,7 @@ def test_frames_are_chosen_by_index_or_mark() -> None:
     one = wandering()
     marks = np.array([True, False, True, True, False, False])
     assert one.mean(marks) == one.mean(np.flatnonzero(marks)) == one.take(marks).mean()
+    assert one.mean((0, -4, -3)) == one.mean(marks) and one.mean(3) == one.mean(slice(3, 4))
     lost = one.estimate.vehicle_deg.copy()
     lost[0] = np.nan
     without = replace(one, estimate=replace(one.estimate, vehicle_deg=lost))
@@ -187,6 +189,12 @@ def test_a_mean_of_nothing_or_of_attitudes_too_far_apart_is_refused() -> None:
     one = by_hand(3)
     with refused(VopdError):
         one.mean(np.zeros(3, bool))
+    other: tuple[Any, ...] = (730, [0, -4], [True], [0.0, 1.0], "all", iter([0]), [[0], [1, 2]])
+    for frames in other:
+        with pytest.raises(VopdError):
+            one.mean(frames)
+    with refused(VopdError):
+        one.mean(730)
     apart = by_hand(3, angles_deg=[[yaw, 0.0, 0.0] * 3 for yaw in (0.0, 120.0, 240.0)])
     apart = replace(apart, quaternion=from_yaw_pitch_roll(apart.estimate.vehicle_deg))
     with refused(VopdError):

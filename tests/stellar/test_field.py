@@ -27,10 +27,13 @@ from vopd.stellar import (
     orientation_matrix,
     orthogonality_defect,
     outliers,
+    resection,
     single_rotation,
+    star_directions,
     star_disagreement_arcsec,
     star_pairs,
     two_star,
+    wahba,
 )
 from vopd.stellar.field import REASONS, Failure, StarField, coincide, first_failure, when
 from vopd.stellar.listed import tustar
@@ -423,6 +426,40 @@ def test_too_few_stars_and_shapes_that_do_not_fit() -> None:
     ):
         with pytest.raises(VopdError):
             StarField.of(stars, images, focal)
+
+
+OTHER: dict[str, Callable[[], object]] = {
+    "names in the place of degrees": lambda: star_directions(["Vega"], [38.78]),
+    "no right ascension": lambda: star_directions(None, 38.78),
+    "one declination for two stars": lambda: star_directions([1.0, 2.0, 3.0], [4.0, 5.0]),
+    "images in words": lambda: StarField.of(np.eye(3), [["a", "b"]] * 3, 76.0),
+    "a masked image": lambda: StarField.of(
+        np.eye(3), np.ma.masked_greater([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], 5.5), 76.0
+    ),
+    "points of a space resection in the plane": lambda: resection(np.eye(2), np.eye(2), 76.0),
+    "three stars by two": lambda: two_star(THREE),
+    "three stars by a single rotation": lambda: single_rotation(THREE),
+    "one star by two": lambda: two_star(THREE.select(np.array([0]))),
+    "vectors in the place of a field": lambda: collinearity(THREE.directions),  # type: ignore[arg-type]
+    "a list of fields": lambda: wahba([THREE]),  # type: ignore[arg-type]
+    "no field": lambda: church(None),  # type: ignore[arg-type]
+}
+THREE = StarField.of(np.eye(3), [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], 76.0)
+
+
+@pytest.mark.parametrize("what", OTHER)
+def test_arguments_of_another_kind(what: str) -> None:
+    """Errors of numpy and Python; masked elements were numbers, and a third star was left out."""
+    with refused(VopdError):
+        OTHER[what]()
+
+
+def test_lists_are_taken_and_solutions_compared_by_their_values() -> None:
+    ground = [[0.0, 0.0, 10.0], [900.0, 0.0, 0.0], [0.0, 900.0, 5.0], [900.0, 800.0, 0.0]]
+    seen = [[-30.0, -25.0], [31.0, -26.0], [-29.0, 35.0], [30.0, 28.0]]
+    found, same = (resection(kind(ground), kind(seen), 76.0) for kind in (list, np.array))
+    assert found.matrix.tobytes() == same.matrix.tobytes()
+    assert collinearity(THREE) == collinearity(THREE) != wahba(THREE)
 
 
 def test_tustar_s_discrepancy_is_celestial_minus_photo() -> None:

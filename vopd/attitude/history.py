@@ -23,6 +23,8 @@ from vopd.geometry.rotations import from_yaw_pitch_roll
 from vopd.records import Rows, alike_together
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from vopd.attitude.mean import MeanAttitude
 
 ROUNDING_RAD = 1e-10
@@ -85,15 +87,16 @@ class History(Rows):
         elif isinstance(self.estimate, Estimate):
             yield np.arange(len(self.estimate.frame)), self.estimate
 
-    def mean(self, frames: Ints | Bools | None = None) -> MeanAttitude:
+    def mean(self, frames: ArrayLike | slice | None = None) -> MeanAttitude:
         """Average the attitude over frames, with the uncertainty of the mean.
 
         Args:
-            frames: their indices, or a mark for each frame; None: all. Frames without an
-                attitude are left out
+            frames: their indices from 0, whatever their numbers, or a mark for each frame; None:
+                all. Frames without an attitude are left out
 
         Raises:
-            VopdError: if no frame is left, or one is 90 degrees or more from the mean
+            VopdError: if no frame is left, one is 90 degrees or more from the mean, or there is
+                no such frame
         """
         from vopd.attitude.mean import mean_attitude
 

@@ -7,14 +7,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Bools, Floats
 from vopd.attitude.conventions import included_statements
 from vopd.attitude.sigmas import COMMON
 from vopd.attitude.table import MATRICES, TableArrays, TableColumn, columns_of
 from vopd.attitude.uncertainty import student_factor
 from vopd.estimate import About
-from vopd.findings import VopdError
+from vopd.findings import VopdError, shown
 from vopd.geometry.linear import covariance_factor_95, crossing
 from vopd.geometry.rotations import (
     angles_by_turns,
@@ -65,7 +66,7 @@ class MeanAttitude(Record):
     covariance_factor_95: float  # times that: the ellipsoid that contains the truth with 95 %
 
 
-def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanAttitude:
+def mean_attitude(history: History, frames: ArrayLike | slice | None = None) -> MeanAttitude:
     """Average the attitude over frames.
 
     Errors that are the same in all frames do not average out, and those of a fix of the track do
@@ -79,11 +80,11 @@ def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanA
             with one that the landmarks do not determine, are left out.
 
     Raises:
-        VopdError: if no frame is left, or one is 90 degrees or more from the mean
+        VopdError: if no frame is left, one is 90 degrees or more from the mean, or there is no
+            such frame
     """
     doubt, about = history.uncertainty, history.about
-    some = np.zeros(len(history.landmarks), bool)
-    some[slice(None) if frames is None else frames] = True
+    some = _marked(frames, len(history.landmarks), about.label)
     some &= history.has_attitude & np.isfinite(doubt.covariance_deg2).all(axis=(1, 2))
     if not some.any():
         raise VopdError(f"{about.label}: no mean attitude: none of the frames has an attitude")
@@ -137,6 +138,30 @@ def mean_attitude(history: History, frames: Ints | Bools | None = None) -> MeanA
         covariance,
         float(covariance_factor_95(freedom[3:].min())),
     )
+
+
+def _marked(frames: ArrayLike | slice | None, count: int, label: str) -> Bools:
+    """Mark the frames that are chosen by their indices, or by a mark for each.
+
+    Raises:
+        VopdError: where there is no such frame, or they are chosen in another way
+    """
+    each = np.arange(count)
+    if frames is None or isinstance(frames, slice):
+        return np.isin(each, each[frames or slice(None)])
+    try:
+        chosen = np.asarray(frames).reshape(-1)
+    except ValueError:  # lists of several lengths
+        chosen = np.array([None])
+    if chosen.dtype.kind == "b" and chosen.shape == each.shape:
+        return np.asarray(chosen)
+    indices = np.unique(chosen) if chosen.dtype.kind in "iu" or not chosen.size else None
+    if indices is None or not np.isin(indices, np.arange(-count, count)).all():
+        raise VopdError(
+            f"{label}: frames to average are named by their indices, from 0 to {count - 1} "
+            f"whatever their numbers, or by a mark for each of the {count}, not by {shown(frames)}"
+        )
+    return np.isin(each, indices % count)
 
 
 EAST_NORTH_UP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vopd.arrays import Bools, Floats, Ints
-from vopd.findings import VopdError
+from vopd.findings import VopdError, numbers, refuse_other_kind
 from vopd.geometry.linear import norm, unit
 from vopd.records import Rows
 
@@ -60,7 +60,7 @@ def image_points_mm(camera_vectors: Floats, focal_length_mm: Floats | float) -> 
     return points
 
 
-def star_directions(ra_deg: Floats, dec_deg: Floats) -> Floats:
+def star_directions(ra_deg: ArrayLike, dec_deg: ArrayLike) -> Floats:
     """Convert right ascension and declination to unit vectors U, V, W in celestial axes.
 
     Args:
@@ -70,9 +70,17 @@ def star_directions(ra_deg: Floats, dec_deg: Floats) -> Floats:
     Returns:
         Unit vectors, (..., 3).
 
+    Raises:
+        VopdError: where they are no numbers, or not as many
+
     Source: Rae (1987), eq. 2.5.
     """
-    alpha, delta = np.radians(ra_deg), np.radians(dec_deg)
+    both = numbers(ra_deg, "ra_deg"), numbers(dec_deg, "dec_deg")
+    try:
+        alpha, delta = np.broadcast_arrays(*map(np.radians, both))
+    except ValueError:
+        shapes = " and ".join(str(one.shape) for one in both)
+        raise VopdError(f"ra_deg and dec_deg must have as many stars, not {shapes}") from None
     return np.stack(
         [np.cos(alpha) * np.cos(delta), np.sin(alpha) * np.cos(delta), np.sin(delta)], axis=-1
     )
@@ -217,11 +225,11 @@ class StarField(Rows):
             The field, with all as arrays of one stack shape.
 
         Raises:
-            VopdError: the shapes do not fit, n is 0, or a principal distance is not positive.
+            VopdError: the shapes do not fit, n is 0, a principal distance is not positive, or
+                something is no number.
         """
-        vectors = np.asarray(directions, dtype=np.float64)
-        images = np.asarray(image_mm, dtype=np.float64)
-        focal = np.asarray(focal_length_mm, dtype=np.float64)[..., None]
+        vectors, images = numbers(directions, "directions"), numbers(image_mm, "image_mm")
+        focal = numbers(focal_length_mm, "focal_length_mm")[..., None]
         present = np.asarray(used, dtype=np.bool_)
         if vectors.shape[-1:] != (3,) or images.shape[-1:] != (2,):
             raise VopdError(
@@ -241,7 +249,7 @@ class StarField(Rows):
             images = np.broadcast_to(images, (*shape, 2))
             focal = np.broadcast_to(focal, (*shape[:-1], 1))
             if errors is not None:
-                errors = np.broadcast_to(np.asarray(errors, dtype=np.float64), (*shape, 2, 2))
+                errors = np.broadcast_to(numbers(errors, "errors"), (*shape, 2, 2))
         except ValueError:
             raise VopdError(
                 "the shapes of a star field do not fit: directions "
@@ -357,6 +365,26 @@ class StarField(Rows):
         failure = np.where(self.count < least, Failure.TOO_FEW_STARS, Failure.NONE)
         sound = finite.all(axis=-1) & np.isfinite(self.focal_length_mm[..., 0])
         return np.where(sound, failure, Failure.NOT_FINITE)
+
+
+def refuse_other_field(field: object, function: str, stars: int | None = None) -> None:
+    """Refuse what is no star field, or one of another number of stars.
+
+    Args:
+        field: that a method was given
+        function: its name
+        stars: how many it takes; None: any
+
+    Raises:
+        VopdError: with what the method takes
+    """
+    refuse_other_kind(field, StarField, function, "a StarField")
+    count = field.used.shape[-1] if isinstance(field, StarField) else 0
+    if stars is not None and count != stars:
+        raise VopdError(
+            f"{function} takes {stars} stars, not {count}: field.select(np.array([0, 1])) has the "
+            "first two, and `collinearity` and `wahba` take all"
+        )
 
 
 def coincide(a: Floats, b: Floats) -> Bools:

@@ -12,6 +12,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.geometry.linear import transform
 from vopd.geometry.rotations import ahead, nearest_rotation
+from vopd.records import Record
 from vopd.stellar import angles
 from vopd.stellar.field import Failure, StarField, first_failure, image_points_mm, when
 
@@ -19,8 +20,8 @@ RotationChoice = Literal["nearest", "as-solved"]
 """Which attitude a matrix that is not quite a rotation stands for."""
 
 
-@dataclass(frozen=True)
-class StarSolution:
+@dataclass(frozen=True, eq=False)
+class StarSolution(Record):
     """Attitudes of a stack of problems (...), as one method solved them.
 
     Attributes:

@@ -11,7 +11,7 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.geometry.lenses import distort_brown, undistort_brown
 from vopd.geometry.linear import angle_between, inverse, transform
-from vopd.stellar.field import Failure, StarField, image_points_mm
+from vopd.stellar.field import Failure, StarField, image_points_mm, refuse_other_field
 from vopd.stellar.methods.collinearity import image_partials, turned
 from vopd.stellar.methods.wahba import wahba_rotation
 
@@ -78,6 +78,7 @@ def calibrate(
         lens: lens to start from, and values of what is not solved; None: the
             principal distance of the field, no distortion
     """
+    refuse_other_field(field, "calibrate")
     index = [UNKNOWNS.index(name) for name in free]
     values = np.array(lens or LensOfStars(float(field.focal_length_mm[0])))
     matrix = start

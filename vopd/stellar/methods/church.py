@@ -8,7 +8,14 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.stellar.angles import orthogonality_defect
-from vopd.stellar.field import DEGENERATE, Failure, StarField, first_failure, when
+from vopd.stellar.field import (
+    DEGENERATE,
+    Failure,
+    StarField,
+    first_failure,
+    refuse_other_field,
+    when,
+)
 from vopd.stellar.methods.weights import (
     church_formula_weights,
     direction_weights,
@@ -59,6 +66,7 @@ def church(
 
     Source: Rae (1987), eqs. 3.4 and 3.11.
     """
+    refuse_other_field(field, "church")
     weight = element_weights(field, weights, reading_sigma_mm)
     stars = np.broadcast_to(field.directions[..., None, :, :], (*weight.shape, 3))
     matrix, _ = least_squares(stars, np.swapaxes(field.photo, -1, -2), weight)

@@ -16,7 +16,14 @@ from vopd.arrays import Floats
 from vopd.geometry.linear import crossing, norm, transform, unit
 from vopd.geometry.rotations import partials_by_turns
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
-from vopd.stellar.field import Failure, StarField, first_failure, image_points_mm, when
+from vopd.stellar.field import (
+    Failure,
+    StarField,
+    first_failure,
+    image_points_mm,
+    refuse_other_field,
+    when,
+)
 from vopd.stellar.methods.two_star import closed_form
 from vopd.stellar.methods.wahba import wahba_rotation
 from vopd.stellar.methods.weights import WeightRule, least_squares, residual_weights
@@ -134,6 +141,7 @@ def collinearity(
 
     Source: Rae (1987), eqs. 2.1 to 2.13; the field's `errors` make W of eq. 2.13.
     """
+    refuse_other_field(field, "collinearity")
     stack = field.used.shape[:-1]
     flat = field.flat()
     unfit = flat.unfit(least=2)

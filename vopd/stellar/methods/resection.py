@@ -6,8 +6,10 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
+from vopd.findings import VopdError, numbers
 from vopd.geometry.linear import inverse
 from vopd.geometry.rotations import rotation_of_directions
 from vopd.stellar.field import Failure, image_directions, image_points_mm
@@ -126,7 +128,7 @@ class Resection(NamedTuple):
 
 
 def resection(
-    points: Floats, image: Floats, focal: float, errors: Floats | None = None
+    points: ArrayLike, image: ArrayLike, focal: float, errors: Floats | None = None
 ) -> Resection:
     """Solve the collinearity equations for position and attitude together.
 
@@ -139,23 +141,31 @@ def resection(
         focal: principal distance, in the same unit
         errors: covariance matrices of x and y for a reading sigma of 1, (n, 2, 2); None: alike
 
+    Raises:
+        VopdError: where points or images are no numbers, or not as many
+
     Source: Rae (1987), eq. 2.1, recommendation 5.
     """
-    whiten = np.broadcast_to(np.eye(2), (len(points), 2, 2))
+    place, seen = numbers(points, "points"), numbers(image, "image")
+    if place.shape[1:] != (3,) or seen.shape != (len(place), 2):
+        raise VopdError(
+            f"points must be (n, 3) and images (n, 2), not {place.shape} and {seen.shape}"
+        )
+    whiten = np.broadcast_to(np.eye(2), (len(place), 2, 2))
     if errors is not None:
         whiten = np.linalg.inv(np.linalg.cholesky(errors))
     corrected = [
-        _corrected(start, points, image, focal, whiten)
-        for start in _first_estimates(points, image, focal, whiten)
+        _corrected(start, place, seen, focal, whiten)
+        for start in _first_estimates(place, seen, focal, whiten)
     ]
     solved = sorted(
         (one for one in corrected if one.failure == Failure.NONE),
         key=lambda one: _square(one, whiten),
     )
     if not solved:
-        return corrected[0] if corrected else _unsolved(len(points), Failure.SINGULAR)
+        return corrected[0] if corrected else _unsolved(len(place), Failure.SINGULAR)
     best = solved[0]
-    reach = DISTINCT * float(np.linalg.norm(points - best.position, axis=1).mean())
+    reach = DISTINCT * float(np.linalg.norm(place - best.position, axis=1).mean())
     for other in solved[1:]:
         apart = np.linalg.norm(other.position - best.position) > reach
         if apart and _square(other, whiten) <= AS_GOOD * _square(best, whiten):

@@ -8,7 +8,14 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.geometry.linear import dot, norm, unit
-from vopd.stellar.field import DEGENERATE, Failure, StarField, first_failure, when
+from vopd.stellar.field import (
+    DEGENERATE,
+    Failure,
+    StarField,
+    first_failure,
+    refuse_other_field,
+    when,
+)
 from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec
 from vopd.stellar.methods.collinearity import rotation_about
 from vopd.stellar.methods.two_star import same_star
@@ -46,6 +53,7 @@ def single_rotation(pair: StarField, *, angle: AngleRule = "farther") -> StarSol
 
     Source: Rae (1987), section 4, program TWOSTAR.
     """
+    refuse_other_field(pair, "single_rotation", 2)
     stars, images = pair.directions, pair.photo
     first, second = np.moveaxis(images - stars, -2, 0)
     still = np.minimum(norm(first), norm(second)) < DEGENERATE

@@ -7,7 +7,14 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.geometry.linear import dot, unit
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
-from vopd.stellar.field import Failure, StarField, coincide, first_failure, when
+from vopd.stellar.field import (
+    Failure,
+    StarField,
+    coincide,
+    first_failure,
+    refuse_other_field,
+    when,
+)
 from vopd.stellar.interstar_angles import interstar_discrepancy_arcsec, widest_pair
 from vopd.stellar.solution import StarSolution, closed_form_solution
 
@@ -31,6 +38,7 @@ def two_star(pair: StarField, *, unit_cross_products: bool = True) -> StarSoluti
 
     Source: Rae (1987), eqs. 3.3, 3.21, 3.22.
     """
+    refuse_other_field(pair, "two_star", 2)
     photo = pair.photo
     sky_triple = _with_third(pair.directions, unit_cross_products)
     photo_triple = _with_third(photo, unit_cross_products)

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from vopd.arrays import Bools, Floats
 from vopd.geometry.rotations import rotation_of_directions
-from vopd.stellar.field import DEGENERATE, Failure, StarField, first_failure, when
+from vopd.stellar.field import (
+    DEGENERATE,
+    Failure,
+    StarField,
+    first_failure,
+    refuse_other_field,
+    when,
+)
 from vopd.stellar.methods.weights import star_weights
 from vopd.stellar.solution import StarSolution, closed_form_solution
 
@@ -28,6 +35,7 @@ def wahba(field: StarField) -> StarSolution:
     Source: F. L. Markley, Attitude determination using vector observations and
     the singular value decomposition, J. Astronautical Sciences 36 (1988).
     """
+    refuse_other_field(field, "wahba")
     matrix, determined = wahba_rotation(field)
     failure = first_failure(field.unfit(least=2), when(~determined, Failure.SAME_STAR))
     return closed_form_solution(matrix, failure, field)
