@@ -68,6 +68,8 @@ def test_the_vehicle_has_the_error_of_the_mount_that_was_solved_for(tmp_path: Pa
     components = made.result.history().uncertainty.components
     assert_close("mount", components["mount"][:, 3:6].min(), SENSOR_DEG / np.sqrt(20.0))
     assert not components["mount"][:, :3].any()
+    *_, what_no_sigma_has = made.result.history().about.words.conventions["mount"].split("; ")
+    assert_approved(what_no_sigma_has)
 
 
 def test_attitudes_of_images_are_those_of_their_frames(tmp_path: Path) -> None:

@@ -158,7 +158,14 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
         "position": POSITION.format(altitude=altitude),
         "time": _time(flight),
     }
-    if not np.allclose(flight.mount, FORWARD):
+    vehicle = flight.vehicle
+    if vehicle is not None and vehicle.turned_deg is not None:
+        conventions["mount"] = (
+            f"{mount_sentence(flight.mount)}; as {vehicle.name} has the vehicle's attitudes: what "
+            "these are off together, as yaws from magnetic and not from true north, turns the "
+            "vehicle, and no sigma has it"
+        )
+    elif not np.allclose(flight.mount, FORWARD):
         conventions["mount"] = mount_sentence(flight.mount)
     if check := check_sentence(solved):
         conventions["check landmarks"] = check
