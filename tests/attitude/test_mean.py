@@ -1,4 +1,4 @@
-"""Mean attitudes: against scipy's rotations, by differences, and by covariances worked by hand."""
+"""Mean attitudes, and rates about them: scipy's rotations, differences, covariances by hand."""
 
 from __future__ import annotations
 
@@ -177,12 +177,14 @@ def test_the_covariance_of_frames_that_were_solved_together() -> None:
 def test_frames_are_chosen_by_index_or_mark() -> None:
     one = wandering()
     marks = np.array([True, False, True, True, False, False])
+    kept = marks.copy()
     assert one.mean(marks) == one.mean(np.flatnonzero(marks)) == one.take(marks).mean()
     assert one.mean((0, -4, -3)) == one.mean(marks) and one.mean(3) == one.mean(slice(3, 4))
     lost = one.estimate.vehicle_deg.copy()
     lost[0] = np.nan
     without = replace(one, estimate=replace(one.estimate, vehicle_deg=lost))
     assert without.mean(marks) == one.mean([2, 3])
+    assert np.array_equal(marks, kept)
 
 
 def test_a_mean_of_nothing_or_of_attitudes_too_far_apart_is_refused() -> None:
@@ -199,6 +201,88 @@ def test_a_mean_of_nothing_or_of_attitudes_too_far_apart_is_refused() -> None:
     apart = replace(apart, quaternion=from_yaw_pitch_roll(apart.estimate.vehicle_deg))
     with refused(VopdError):
         apart.mean()
+
+
+SPIN_DEG_S = np.array([5.0, -2.0, 1.0])
+
+
+def spinning(parts: Mapping[str, Floats], deg_s: Floats = SPIN_DEG_S) -> History:
+    """Four frames at 0, 1, 3 and 4 s of a vehicle that turns steadily about its own axes.
+
+    Args:
+        parts: by component, what the turns of all frames are of unknowns of one standard
+            deviation, (12, ...), radians
+        deg_s: about forward, right and down
+    """
+    time_s = np.array([0.0, 1.0, 3.0, 4.0])
+    turns = Rotation.from_rotvec(time_s[:, None] * deg_s, degrees=True)
+    vehicle = rotations(np.array([350.0, 10.0, 5.0])) * turns
+    camera = angles(vehicle * MOUNT)
+    made = estimate(camera, vehicle_deg=angles(vehicle), time_s=time_s, frame_names=[])
+
+    def of_sums(weight: Floats) -> Mapping[str, Floats]:
+        flat = weight.reshape(12, -1)
+        return {name: flat.T @ own @ own.T @ flat for name, own in parts.items()}
+
+    return replace(history(made, sigmas=Sigmas(reading=0.001)), sum_errors=of_sums)
+
+
+def test_a_steady_rate_comes_back() -> None:
+    """Its vector is the same about the axes of each frame, and so about those of the mean."""
+    found = spinning({"reading": np.eye(12)}).rate()
+    assert_close("recovered angle", found.rate_deg_s, SPIN_DEG_S)
+    assert_close("recovered angle", found.residual_deg, 0.0)
+    assert (found.frames, found.time_s) == (4, 2.0)
+    two = spinning({"reading": np.eye(12)}).rate([0, 3])
+    assert_close("recovered angle", two.rate_deg_s, SPIN_DEG_S)
+    assert (two.frames, two.time_s) == (2, 2.0)
+
+
+def test_errors_of_a_rate_by_hand() -> None:
+    """Of a vehicle that stands: times from the mean -2, -1, 1, 2 s, whose squares add to 10.
+
+    An own error s of each frame is s / sqrt(10) of the rate; one that all share is none; one that
+    grows by g a second is g.
+    """
+    own, grows = 1e-4 * np.eye(12), 1e-5 * np.kron([[0.0], [1.0], [3.0], [4.0]], np.eye(3))
+    shared = 1e-2 * np.tile(np.eye(3), (4, 1))
+    parts = {"reading": own, "landmark": shared, "time": grows}
+    found = spinning(parts, np.zeros(3)).rate()
+    expected = np.degrees([1e-4 / np.sqrt(10.0), 0.0, 1e-5])
+    for size, (name, sigma) in zip(expected, found.components.items(), strict=True):
+        assert_close("recovered angle", sigma, np.full(3, size)), name
+    assert_close("covariance of a mean", found.total**2, np.full(3, (expected**2).sum()))
+    assert_close("covariance of a mean", found.covariance_deg2_s2, np.diag(found.total**2))
+    assert_close("half-width of a mean", found.half_width_95 / found.total, 1.959963984540054)
+    assert_close("half-width of a mean", found.covariance_factor_95, 7.814727903251179)
+
+
+def test_how_a_rate_moves_with_each_frame() -> None:
+    """The weights that are handed to the covariance of sums, against turns of one frame."""
+    one, taken = spinning({}, 4.0 * SPIN_DEG_S), []
+
+    def of_sums(weight: Floats) -> Mapping[str, Floats]:
+        taken.append(weight)
+        return {"reading": np.eye(3)}
+
+    one, step = replace(one, sum_errors=of_sums), 1e-3
+    one.rate()
+    weight = taken[0]
+    for frame in range(4):
+        for axis in range(3):
+            turn = step * np.eye(3)[axis]
+            ends = [turned(one, frame, way * turn).rate().rate_deg_s for way in (1.0, -1.0)]
+            moved = np.radians(ends[0] - ends[1]) / (2.0 * step)
+            assert_close("mean by a turn", weight[frame, axis], moved)
+
+
+def test_a_rate_that_nothing_tells_is_refused() -> None:
+    """Of one frame, of frames of one moment, of frames that each have errors of their own."""
+    one = spinning({"reading": np.eye(12)})
+    same = replace(one, estimate=replace(one.estimate, time_s=np.full(4, 2.0)))
+    for wrong in (lambda: one.rate([2]), same.rate, wandering().rate):
+        with refused(VopdError):
+            wrong()
 
 
 def test_the_table_of_means_has_the_columns_of_the_history_that_a_mean_has() -> None:

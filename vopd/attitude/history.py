@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from vopd.attitude.mean import MeanAttitude
+    from vopd.attitude.rate import TurningRate
 
 ROUNDING_RAD = 1e-10
 """Corrections below this one, 2e-5 arc seconds, are rounding, which differs from one processor to
@@ -101,6 +102,20 @@ class History(Rows):
         from vopd.attitude.mean import mean_attitude
 
         return mean_attitude(self, frames)
+
+    def rate(self, frames: ArrayLike | slice | None = None) -> TurningRate:
+        """Fit a steady turning rate to the attitudes of frames of a flight, with its uncertainty.
+
+        Args:
+            frames: as `mean` takes them
+
+        Raises:
+            VopdError: if fewer than two frames have an attitude and different times, if one is 90
+                degrees or more from their mean attitude, or of a deck
+        """
+        from vopd.attitude.rate import turning_rate
+
+        return turning_rate(self, frames)
 
     def _repr_html_(self) -> str:
         from vopd.attitude.long_history import one_part

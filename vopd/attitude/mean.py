@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -66,6 +66,69 @@ class MeanAttitude(Record):
     covariance_factor_95: float  # times that: the ellipsoid that contains the truth with 95 %
 
 
+class Middle(NamedTuple):
+    """The attitude about which the small turns of frames have the mean zero."""
+
+    some: Bools  # (all frames of the job,) which it is the middle of: F
+    away: Floats  # (F, 3) rotation vectors from it to them, about its axes, radians
+    axes: Floats  # (1, 3, 3) forward, right, down
+    quaternion: Floats  # (1, 4)
+    deg: Floats  # (1, 3) yaw, pitch, roll
+
+
+def middle_of(history: History, frames: ArrayLike | slice | None) -> Middle:
+    """Find the middle of the attitudes of some frames.
+
+    The arguments and errors are those of `mean_attitude`.
+    """
+    label = history.about.label
+    some = _marked(frames, len(history.landmarks), label) & history.has_attitude
+    some &= np.isfinite(history.uncertainty.covariance_deg2).all(axis=(1, 2))
+    if not some.any():
+        raise VopdError(f"{label}: no mean attitude: none of the frames has an attitude")
+    of_frames = history.quaternion[some]
+    mean = body_axes(np.radians(history.estimate.vehicle_deg[some][:1]))
+    for _ in range(PASSES):
+        vehicle_deg = body_angles_deg(mean)
+        quaternion = from_yaw_pitch_roll(vehicle_deg)
+        away_deg = rotation_vectors_deg(np.repeat(quaternion, len(of_frames), axis=0), of_frames)
+        move_deg = away_deg.mean(axis=0)
+        if np.abs(move_deg).max() < SETTLED_DEG:
+            break
+        mean = mean @ rotation_matrices(np.radians(move_deg)[None])
+    farthest = float(np.linalg.norm(away_deg, axis=1).max())
+    if not farthest < FARTHEST_DEG:
+        raise VopdError(
+            f"{label}: no mean attitude: one of the frames is {farthest:.0f} degrees from "
+            "it; average frames with similar attitudes"
+        )
+    return Middle(some, np.radians(away_deg), mean, quaternion, vehicle_deg)
+
+
+def _marked(frames: ArrayLike | slice | None, count: int, label: str) -> Bools:
+    """Mark the frames that are chosen by their indices, or by a mark for each.
+
+    Raises:
+        VopdError: where there is no such frame, or they are chosen in another way
+    """
+    each = np.arange(count)
+    if frames is None or isinstance(frames, slice):
+        return np.isin(each, each[frames or slice(None)])
+    try:
+        chosen = np.asarray(frames).reshape(-1)
+    except ValueError:  # lists of several lengths
+        chosen = np.array([None])
+    if chosen.dtype.kind == "b" and chosen.shape == each.shape:
+        return np.asarray(chosen)
+    indices = np.unique(chosen) if chosen.dtype.kind in "iu" or not chosen.size else None
+    if indices is None or not np.isin(indices, np.arange(-count, count)).all():
+        raise VopdError(
+            f"{label}: frames to average are named by their indices, from 0 to {count - 1} "
+            f"whatever their numbers, or by a mark for each of the {count}, not by {shown(frames)}"
+        )
+    return np.isin(each, indices % count)
+
+
 def mean_attitude(history: History, frames: ArrayLike | slice | None = None) -> MeanAttitude:
     """Average the attitude over frames.
 
@@ -84,30 +147,13 @@ def mean_attitude(history: History, frames: ArrayLike | slice | None = None) -> 
             such frame
     """
     doubt, about = history.uncertainty, history.about
-    some = _marked(frames, len(history.landmarks), about.label)
-    some &= history.has_attitude & np.isfinite(doubt.covariance_deg2).all(axis=(1, 2))
-    if not some.any():
-        raise VopdError(f"{about.label}: no mean attitude: none of the frames has an attitude")
-    of_frames = history.quaternion[some]
-    axes = body_axes(np.radians(history.estimate.vehicle_deg[some]))
+    middle = middle_of(history, frames)
+    some, mean, quaternion, vehicle_deg = middle.some, middle.axes, middle.quaternion, middle.deg
+    axes = body_axes(np.radians(history.estimate.vehicle_deg[some][:1]))
     camera = camera_axes(np.radians(history.estimate.camera_deg[some][:1]))
-    to_camera = camera @ EAST_NORTH_UP @ axes[:1]  # from the vehicle's axes, in any frame
-    mean = axes[:1]
-    for _ in range(PASSES):
-        vehicle_deg = body_angles_deg(mean)
-        quaternion = from_yaw_pitch_roll(vehicle_deg)
-        away_deg = rotation_vectors_deg(np.repeat(quaternion, len(axes), axis=0), of_frames)
-        move_deg = away_deg.mean(axis=0)
-        if np.abs(move_deg).max() < SETTLED_DEG:
-            break
-        mean = mean @ rotation_matrices(np.radians(move_deg)[None])
-    farthest = float(np.linalg.norm(away_deg, axis=1).max())
-    if not farthest < FARTHEST_DEG:
-        raise VopdError(
-            f"{about.label}: no mean attitude: one of the frames is {farthest:.0f} degrees from "
-            "it; average frames with similar attitudes"
-        )
-    by_frames = _mean_by_turns(np.radians(away_deg))
+    to_camera = camera @ EAST_NORTH_UP @ axes  # from the vehicle's axes, in any frame
+    by_left, by_right = by_turns_of(middle.away)
+    by_frames = np.linalg.solve(by_left.sum(axis=0), by_right)
     camera_deg = camera_angles_deg(to_camera @ mean.swapaxes(1, 2) @ EAST_NORTH_UP)
     by_turns = np.concatenate(
         [
@@ -140,38 +186,41 @@ def mean_attitude(history: History, frames: ArrayLike | slice | None = None) -> 
     )
 
 
-def _marked(frames: ArrayLike | slice | None, count: int, label: str) -> Bools:
-    """Mark the frames that are chosen by their indices, or by a mark for each.
-
-    Raises:
-        VopdError: where there is no such frame, or they are chosen in another way
-    """
-    each = np.arange(count)
-    if frames is None or isinstance(frames, slice):
-        return np.isin(each, each[frames or slice(None)])
-    try:
-        chosen = np.asarray(frames).reshape(-1)
-    except ValueError:  # lists of several lengths
-        chosen = np.array([None])
-    if chosen.dtype.kind == "b" and chosen.shape == each.shape:
-        return np.asarray(chosen)
-    indices = np.unique(chosen) if chosen.dtype.kind in "iu" or not chosen.size else None
-    if indices is None or not np.isin(indices, np.arange(-count, count)).all():
-        raise VopdError(
-            f"{label}: frames to average are named by their indices, from 0 to {count - 1} "
-            f"whatever their numbers, or by a mark for each of the {count}, not by {shown(frames)}"
-        )
-    return np.isin(each, indices % count)
-
-
 EAST_NORTH_UP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 """From north, east, down, and back."""
 
 
-def _mean_by_turns(away: Floats) -> Floats:
-    """Differentiate the mean by small turns of each frame about its own axes, (F, 3, 3).
+def covariances_of_sums(history: History, some: Bools, weights: Floats) -> dict[str, Floats]:
+    """Find the covariances, by component, of k sums over frames that were solved together.
 
-    Of frames that are turned from the mean by rotation vectors, radians (F, 3).
+    Args:
+        history: of the job
+        some: marks of F of its frames
+        weights: of a small turn of each of them about the vehicle's axes, (F, k, 3)
+
+    Returns:
+        Matrices (k, k), degrees squared for weights without a unit.
+    """
+    assert history.sum_errors is not None
+    weight = np.zeros((len(some), 3, weights.shape[1]))
+    weight[some] = weights.swapaxes(1, 2)
+    found = {name: np.degrees(np.degrees(one)) for name, one in history.sum_errors(weight).items()}
+    mount_deg = history.uncertainty.sigmas.mount_deg
+    if mount_deg > 0.0:
+        whole = mount_deg * weights.sum(axis=0)
+        found["mount"] = whole @ whole.T
+    return found
+
+
+def by_turns_of(away: Floats) -> tuple[Floats, Floats]:
+    """Differentiate how frames are turned from an attitude by small turns, (F, 3, 3) each.
+
+    Args:
+        away: rotation vectors from the attitude to the frames, radians (F, 3)
+
+    Returns:
+        By the attitude's turns about its own axes, which take from the vectors, and by those of
+        each frame, which add to them.
     """
     angle = np.linalg.norm(away, axis=1)[:, None, None]
     across = crossing(away)
@@ -180,7 +229,7 @@ def _mean_by_turns(away: Floats) -> Floats:
     series = 1.0 / 12.0 + angle**2 / 720.0
     second = np.where(near, series, (1.0 - 0.5 * safe / np.tan(0.5 * safe)) / safe**2)
     even = np.eye(3) + second * across @ across
-    return np.asarray(np.linalg.solve((even - 0.5 * across).sum(axis=0), even + 0.5 * across))
+    return even - 0.5 * across, even + 0.5 * across
 
 
 def _by_frames(
@@ -201,14 +250,7 @@ def _by_sums(
     history: History, some: Bools, by_frames: Floats, by_turns: Floats
 ) -> tuple[Floats, dict[str, Floats]]:
     """Find the covariance of the mean, and its components, of frames that were solved together."""
-    assert history.sum_errors is not None
-    weight = np.zeros((len(some), 3, 3))
-    weight[some] = by_frames.swapaxes(1, 2)
-    found = {name: np.degrees(np.degrees(one)) for name, one in history.sum_errors(weight).items()}
-    mount_deg = history.uncertainty.sigmas.mount_deg
-    if mount_deg > 0.0:
-        whole = mount_deg * by_frames.sum(axis=0)
-        found["mount"] = whole @ whole.T
+    found = covariances_of_sums(history, some, by_frames)
     squares = {n: np.einsum("ai,ij,aj->a", by_turns, one, by_turns) for n, one in found.items()}
     components = {name: np.sqrt(np.maximum(one, 0.0)) for name, one in squares.items()}
     if "mount" in components:
