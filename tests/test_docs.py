@@ -29,7 +29,12 @@ import pytest
 from tests.kit.appendix_a import solve_input
 from tests.kit.command import vopd
 from tests.kit.jobs import case
+from vopd.attitude.sigmas import Sigmas
+from vopd.findings import Finding
+from vopd.flight.adjust.adjustment import Adjustment
+from vopd.job import Camera, Clock, Deck, Ignored, Job, Landmarks, Trajectory, Wind
 from vopd.program.vopd import run
+from vopd.results import Results
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -196,6 +201,22 @@ def test_a_page_is_current(tool: str) -> None:
     path = ROOT / "tools" / f"{tool}.py"
     run = subprocess.run([sys.executable, path, "--check"], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
+
+
+PUBLIC = [Results, Adjustment, Sigmas, Finding, Job, Deck]
+
+
+@pytest.mark.parametrize("kind", [*PUBLIC, Camera, Trajectory, Wind, Clock, Landmarks, Ignored])
+def test_help_says_what_each_attribute_is(kind: type) -> None:
+    """In the text of the class, by its name, or in a text of its own."""
+    promises = (ROOT / "docs" / "promises.md").read_text(encoding="utf-8")
+    name = kind.__name__ if kind in PUBLIC else f"Job.{kind.__name__.lower()}"
+    (listed,) = re.findall(rf"^Attributes of `{name}`: ([^:]*)\.$", promises, re.M)
+    text = inspect.getdoc(kind) or ""
+    for one in CODE.findall(listed):
+        own = inspect.getattr_static(kind, one, None)
+        computed = isinstance(own, property) or inspect.isfunction(own)
+        assert re.search(rf"^ +{one}: ", text, re.M) or (computed and own.__doc__), one
 
 
 # docs/names.md

@@ -38,7 +38,7 @@ from vopd.results import Outcome
 
 PAGE = Path(__file__).parents[1] / "docs" / "promises.md"
 HIDDEN = """
-layout points by_row take concat as_job divided used_count estimates estimate about history_parts
+layout points by_row take concat as_job divided used_count estimates estimate history_parts chosen
 """
 """Attributes that rooms of the package use among each other."""
 BEGIN, END = "<!-- names -->\n", "<!-- end of names -->"
@@ -77,12 +77,15 @@ def page() -> str:
         "Outcomes of a frame in `Results.outcome`": names(
             f"{one.value} {one.name}" for one in Outcome
         ),
+        "Attributes of `Deck`": attributes(vopd.Deck),
         "Attributes of `Job`": attributes(vopd.Job),
         **{
             f"Attributes of `Job.{kind.__name__.lower()}`": attributes(kind)
             for kind in (Camera, Trajectory, Wind, Clock, Landmarks, Ignored)
         },
         "Attributes of `FlightResult`": attributes(vopd.FlightResult),
+        "Attributes of `Adjustment`": attributes(vopd.Adjustment),
+        "Attributes of `Sigmas`": attributes(vopd.Sigmas),
         "Attributes of `Finding`": attributes(vopd.Finding),
         "Commands": names(COMMANDS),
         "Exit statuses": "0, 1, 2, 3, and 128 and a signal's number (see below)",

@@ -27,14 +27,23 @@ class Camera(Record):
     """The camera (groups 1, 3 and 8): lens, mounting in the vehicle, and first estimate.
 
     Vehicle yaw, pitch, roll are `multiplier * camera angle + offset_deg`, angle by angle.
+
+    Attributes:
+        focal_length_mm: CC
+        lens_radius_mm: distances from the frame's centre, strictly increasing where they are
+            used (25,)
+        lens_distortion_um: outward there (25,)
+        multiplier: of yaw, pitch, roll: S1M, S2M, S3M (3,)
+        offset_deg: of the same: S1A, S2A, S3A (3,)
+        initial_deg: first estimate of the camera's yaw, pitch, roll (3,)
     """
 
     focal_length_mm: float
-    lens_radius_mm: Floats  # (25,) strictly increasing where it is used
-    lens_distortion_um: Floats  # (25,)
-    multiplier: Floats  # (3,) yaw, pitch, roll: S1M, S2M, S3M
-    offset_deg: Floats  # (3,) S1A, S2A, S3A
-    initial_deg: Floats  # (3,) first estimate of the camera's yaw, pitch, roll
+    lens_radius_mm: Floats
+    lens_distortion_um: Floats
+    multiplier: Floats
+    offset_deg: Floats
+    initial_deg: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,31 +51,50 @@ class Trajectory(Record):
     """The vehicle's path about an origin on the ground (groups 7 and 8).
 
     Position east, north, up of the origin; velocity north, east and *down*.
+
+    Attributes:
+        time_s: seconds of flight (n,)
+        position_ft: east, north, up (n, 3)
+        velocity_ft_s: north, east, down (n, 3)
+        altitude_ft: above mean sea level, for the wind (n,)
+        origin_latitude_deg: geodetic
+        origin_longitude_deg: positive east
+        origin_radius_kft: from the Earth's centre, thousands of feet
     """
 
-    time_s: Floats  # (n,)
-    position_ft: Floats  # (n, 3) east, north, up
-    velocity_ft_s: Floats  # (n, 3) north, east, down
-    altitude_ft: Floats  # (n,) above mean sea level
-    origin_latitude_deg: float  # geodetic
-    origin_longitude_deg: float  # east
-    origin_radius_kft: float  # from the Earth's centre, thousands of feet
+    time_s: Floats
+    position_ft: Floats
+    velocity_ft_s: Floats
+    altitude_ft: Floats
+    origin_latitude_deg: float
+    origin_longitude_deg: float
+    origin_radius_kft: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Wind(Record):
-    """The wind by altitude (group 4)."""
+    """The wind by altitude (group 4).
 
-    altitude_ft: Floats  # (n,)
-    velocity_ft_s: Floats  # (n, 2) toward north, toward east
+    Attributes:
+        altitude_ft: above mean sea level (n,)
+        velocity_ft_s: toward north, toward east (n, 2)
+    """
+
+    altitude_ft: Floats
+    velocity_ft_s: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Clock(Record):
-    """Flight time by frame number (group 6)."""
+    """Flight time by frame number (group 6), linear between them.
 
-    frame: Ints  # (n,)
-    time_s: Floats  # (n,)
+    Attributes:
+        frame: frame numbers (n,)
+        time_s: seconds of flight (n,)
+    """
+
+    frame: Ints
+    time_s: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,14 +102,22 @@ class Landmarks(Record):
     """Points on the ground (group 9), in degrees and minutes as on the cards.
 
     A number given twice counts as it was given last.
+
+    Attributes:
+        number: of each landmark (n,)
+        longitude_deg: whole degrees, positive east (n,)
+        longitude_min: minutes added to them, with the same sign (n,)
+        latitude_deg: whole degrees, geodetic (n,)
+        latitude_min: minutes added to them, with the same sign (n,)
+        altitude_ft: above mean sea level (n,)
     """
 
-    number: Ints  # (n,)
-    longitude_deg: Floats  # (n,) whole degrees, east
-    longitude_min: Floats  # (n,)
-    latitude_deg: Floats  # (n,) whole degrees, geodetic
-    latitude_min: Floats  # (n,)
-    altitude_ft: Floats  # (n,) above mean sea level
+    number: Ints
+    longitude_deg: Floats
+    longitude_min: Floats
+    latitude_deg: Floats
+    latitude_min: Floats
+    altitude_ft: Floats
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,11 +125,16 @@ class Ignored(Record):
     """Frames and landmarks to leave out (groups 10 to 12).
 
     A card of group 11 whose first landmark is 100 drops the whole frame; 0 is no landmark.
+
+    Attributes:
+        frame: frame number of each card of group 11 (n,)
+        landmark: landmarks to ignore in that frame (n, 6)
+        everywhere: landmarks to ignore in all frames (m,)
     """
 
-    frame: Ints  # (n,) frame number of each card of group 11
-    landmark: Ints  # (n, 6) landmarks to ignore in that frame
-    everywhere: Ints  # (m,) landmarks to ignore in all frames
+    frame: Ints
+    landmark: Ints
+    everywhere: Ints
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -169,9 +210,21 @@ def copied_readings_text(readings: Readings) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Job(Record):
-    """One job of a deck: everything that is needed to solve its frames."""
+    """One job of a deck: everything that is needed to solve its frames.
 
-    title: str  # 80 columns; the first is the printer's carriage control
+    Attributes:
+        title: 80 columns; the first is the printer's carriage control
+        camera: lens, mounting and first estimate: groups 1, 3 and 8
+        trajectory: groups 7 and 8
+        wind: group 4
+        clock: group 6
+        landmarks: group 9
+        ignored: groups 10 to 12
+        readings: the basic data
+        return_group: NGO, 1 to 13: where reading goes on after this job
+    """
+
+    title: str
     camera: Camera
     trajectory: Trajectory
     wind: Wind
@@ -179,7 +232,7 @@ class Job(Record):
     landmarks: Landmarks
     ignored: Ignored
     readings: Readings
-    return_group: int  # NGO, 1 to 13: where reading goes on after this job
+    return_group: int
 
 
 SHAPES: Mapping[str, tuple[int | str, ...]] = {
@@ -280,7 +333,13 @@ def _changed(record: Any, name: str, value: object) -> Any:
 
 @dataclass(frozen=True)
 class Deck(Sequence[Job]):
-    """The jobs of a deck in order, with its name and the warnings about its cards."""
+    """The jobs of a deck in order, with its name and the warnings about its cards.
+
+    Attributes:
+        jobs: in order; the deck is a sequence of them itself
+        name: of the file
+        findings: warnings about its cards
+    """
 
     jobs: tuple[Job, ...]
     name: str = ""

@@ -89,30 +89,71 @@ class Results(FrameRecord[LandmarkResults]):
     The arrays with an axis L are made when they are asked for; `points` has them without
     the columns that hold no landmark, (N, ...), by the `layout`. NaN, 0 or false stands where
     a frame has fewer landmarks than L.
+
+    Attributes:
+        job: what was solved
+        fixes: which errata were corrected: none in a faithful run
+        frame: frame numbers (F,)
+        outcome: how each frame ended (F,), of `Outcome`
+        time_s: seconds of flight (F,)
+        vehicle_ft: east, north, up of the origin (F, 3)
+        centre_in: of the frame on the reader (F, 2)
+        centre_mm: the same on the film (F, 2)
+        start_deg: camera angles that the solve started from (F, 3)
+        camera_deg: yaw 0 to 360, pitch -180 to 180, roll 0 to 360 (F, 3)
+        vehicle_deg: yaw, pitch, roll (F, 3)
+        alpha_deg: angle of attack in pitch (F,)
+        beta_deg: in yaw (F,)
+        eta_deg: total, 0 to 180 (F,)
+        airspeed_ft_s: (F,)
+        residual_deviation_mm: the "standard deviation" of the listing (F,)
+        correction_rad: the 22nd, which is not printed (F, 3)
+        last_pass: the pass whose residuals all vanished, 0 where none (F,)
+        singular: the normal matrix had no inverse (F,)
+        outside_clock: frame number outside the time table (F,)
+        outside_trajectory: time outside the trajectory table (F,)
+        outside_wind: altitude outside the wind table (F,)
+        stop: the table out of order that ended the run, if one did
+        landmark: landmark numbers, in the order of reading (F, L)
+        used: takes part (F, L)
+        ignored: left out by the user (F, L)
+        longitude_deg: (F, L)
+        latitude_deg: geodetic (F, L)
+        geocentric_latitude_deg: (F, L)
+        altitude_ft: (F, L)
+        radius_km: from the Earth's centre (F, L)
+        radius_kft: the same in thousands of feet (F, L)
+        direction: cosines along east, north, up at the camera (F, L, 3)
+        point_in: mean of the three readings (F, L, 2)
+        point_mm: the same on the film (F, L, 2)
+        radius_mm: from the centre, on the film (F, L)
+        distortion_mm: minus the lens table (F, L)
+        residual_mm: measured minus computed, on the film (F, L, 2)
+        at_centre: landmarks exactly at the frame's centre (F, L)
     """
 
     job: Job
-    fixes: Fixes  # which errata were corrected: none in a faithful run
-    frame: Ints  # (F,)
-    outcome: Ints  # (F,) of Outcome
-    time_s: Floats  # (F,)
-    vehicle_ft: Floats  # (F, 3) east, north, up of the origin
-    centre_in: Floats  # (F, 2) on the reader
-    centre_mm: Floats  # (F, 2) on the film
-    start_deg: Floats  # (F, 3) what the solve started from
-    camera_deg: Floats  # (F, 3) yaw 0..360, pitch -180..180, roll 0..360
-    vehicle_deg: Floats  # (F, 3) yaw, pitch, roll
-    alpha_deg: Floats  # (F,) angle of attack in pitch
-    beta_deg: Floats  # (F,) in yaw
-    eta_deg: Floats  # (F,) total, 0..180
-    airspeed_ft_s: Floats  # (F,)
-    residual_deviation_mm: Floats  # (F,) the "standard deviation" of the listing
-    correction_rad: Floats  # (F, 3) the 22nd, which is not printed
-    last_pass: Ints  # (F,) the pass whose residuals all vanished, 0 where none
-    singular: Bools  # (F,) the normal matrix had no inverse
-    outside_clock: Bools  # (F,) frame number outside the time table
-    outside_trajectory: Bools  # (F,) time outside the trajectory table
-    outside_wind: Bools  # (F,) altitude outside the wind table
+    fixes: Fixes
+    frame: Ints
+    outcome: Ints
+    time_s: Floats
+    vehicle_ft: Floats
+    centre_in: Floats
+    centre_mm: Floats
+    start_deg: Floats
+    camera_deg: Floats
+    vehicle_deg: Floats
+    alpha_deg: Floats
+    beta_deg: Floats
+    eta_deg: Floats
+    airspeed_ft_s: Floats
+    residual_deviation_mm: Floats
+    correction_rad: Floats
+    last_pass: Ints
+    singular: Bools
+    outside_clock: Bools
+    outside_trajectory: Bools
+    outside_wind: Bools
     stop: Stop | None = None
 
     landmark = ByLandmark[Ints]()
