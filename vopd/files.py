@@ -192,6 +192,21 @@ PICTURES = (b"heic", b"heix", b"mif1", b"avif")  # of the containers that videos
 ENDS = 1 << 24  # bytes from either end of a large file that are digested
 
 
+def from_folder(path: str | Path, folder: Path) -> str:
+    """Name a file from a folder; by its whole path where there is no way from there.
+
+    The system takes `..` from where a link leads to, not from where it stands.
+    """
+    try:
+        found = os.path.relpath(path, folder)
+        real = os.path.realpath(folder)
+        if os.path.realpath(Path(real, found)) != os.path.realpath(path):
+            found = os.path.relpath(os.path.realpath(path), real)
+    except ValueError:  # on another drive
+        found = os.path.abspath(path)  # noqa: PTH100
+    return Path(found).as_posix()
+
+
 def size_and_ends(path: Path) -> Iterator[bytes]:
     """Read the size of a file and both its ends, `ENDS` bytes each, for a digest."""
     size = path.stat().st_size

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import tomllib
@@ -200,6 +201,79 @@ def test_a_readout_is_written_in_milliseconds(tmp_path: Path) -> None:
     project = tomllib.loads((both.folder / "flight.toml").read_text(encoding="utf-8"))
     assert readout.after < readout.before / 2.0
     assert_close("table value", project["camera"]["readout_ms"], readout.after)
+
+
+def test_a_readout_that_no_shutter_has_is_not_written(tmp_path: Path) -> None:
+    keys = {"camera": 'readout_ms = 16.0\nreadout = "down"\nframe_time = "middle"'}
+    file = written(tmp_path, DRONE._replace(swing_deg=15.0), keys, seed=2)
+    project = read_project(str(file))
+    joint = adjust(flight_of(project), ("readout",))
+    (readout,) = joint.parameters
+    assert readout.after < 0.0
+    with refused(parts=[f"{readout.after:.3g}"]):
+        adjusted_project(project, joint, tmp_path / "new")
+
+
+PLACED = "(?m)^(m0.*)$", "(?m)^(m[1-9].*)$"
+
+
+@pytest.mark.parametrize(
+    ("edits", "free"),
+    [
+        ([("landmarks.csv", "(?m)^m0,", '"#0",'), ("picks.csv", ",m0,", ',"#0",')], ("k1",)),
+        (
+            [
+                ("landmarks.csv", "h_m", "h_m,sigma_m"),
+                ("landmarks.csv", PLACED[0], r"\1,exact"),
+                ("landmarks.csv", PLACED[1], r"\1,"),
+            ],
+            ("k1",),
+        ),
+        (
+            [
+                ("flight.toml", "= 0.3\n", "= [0.3, 0.3, 0]\n"),
+                ("flight.toml", "bias_m = 1\n", "bias_m = [0, 1, 1]\n"),
+            ],
+            ("focal", "k1"),
+        ),
+        ([("flight.toml", "bias_m = 1\n", "bias_m = [1, 0, 1]\n")], ("k1", "track-offset")),
+        (
+            [
+                ("flight.toml", "1500.0", "3000.0"),
+                ("flight.toml", "959.5", "1919.5"),
+                ("flight.toml", "539.5", "1079.5"),
+                ("flight.toml", "(image_size.*)", r"\1\nlens_size_px = [3840, 2160]"),
+            ],
+            ("k1",),
+        ),
+    ],
+    ids=["comment", "exact", "exact heights", "exact offset", "size"],
+)
+def test_what_is_written_can_be_read(
+    tmp_path: Path, edits: list[tuple[str, str, str]], free: tuple[str, ...]
+) -> None:
+    """A name like a comment, landmarks and axes that are exact, a lens of another size."""
+    file = written(tmp_path, LOOSE, {})
+    for name, old, new in edits:
+        one = file.with_name(name)
+        text, count = re.subn(old, new, one.read_text(encoding="utf-8"))
+        assert count
+        one.write_text(text, encoding="utf-8")
+    assert_alike(again(tmp_path, file, *free))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need a right of their own")
+def test_files_are_named_from_where_a_link_leads(tmp_path: Path) -> None:
+    """The system takes .. from there."""
+    deep = tmp_path / "a" / "b" / "c"
+    deep.mkdir(parents=True)
+    (tmp_path / "link").symlink_to(deep)
+    file = written(tmp_path, DRONE, {})
+    project = read_project(str(file))
+    joint = adjust(flight_of(project), ("focal",))
+    new = tmp_path / "link" / "new"
+    write_project(new, adjusted_project(project, joint, new))
+    assert solve_flight(new / "flight.toml").solved.all()
 
 
 def test_all_files_of_a_video_are_named_from_the_new_folder(tmp_path: Path) -> None:

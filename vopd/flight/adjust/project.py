@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import csv
 import json
-import os
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.files import from_folder
 from vopd.findings import VopdError, count_text
 from vopd.flight.adjust.adjustment import Adjustment
 from vopd.flight.coordinates import STEPS, coordinates_at, earth_centred_positions, units_of_grid
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.columns import coordinate_columns
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
+from vopd.flight.formats.tables import EXACT, name_cell
 from vopd.flight.project.covariance import CovarianceFile, digests, files_spoken_of
 from vopd.flight.project.inspect import NewProject
 from vopd.flight.project.keys import Project, project_text, toml_text
@@ -61,7 +60,7 @@ def adjusted_project(project: Project, adjustment: Adjustment, folder: Path) -> 
     if flight.path.stands and names & set(SHIFT):
         _move_position(changes, project, joint)
     if "readout" in names and solved.shutter is not None:
-        changes["camera", "readout_ms"] = repr(solved.shutter.readout_s * 1e3)
+        changes["camera", "readout_ms"] = repr(_above_zero(project, solved.shutter.readout_s * 1e3))
     before_s = None
     if "clock" in names and flight.path.row_s is not None:
         before_s = project.section("track").number("offset_s")
@@ -71,7 +70,7 @@ def adjusted_project(project: Project, adjustment: Adjustment, folder: Path) -> 
         changes["vehicle", "mount_sigma_deg"] = repr(solved.mount_sigma_deg)
         changes["vehicle", "attitude"] = changes["vehicle", "attitude_sigma_deg"] = None
         new.said.append("[vehicle] mount: as solved, with its standard deviation")
-    source = _from_folder(Path(project.folder) / Path(project.name).name, folder)
+    source = from_folder(Path(project.folder) / Path(project.name).name, folder)
     free = flight.options.free
     if len(joint.model.common_sigma) or MOUNT not in free:
         file = _covariance_file(adjustment, source, free, before_s, project, new, changes)
@@ -83,6 +82,17 @@ def adjusted_project(project: Project, adjustment: Adjustment, folder: Path) -> 
     text = project_text({k: v for k, v in changes.items() if v is not None}, {}, head)
     new.contents[NAME] = text.encode()
     return new
+
+
+def _above_zero(project: Project, readout_ms: float) -> float:
+    """Refuse a readout that no shutter has."""
+    if readout_ms > 0.0:
+        return readout_ms
+    raise VopdError(
+        f"{project.name}: free readout: it comes out at {readout_ms:.3g} ms, and a project has one "
+        "above 0: are the rows read the other way ([camera] readout), or all at one time? Leave "
+        "readout out of --free"
+    )
 
 
 # Keys of the project
@@ -99,19 +109,11 @@ def _with_paths(project: Project, folder: Path) -> Changes:
         for key, value in section.values.items():
             if project.names_file(name, key):
                 several = value if isinstance(value, list) else [value]
-                found_there = [_from_folder(project.folder / one, folder) for one in several]
+                found_there = [from_folder(project.folder / one, folder) for one in several]
                 value = found_there if isinstance(value, list) else found_there[0]
             found[name, key] = toml_value(value)
     found.pop(("solve", "free"), None)
     return found
-
-
-def _from_folder(path: Path, folder: Path) -> str:
-    """Name a file from a folder; by its whole path where there is no way from there."""
-    try:
-        return Path(os.path.relpath(path, folder)).as_posix()
-    except ValueError:  # on another drive
-        return Path(os.path.abspath(path)).as_posix()  # noqa: PTH100
 
 
 def toml_value(value: Any) -> str:
@@ -134,7 +136,7 @@ def toml_value(value: Any) -> str:
 
 
 def _write_lens(new: NewProject, changes: Changes, lens: Lens) -> None:
-    for key in ("model", "camera", "pixel_grid"):
+    for key in ("model", "camera", "pixel_grid", "lens_size_px"):
         changes["camera", key] = None
     changes["camera", "image_size_px"] = toml_value(list(lens.size_px))
     if lens.table is None and not lens.skew_px:
@@ -207,14 +209,13 @@ def _write_landmarks(
     if not all(one.is_metre for one in units):  # x and y are in the grid's own unit
         columns = "x", "y", "z" if len(units) == 3 else "z_m"
     order, digits = ([1, 0, 2], (11, 11, 6)) if rows.geodetic else ([0, 1, 2], (6, 6, 6))
-    text = StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(["landmark", *columns, *SIGMAS])
+    lines = [",".join(["landmark", *columns, *SIGMAS])]
     numbers = coordinate[:, order].tolist(), sigma_m.tolist()
     for name, own, sigma in zip(marks.name, *numbers, strict=True):
         cells = [f"{value:.{n}f}" for value, n in zip(own, digits, strict=True)]
-        table.writerow([name, *cells, *(f"{value:.6g}" for value in sigma)])
-    new.contents[LANDMARKS] = text.getvalue().encode()
+        cells += [f"{value:.6g}" if value else EXACT for value in sigma]
+        lines.append(",".join([name_cell(name), *cells]))
+    new.contents[LANDMARKS] = "\n".join([*lines, ""]).encode()
     changes["landmarks", "file"], changes["landmarks", "columns"] = toml_text(LANDMARKS), None
     if crs is not None:
         changes["landmarks", "crs"] = toml_text(crs)

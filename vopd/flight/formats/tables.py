@@ -78,6 +78,7 @@ TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 SEXAGESIMAL = re.compile(r"\d\s*[°º:'′NSEWnsew]|[NSEWnsew]\s*\d|\d\s+\d")  # noqa: RUF001
 """In degrees with minutes, or with a letter for their sign."""
 COMMENTS = "a line that begins with # is a comment: write a name that begins so in quotes"
+QUOTED = re.compile(r'[",#\s]').search
 DIGITS = 16  # from there on it is not the number of a frame
 EXACT = "exact"
 NO_WORDS: Mapping[str, float] = {}
@@ -90,6 +91,11 @@ def _instead(words: Mapping[str, float]) -> str:
     """Name the words that may stand in the place of a number."""
     exact = f", or write {EXACT}" if EXACT in words else ""
     return f"; leave the cell empty where it is not known{exact}" if words else ""
+
+
+def name_cell(name: str) -> str:
+    """Write a name as a cell that is read as this name, also where it begins with #."""
+    return f'"{name.replace(chr(34), 2 * chr(34))}"' if QUOTED(name) else name
 
 
 WORDS = ("NORTH", "SOUTH", "EAST", "WEST")  # for the letters that they begin with

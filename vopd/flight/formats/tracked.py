@@ -26,6 +26,7 @@ from vopd.flight.formats.tables import (
     csv_blocks,
     has_columns,
     header_names,
+    name_cell,
     no_frame,
     whole_numbers,
 )
@@ -111,12 +112,8 @@ def tracked_lines(rows: TrackedRows) -> Iterator[str]:
         seen = u == u
         place = [_number(u, 4), _number(v, 4), _number(sigma, 4)]
         by = [_number(one, 6) for one in matrix] if seen else [""] * 4
-        name = f'"{landmark.replace(chr(34), 2 * chr(34))}"' if QUOTED(landmark) else landmark
-        cells = [str(frame), name, *place, str(source) if source >= 0 else "", *by]
+        cells = [str(frame), name_cell(landmark), *place, str(source) if source >= 0 else "", *by]
         yield ",".join([*cells, _number(correlation, 4), STATUSES[status]]) + "\n"
-
-
-QUOTED = re.compile(r'[",#\s]').search
 
 
 def _number(value: float, decimals: int) -> str:

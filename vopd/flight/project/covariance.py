@@ -242,8 +242,9 @@ def _checked(file: InputFile, values: dict[str, Any]) -> CovarianceFile:
     freedom, before_s = values["degrees_of_freedom"], values["offset_s_before"]
     if before_s is not None and "clock" not in name:
         raise file.error(f"is there without a clock{AGAIN}", column="offset_s_before")
-    whole, by_picks = (_covariance(file, key, name, values[key]) for key in MATRICES)
-    scale = np.sqrt(np.maximum(np.diag(whole), np.finfo(float).tiny))
+    whole = _covariance(file, MATRICES[0], name, values[MATRICES[0]])
+    scale = _sizes(whole)  # in whose parts that of the picks may be rounding alone
+    by_picks = _covariance(file, MATRICES[1], name, values[MATRICES[1]], scale)
     if np.linalg.eigvalsh((whole - by_picks) / np.outer(scale, scale))[0] < -ROUNDING * len(name):
         raise file.error(f"is more than the whole covariance{AGAIN}", column="by_picks")
     return CovarianceFile(
@@ -308,8 +309,24 @@ def _sigma(file: InputFile, key: str, values: dict[str, Any]) -> float:
     return number
 
 
-def _covariance(file: InputFile, key: str, name: Sequence[str], rows: Any) -> Floats:
-    """Read a matrix that can be a covariance: symmetric, and of no direction below 0."""
+def _sizes(covariance: Floats) -> Floats:
+    """Take the standard deviations of a covariance, 1 for those that are 0, (K,)."""
+    variance = np.diag(covariance)
+    return np.asarray(np.sqrt(np.where(variance > 0.0, variance, 1.0)))
+
+
+def _covariance(
+    file: InputFile, key: str, name: Sequence[str], rows: Any, scale: Floats | None = None
+) -> Floats:
+    """Read a matrix that can be a covariance: symmetric, and of no direction below 0.
+
+    Args:
+        file: the covariance file
+        key: of the matrix in it
+        name: of the parameters, (K,)
+        rows: what stands there
+        scale: standard deviations in which rounding counts, (K,); without them its own
+    """
     if not isinstance(rows, list) or len(rows) != len(name):
         count = f"{len(rows)} rows" if isinstance(rows, list) else shown(rows)
         message = f"has {count}, and {count_text(len(name), 'name')} need {len(name)}{AGAIN}"
@@ -317,11 +334,12 @@ def _covariance(file: InputFile, key: str, name: Sequence[str], rows: Any) -> Fl
     named = zip(name, rows, strict=True)
     matrix = np.array([_numbers(file, f"{key}, row {n}", row, len(name)) for n, row in named])
     variance = np.diag(matrix)
-    if not (variance >= 0.0).all():
+    least_variance = 0.0 if scale is None else -ROUNDING * scale**2
+    if not (variance >= least_variance).all():
         worst = int(np.argmin(variance))
         message = f"the variance of {name[worst]} is {variance[worst]:g}, below 0{AGAIN}"
         raise file.error(message, column=key)
-    scale = np.sqrt(np.where(variance > 0.0, variance, 1.0))
+    scale = _sizes(matrix) if scale is None else scale
     correlation = matrix / scale / scale[:, None]
     size = np.maximum(np.abs(correlation), np.abs(correlation.T))
     gap = np.abs(correlation - correlation.T) / np.maximum(size, 1.0)
@@ -452,9 +470,9 @@ def _held(
         for one in (found.covariance, found.by_picks)
     )
     landmark = np.array(list(coordinate), dtype=np.int64)
+    roots = [_root(one, _sizes(whole)) for one in (by_picks, whole - by_picks)]
     held = HeldParameters(
-        name, tuple(parameter), landmark, np.hstack([_root(by_picks), _root(whole - by_picks)]),
-        len(order), found.sigma_px,
+        name, tuple(parameter), landmark, np.hstack(roots), len(order), found.sigma_px,
         found.reading_sigma_px, found.freedom, found.source, found.unknowns,
     )  # fmt: skip
     added = {one: float(found.value[row]) / unit[one] for one, row in parameter.items()}
@@ -476,12 +494,10 @@ def _held(
     )
 
 
-def _root(covariance: Floats) -> Floats:
-    """Take a root of a covariance (K, C)."""
-    variance = np.diag(covariance)
-    scale = np.sqrt(np.where(variance > 0.0, variance, 1.0))[:, None]
-    sizes, axes = np.linalg.eigh(covariance / scale / scale.T)
-    return np.asarray(scale * axes * np.sqrt(np.maximum(sizes, 0.0)))
+def _root(covariance: Floats, scale: Floats) -> Floats:
+    """Take a root of a covariance (K, C), in whose parts by `scale` (K,) rounding counts."""
+    sizes, axes = np.linalg.eigh(covariance / scale / scale[:, None])
+    return np.asarray(scale[:, None] * axes * np.sqrt(np.maximum(sizes, 0.0)))
 
 
 def _path(flight: Flight, added: dict[str, float]) -> CameraPath:

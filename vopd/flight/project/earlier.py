@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from vopd.files import from_folder
 from vopd.findings import VopdError
 from vopd.flight.project.keys import ROWS, VIDEO, KeyValues, toml_text, written_keys
 from vopd.flight.project.new import NAME, OWN_HEAD, SAYS_EXAMPLE, Answer, sure_keys
@@ -118,7 +119,7 @@ def _lines_to_edit(
     wanted = {key: one.value for one in answers for key in one.keys}
 
     def quoted(*names: str) -> str:
-        texts = [toml_text(Path(os.path.relpath(one, folder)).as_posix()) for one in names]
+        texts = [toml_text(from_folder(one, folder)) for one in names]
         return texts[0] if len(texts) == 1 else f"[{', '.join(texts)}]"
 
     for kind, name in files.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shlex
 from collections.abc import Sequence
@@ -13,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.files import from_folder
 from vopd.findings import VopdError, count_text, shown
 from vopd.flight.coordinates import crs_name, has_height_axis
 from vopd.flight.formats.by_content import InputFormat, read_by_content
@@ -67,7 +67,7 @@ class NewProject:
 
 def named_from(name: str, folder: Path) -> str:
     """Name a user's file as the project does."""
-    return toml_text(Path(os.path.relpath(name, folder)).as_posix())
+    return toml_text(from_folder(name, folder))
 
 
 def _missing(new: NewProject, section: str, what: str) -> None:

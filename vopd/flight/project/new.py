@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from vopd.files import reason
+from vopd.files import from_folder, reason
 from vopd.findings import VopdError, raise_all
 from vopd.flight.coordinates import crs_is_geographic, crs_name
 from vopd.flight.formats.image_tags import images_in
@@ -216,7 +216,7 @@ def _refuse_lost_files(folder: Path, answers: Sequence[Answer]) -> None:
             continue
         for name in [name for name in names if isinstance(name, str)]:
             if not Path(os.path.normpath(folder / name)).exists():  # the folder need not be
-                there = f": write {os.path.relpath(name, folder)}" if Path(name).exists() else ""
+                there = f": write {from_folder(name, folder)}" if Path(name).exists() else ""
                 raise VopdError(
                     f"--set {'.'.join(key)}: {name} is not there, as its path is relative to the "
                     f"project's folder {folder}{there}"

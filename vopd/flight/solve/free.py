@@ -389,8 +389,12 @@ ADVICE = {
 
 
 def not_held_findings(flight: Flight) -> list[Finding]:
-    """Warn of parameters that were to be free and are kept."""
-    texts = [_not_held_text(flight, one) for one in flight.options.kept]
+    """Warn of parameters that were to be free and are kept.
+
+    An axis that is exact among others (`sigma_bias_m = [1, 1, 0]`) is kept as it is meant.
+    """
+    kept = [one for one in flight.options.kept if prior_sigma(flight, one.name) > 0.0]
+    texts = [_not_held_text(flight, one) for one in kept]
     return [Finding(text, flight.source, severity="warning") for text in texts]
 
 
