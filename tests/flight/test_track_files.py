@@ -317,6 +317,43 @@ def test_a_velocity_upward_is_not_to_be_renamed_as_one_downward(up: str) -> None
         read_by_content(TRACK_FORMATS, InputFile("t", Path("t"), text, columns={"vd_m_s": up}))
 
 
+STAIRS = """t_s,lat_deg,lon_deg,h_m,vn_m_s,ve_m_s,vd_m_s
+0.0,48.0,15.0,300,0,0,0
+0.5,48.0,15.0,300,0,0,1
+1.0,48.0,15.0,300,0,0,2
+1.5,48.0,15.0,300,0,0,3
+2.0,48.0,15.0,301,0,0,4
+2.5,48.0,15.0,301,0,0,5
+3.0,48.1,15.0,301,0,0,6
+3.5,48.1,15.0,301,0,0,7
+4.0,48.1,15.2,301,0,0,8
+4.5,48.1,15.2,301,0,0,9
+5.0,48.1,15.2,309,0,0,10
+5.5,48.1,15.2,309,0,0,11
+"""
+
+
+def test_a_log_that_is_faster_than_its_receiver_has_each_position_once() -> None:
+    """Two rows a position; that of a camera that stands for two seconds counts twice."""
+    rows = read(STAIRS)
+    assert rows.time_s is not None and rows.velocity_m_s is not None
+    assert rows.time_s.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
+    assert rows.velocity_m_s[:, 2].tolist() == [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]
+    assert rows.coordinate[:, 2].tolist() == [300.0, 300.0, 301.0, 301.0, 301.0, 309.0]
+    assert [*rows.line] == [2, 4, 6, 8, 10, 12]
+    assert_approved(rows.said)
+
+
+def test_positions_that_repeat_now_and_then_stay() -> None:
+    """Of a camera that stands at four places; and where most rows differ from the one before."""
+    stands = STAIRS.replace("15.2,309", "15.2,301")
+    lines = STAIRS.splitlines()
+    moves = [line.replace(",301,", f",{300 + k},") for k, line in enumerate(lines)]
+    for text in (stands, "\n".join(moves)):
+        rows = read(text)
+        assert len(rows.coordinate) == 12 and "repeat" not in rows.said
+
+
 def test_a_grid_beside_latitudes_is_said_not_to_be_used() -> None:
     rows = read("t_s,x_m,y_m,lat_deg,lon_deg,h_m,z_m\n4,5,6,7,8,9,10\n")
     assert rows.coordinate.tolist() == [[8.0, 7.0, 9.0]]

@@ -141,22 +141,50 @@ def read_csv_track(file: InputFile) -> TrackRows:
             raise table.error(no_fix_text(no_fix, "line"), int(np.argmax(no_fix)))
         table.check_degrees(coordinate)
         table.check_signs(coordinate)
+    image = table.column("image") if table.has("image") else []
+    new = np.ones(len(coordinate), bool) if image else new_positions(coordinate)
+    said = f"CSV{table.read_as}, {count_text(int(new.sum()), 'position')}"
+    if not new.all():
+        said += (
+            f"; {count_text(int((~new).sum()), 'row')} that repeat a position are left out: the "
+            "log is faster than its receiver, and a position has the time of its first row"
+        )
     return TrackRows(
-        coordinate,
+        coordinate[new],
         geodetic,
         None,
         None if timeless else ("utc-column" if utc else "seconds"),
-        time_s,
-        f"CSV{table.read_as}, {count_text(len(coordinate), 'position')}",
-        table.column("image") if table.has("image") else [],
-        velocity,
-        table.line,
-        sigma_m=sigma,
+        time_s if time_s is None else time_s[new],
+        said,
+        image,
+        velocity if velocity is None else velocity[new],
+        np.array(table.line)[new].tolist(),
+        sigma_m=sigma if sigma is None else sigma[new],
         sigma_by=sigma_columns(table),
-        velocity_sigma_m_s=velocity_sigma,
+        velocity_sigma_m_s=velocity_sigma if velocity_sigma is None else velocity_sigma[new],
         from_ground=table.from_ground,
         names_units=True,
     )
+
+
+LEAST_RUNS = 5  # of rows with one position: fewer are of a camera that has stood now and then
+
+
+def new_positions(coordinate: Floats) -> Bools:
+    """Mark the rows of a log that have a position of their own, (T,).
+
+    A log that is written more often than its receiver finds a position repeats the last one, and
+    the path would be a staircase: at 200 m/s and one position a second a hundred metres behind in
+    the mean. Most rows are so then; of a run that is longer than usual, as of a camera that
+    stands, there is one in each usual run.
+
+    Args:
+        coordinate: (T, 3)
+    """
+    first = np.flatnonzero((np.diff(coordinate, axis=0, prepend=np.nan) != 0.0).any(axis=1))
+    length = np.diff(np.append(first, len(coordinate)))
+    usual = int(np.median(length)) if len(length) >= LEAST_RUNS else 1
+    return np.asarray((np.arange(len(coordinate)) - np.repeat(first, length)) % usual == 0)
 
 
 def no_fix_text(no_fix: Bools, noun: str) -> str:
