@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.stats import f, t
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.kit.estimates import estimate
 from tests.kit.histories import by_hand
 from tests.tolerances import assert_close
@@ -236,6 +236,8 @@ def test_a_steady_rate_comes_back() -> None:
     two = spinning({"reading": np.eye(12)}).rate([0, 3])
     assert_close("recovered angle", two.rate_deg_s, SPIN_DEG_S)
     assert (two.frames, two.time_s) == (2, 2.0)
+    off = spinning({"reading": 1e-4 * np.eye(12)}).rate([0, 1, 3])
+    assert_approved(str(replace(off, residual_deg=0.25)))
 
 
 def test_errors_of_a_rate_by_hand() -> None:

@@ -12,12 +12,15 @@ from vopd.arrays import Floats
 from vopd.attitude.mean import by_turns_of, covariances_of_sums, middle_of
 from vopd.attitude.uncertainty import student_factor
 from vopd.estimate import About
-from vopd.findings import VopdError
+from vopd.findings import VopdError, size_text
 from vopd.geometry.linear import covariance_factor_95
 from vopd.records import Record
 
 if TYPE_CHECKING:
     from vopd.attitude.history import History
+
+
+AXES = ("forward", "right", "down")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,6 +51,18 @@ class TurningRate(Record):
     covariance_deg2_s2: Floats
     covariance_factor_95: float
     residual_deg: float
+
+    def __str__(self) -> str:
+        from vopd.attitude.summary import decimals_for
+
+        few = decimals_for(self.half_width_95, 2)
+        each = zip(AXES, self.rate_deg_s, self.half_width_95, strict=True)
+        turns = [f"{axis} {rate:.{few}f} +- {half:.{few}f}" for axis, rate, half in each]
+        return (
+            f"{self.about.label}: {self.frames} frames about {self.time_s:.3f} s turn by degrees a "
+            f"second about {', '.join(turns)} (95 %); they are {size_text(self.residual_deg)} "
+            "degree off a steady turn, rms"
+        )
 
 
 def turning_rate(history: History, frames: ArrayLike | slice | None = None) -> TurningRate:

@@ -174,7 +174,7 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
             found.append(own[0]._replace(rank=1))
     rms, unit = rms * e[0].units.residuals_per_image, e[0].units.residual
     found.append(ShownColumn("land-", "marks", [str(n) for n in marks.tolist()]))
-    found.append(ShownColumn("rms", unit, _fixed(rms, _decimals(rms, 2))))
+    found.append(ShownColumn("rms", unit, _fixed(rms, decimals_for(rms, 2))))
     letters = flag_letters(frames)
     texts = []
     for part in parts:
@@ -196,7 +196,7 @@ def _angle(
     name: str, values: Floats, half: Floats, has: Bools, digits: int
 ) -> tuple[ShownColumn, ShownColumn]:
     """List the column of an angle, roll in -180 to 180, and that of its 95 % half-width."""
-    decimals = _decimals(half[has], digits)
+    decimals = decimals_for(half[has], digits)
     known = has & np.isfinite(values)
     widths = [
         _half_text(h, decimals) if one else ""
@@ -217,7 +217,7 @@ def _half_text(half: float, decimals: int) -> str:
     return f"{half:.{decimals}f}" if isfinite(half) else "free"
 
 
-def _decimals(sizes: Floats, digits: int) -> int:
+def decimals_for(sizes: Floats, digits: int) -> int:
     """Choose the decimals that give the usual one of some sizes so many digits."""
     known = sizes[np.isfinite(sizes) & (sizes > 0.0)]
     if not len(known):
