@@ -35,6 +35,7 @@ from vopd.attitude.history import History, history
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.sigmas import Sigmas
 from vopd.errata import fixes
+from vopd.estimate import Vertical
 from vopd.findings import Finding
 from vopd.program.vopd import run
 from vopd.results import Results
@@ -146,6 +147,16 @@ def changed(*several: History) -> dict[str, str]:
     usual, found = conventions([made()]), conventions(several)
     assert set(usual) <= set(found)
     return {name: text for name, text in found.items() if usual.get(name) != text}
+
+
+def test_each_source_has_its_own_vertical() -> None:
+    """A flight has the ellipsoid's normal, and a deck beside it the Earth's centre."""
+    position = replace(made().estimate.position, vertical=Vertical.GEOCENTRIC)
+    deck = made(source="film.dat", down="toward the Earth's centre", position=position)
+    both = changed(made(), deck)
+    assert_approved({name: both[name] for name in ("from frame", "vertical")})
+    alike = changed(made(), made(source="other.toml"))
+    assert not {"from frame", "vertical"} & set(alike)
 
 
 def test_every_statement_about_a_usual_job() -> None:

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import CASE_1
 from tests.kit.command import vopd as run
-from tests.kit.estimates import ABOUT, estimate, level_flight, text_of
+from tests.kit.estimates import ABOUT, WORDS, estimate, level_flight, text_of
 from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg, write_project
 from tests.tolerances import assert_close, within
 from vopd.arrays import Floats
@@ -228,6 +228,12 @@ def test_a_name_with_a_blank_and_a_view_of_the_horizon_are_told(tmp_path: Path) 
     assert "a b0" not in ran.stdout and "\nc1 16.4" in ran.stdout
 
 
+def test_a_name_that_geo_txt_takes_for_a_comment_is_told() -> None:
+    text, said = text_of("odm", level_flight(frame_names=["#1.jpg", "c.jpg"]))
+    assert "#1" not in text and "\nc.jpg " in text
+    assert_approved(said)
+
+
 # Every line of two views straight down
 
 CAMERA = "{} 90.000000000 0.000000000 {}.0000 {} 0.000000 0.000000"
@@ -374,7 +380,26 @@ def test_an_images_txt_of_several_cameras() -> None:
     rows = [line.split() for line in text.splitlines() if line and not line.startswith("#")]
     assert [row[8] for row in rows] == ["2", "1", "1", "1", "3", "3", "3", "4", "5", "5"]
     assert_approved(re.findall("(?m)^# CAMERA_ID.*\n.*", text), parts=["1 to 5"])
-    assert said == []
+    assert_approved(said)
+
+
+@pytest.mark.parametrize("form", ["odm", "colmap", "opk"])
+def test_images_of_one_name_are_told(form: str) -> None:
+    """The same two images in two jobs."""
+    text, said = text_of(form, level_flight(), level_flight(2))
+    assert text.count("DJI_0001.JPG") == 2
+    assert_approved(said)
+    assert text_of(form)[1] == []
+
+
+@pytest.mark.parametrize("form", ["odm", "colmap", "opk"])
+def test_heights_above_different_levels_are_refused(form: str) -> None:
+    """Each file states one."""
+    words = replace(WORDS, altitude="above sea level")
+    other = level_flight(about=ABOUT._replace(source="other.toml", words=words))
+    assert "above sea level" in text_of(form, other)[0]
+    with refused(VopdError):
+        text_of(form, level_flight(), other)
 
 
 def test_names_that_colmap_cuts_are_told() -> None:

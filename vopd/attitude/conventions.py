@@ -113,11 +113,13 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
     about = histories[0].about
     sources = ", ".join(dict.fromkeys(h.about.source for h in histories))
     components = dict.fromkeys(c for h in histories for c in h.uncertainty.components)
+    down = {h.about.source: h.about.down for h in histories[: MOST_JOBS + 1]}
+    more = len(histories) - MOST_JOBS
     stated = {
         "program": f"vopd {__version__}",
         about.words.source: sources,
         "fixes": about.fixes or about.words.no_fixes,
-        "from frame": f"north, east, down at the vehicle; down {about.down}",
+        "from frame": f"north, east, down at the vehicle; down {of_each([*down.items()], more)}",
         "vertical": _vertical(histories),
         **(GENERAL | _own_words(histories)),
         **included_statements(histories),
@@ -221,12 +223,15 @@ def reading_sigma_text(history: History) -> str:
 
 def _vertical(histories: Sequence[History]) -> str:
     """Name the vertical of the angles, and how far the other one and a level differ from it."""
-    about, own = histories[0].about, histories[0].estimate.position.vertical
     lean = max(_largest_lean_deg(h.estimate.position) for h in histories)
     apart = f"; geodetic and geocentric vertical are up to {lean:.3f} degree apart here"
-    left_open = f"; {about.words.vertical}" if about.words.vertical else ""
-    level = DEFLECTION if own is Vertical.GEODETIC else ""
-    return f"{own}{apart if lean > 0.0 else ''}{level}{left_open}"
+    told = {}
+    for one in histories[: MOST_JOBS + 1]:
+        own, left_open = one.estimate.position.vertical, one.about.words.vertical
+        level = DEFLECTION if own is Vertical.GEODETIC else ""
+        text = f"{own}{apart if lean > 0.0 else ''}{level}"
+        told[one.about.source] = f"{text}; {left_open}" if left_open else text
+    return of_each([*told.items()], len(histories) - MOST_JOBS)
 
 
 def _largest_lean_deg(position: Position) -> float:

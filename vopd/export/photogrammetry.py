@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -79,16 +80,24 @@ def source_text(histories: Sequence[History]) -> str:
     return f"vopd {__version__}, {histories[0].about.words.source} {sources}"
 
 
-def some(poses: list[CameraPoses]) -> list[CameraPoses]:
-    """Select the jobs that have a frame.
+def poses_of(histories: Sequence[History], report: Report) -> list[CameraPoses]:
+    """Collect the poses of the jobs that have a frame.
 
     Raises:
-        VopdError: where none has
+        VopdError: where none has, or their heights are not above one level, as those of a file are
     """
-    left = [one for one in poses if len(one.frames)]
-    if not left:
+    found = [one for one in (camera_poses(h, report) for h in histories) if len(one.frames)]
+    if not found:
         raise VopdError("no frame has an attitude and a position")
-    return left
+    if len({one.history.about.words.altitude for one in found}) > 1:
+        raise VopdError("the sources have heights above different levels: write a file for each")
+    count = Counter(name for one in found for name in one.name)
+    if twins := [name for name, times in count.items() if times > 1]:
+        stand = count_text(len(twins), "name stands", "names stand")
+        message = f"{stand} twice, as {twins[0]}, and readers go by the name: write a file for "
+        message += "each source"
+        report(Finding(message, histories[0].about.source, severity="warning"))
+    return found
 
 
 def yaw_pitch_roll_deg(local_from_camera: Floats) -> Floats:
@@ -186,7 +195,7 @@ def camera_numbers(found: Sequence[CameraPoses]) -> list[list[int]]:
 
 def render_colmap(histories: Sequence[History], request: FileRequest, report: Report) -> bytes:
     """Make the file, two lines for each frame that has an attitude."""
-    found = some([camera_poses(h, report) for h in histories])
+    found = poses_of(histories, report)
     camera = camera_numbers(found)
     origin = found[0].position_m[0]
     longitude, latitude, height = found[0].geodetic[0]
@@ -236,12 +245,13 @@ def render_odm_geo(histories: Sequence[History], request: FileRequest, report: R
     """Make the file, a line for each frame that has an attitude."""
     lines = []
     level = 0
-    for poses in some([camera_poses(h, report) for h in histories]):
+    for poses in poses_of(histories, report):
         angles = yaw_pitch_roll_deg(poses.local_from_camera)
         level += int((angles[:, 1] > NEAR_LEVEL_DEG).sum())
         for name, where, angle in zip(poses.name, poses.geodetic, angles, strict=True):
-            if len(name.split()) != 1:
-                message = f"{name}: a name in geo.txt has no blank: the frame is left out"
+            if len(name.split()) != 1 or name.startswith("#"):
+                message = f"{name}: a name in geo.txt has no blank, and no # in front: the frame "
+                message += "is left out"
                 report(Finding(message, poses.history.about.source, severity="warning"))
                 continue
             position = "{:.9f} {:.9f} {:.4f}".format(*where)
@@ -285,7 +295,7 @@ def render_omega_phi_kappa(
     Raises:
         VopdError: where the jobs have different grids
     """
-    found = some([camera_poses(h, report) for h in histories])
+    found = poses_of(histories, report)
     systems = {_system(one) for one in found}
     if len(systems) > 1:
         raise VopdError("the sources have different coordinate systems: write a file for each")
