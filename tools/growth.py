@@ -43,6 +43,8 @@ SWEEPS = {
     "jobs": Sweep("jobs", 250, lambda n: (n,), ("check {}", "run {} -q -o lst",
                                                 "attitude {} -q -o out.csv")),
     "picks": Sweep("flight", 2500, lambda n: (n,), ("check {}", "attitude {} -q -o out.csv")),
+    "frames of a flight that misfits": Sweep("misfit", 500, lambda n: (n,), (
+        "check {}", "attitude {} -q -o out.csv")),
     "landmarks": Sweep("flight", 50_000, lambda n: (100, n),
                        ("check {}", "attitude {} -q -o out.csv")),
     "rows of track": Sweep("flight", 25_000, lambda n: (100, 0, n),

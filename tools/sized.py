@@ -6,6 +6,7 @@ python tools/sized.py photographs stars.csv 1000 30
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -31,7 +32,7 @@ def made(what: str, path: Path, *sizes: int) -> Path:
         sizes: as that function takes them
     """
     run("tools/sized.py", what, str(path), *map(str, sizes))
-    return path / "flight.toml" if what == "flight" else path
+    return path / "flight.toml" if what in ("flight", "misfit") else path
 
 
 def deck(path: Path, frames: int, seed: int = 1) -> None:
@@ -71,6 +72,27 @@ def flight(folder: Path, frames: int, landmarks: int = 0, track: int = 0) -> Non
             f"{t:.9f},{a:.12f},{b:.12f},{h:.6f}" for t, a, b, h in np.array([time_s, *values]).T
         )
         places.write_text("\n".join([head, *lines, ""]))
+
+
+STATED = {
+    'sigma_m = "exact"\n[track]': "sigma_m = 2.0\n[track]",
+    'sigma_m = "exact"\nsigma_t_s = "exact"': "sigma_m = 3.0\nsigma_bias_m = 2.0\nsigma_t_s = 0.01",
+    "first_frame_t_s = 2.0": "first_frame_t_s = 2.0\nsigma_px = 0.5",
+}
+
+
+def misfit(folder: Path, frames: int) -> None:
+    """Write a flight of which two names are exchanged, and landmarks and positions uncertain."""
+    flight(folder, frames)
+    project, picks = folder / "flight.toml", folder / "picks.csv"
+    text = project.read_text()
+    for exact, stated in STATED.items():
+        if exact not in text:
+            raise ValueError(f"the project of tests/kit/flight_project.py has no {exact!r}")
+        text = text.replace(exact, stated)
+    project.write_text(text)
+    other = {",mast,": ",tower,", ",tower,": ",mast,"}
+    picks.write_text(re.sub("|".join(other), lambda name: other[name[0]], picks.read_text()))
 
 
 def photographs(path: Path, count: int, stars: int) -> None:

@@ -30,6 +30,7 @@ from vopd.attitude.mistakes import (
     NEAR,
     NOT_SEARCHED,
     NOTHING,
+    OF_THE_WHOLE,
     PASSES,
     PLAUSIBLE,
     Repair,
@@ -244,6 +245,19 @@ def test_three_repairs_of_a_frame_are_named(monkeypatch: pytest.MonkeyPatch) -> 
 def test_that_nothing_explains_a_frame_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert told(monkeypatch, [], [True, False, False, True]) == [NOTHING, "", "", NOTHING]
     assert told(monkeypatch, [Repair((), 0, 0.5)], [False] * 4) == [""] * 4
+
+
+@pytest.mark.parametrize(("misfits", "text"), [(2, NOTHING), (3, OF_THE_WHOLE)])
+def test_most_frames_of_a_flight_that_misfits_are_not_searched(
+    misfits: int, text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the whole flight misfits by is searched for in all frames together."""
+    monkeypatch.setattr(label_search, "repairs", lambda *_: [])
+    e = estimate(LABEL_ANGLES)
+    e = replace(e, about=e.about._replace(doubt="the flight misfits: by its focal length"))
+    scale: Any = SimpleNamespace(misfit=np.arange(4) < misfits, test_sigma=1.0, freedom=np.inf)
+    found = misfit_text(e, scale, in_force(e, Sigmas(reading=1.0)))
+    assert found == [text] * misfits + [""] * (4 - misfits)
 
 
 @pytest.mark.parametrize("most", [0, 1, 2, 3, 4])

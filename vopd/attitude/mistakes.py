@@ -39,6 +39,7 @@ MOST_NAMED = 3  # repairs of a frame
 NOTHING = "neither an exchange of two labels nor one wrong landmark"
 ELSEWHERE = "another position than stated"
 NOT_SEARCHED = "not searched"
+OF_THE_WHOLE = "the misfit of the whole flight"  # of most frames: they are not searched
 
 
 class Repair(NamedTuple):
@@ -191,8 +192,9 @@ def misfit_text(
     """
     text = [""] * len(estimate.frame)
     misfits = np.flatnonzero(scale.misfit)
+    whole = bool(estimate.about.doubt) and 2 * len(misfits) > len(text)
     for frame in misfits:
-        text[frame] = NOT_SEARCHED
+        text[frame] = OF_THE_WHOLE if whole else NOT_SEARCHED
     misfits = misfits[:most]
     misfits = misfits[estimate.used[misfits].sum(axis=1) <= MOST_IN_A_FRAME]
     if not len(misfits):
@@ -200,10 +202,11 @@ def misfit_text(
     components = given_components(estimate, sigmas)
     pool = Pool(scale.test_sigma, scale.freedom, None)
     for frame in misfits:
-        found, word = _exchanges(estimate, int(frame)), " and "
-        if not found:
+        found, word, none = _exchanges(estimate, int(frame)), " and ", OF_THE_WHOLE
+        if not found and not whole:
             found, word = repairs(estimate, int(frame), components, pool)[:MOST_NAMED], " or "
-        text[frame] = word.join(_repair_text(estimate, int(frame), one) for one in found) or NOTHING
+            none = NOTHING
+        text[frame] = word.join(_repair_text(estimate, int(frame), one) for one in found) or none
     return text
 
 

@@ -31,6 +31,7 @@ from vopd.flight.solve.joint import (
 )
 from vopd.flight.solve.readout import LONG_READOUT, part_of_interval, row_parts, turning_rates
 from vopd.flight.solve.rotations import FlightBlocks, FlightPart
+from vopd.flight.solve.sizes import size_of_errors
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.lenses import Lenses
 
@@ -553,25 +554,15 @@ def _readout(joint: JointSolution) -> Readout | None:
     return Readout(0.0 if model.readout is None else model.readout.seconds, part, turning)
 
 
-def moved_places_m(joint: JointSolution) -> tuple[float, float]:
-    """Find how far the cameras come out from where they are stated, and how far they may, metres.
-
-    Args:
-        joint: the solution
-
-    Returns:
-        The median distance, and the root sum square of the standard deviations along three axes.
-    """
-    priors = joint.model.priors
-    shift_m = [priors.parameter.get(name, 0.0) for name in SHIFT]
-    own_m = np.zeros(3) if priors.fixes is None else np.median(priors.fixes.frame_sigma_m, axis=0)
-    may_m = float(np.linalg.norm([*shift_m, *own_m]))
-    moved_m = np.linalg.norm(joint.moved_m, axis=1)
-    moved_m = moved_m[np.isfinite(moved_m)]
-    return float(np.median(moved_m)) if len(moved_m) else 0.0, may_m
+FAR = 5.0  # times what is stated: errors that nothing but a mistake explains
 
 
-BEYOND = 20.0  # standard deviations of places that nothing but a mistake moves them by
+def is_far(joint: JointSolution) -> bool:
+    """Whether positions, landmarks or parameters come out far from where they are stated."""
+    if not joint.passes:
+        return False
+    ratio, chance = size_of_errors(joint)
+    return ratio > FAR and chance < SIGNIFICANCE
 
 
 def with_stated_exact(joint: JointSolution, sigma_px: float) -> JointSolution:

@@ -21,7 +21,6 @@ from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight
 from vopd.flight.misfits.input_errors import (
     ALIKE,
-    BEYOND,
     OF_LANDMARK,
     REJECTED,
     SHIFTED,
@@ -29,7 +28,7 @@ from vopd.flight.misfits.input_errors import (
     TYPICAL,
     UNEXPLAINED,
     Significant,
-    moved_places_m,
+    is_far,
     named_text,
     of_sampled,
     sampled,
@@ -39,7 +38,13 @@ from vopd.flight.misfits.input_errors import (
 from vopd.flight.solve.equations import SHIFT
 from vopd.flight.solve.errors import every_prior
 from vopd.flight.solve.joint import PASSES, JointSolution, solve_jointly
-from vopd.flight.solve.sizes import cost_of_frames, explained, residual_freedom, size_of_residuals
+from vopd.flight.solve.sizes import (
+    cost_of_frames,
+    explained,
+    residual_freedom,
+    size_of_errors,
+    size_of_residuals,
+)
 
 MOST_BLUNDERS = 0.25  # of the picks: more of them are the flight's misfit
 FEW = 0.1  # of the frames: more of them that misfit are the flight's misfit
@@ -74,7 +79,7 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
                 f"{MISFITS}: its residuals are {ratio:.1f} times what the stated standard "
                 f"deviations explain (chance below {SIGNIFICANCE:g})"
             )
-        return ""
+        return far_text(joint)
     picks, sigma_px = joint.model.flight.picks, reading.sigma
     expected_px, of = USUAL_PX, f"the usual {USUAL_PX:g} px"
     if picks.clicks is not None:
@@ -97,15 +102,23 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
             f"{MISFITS}: its residuals speak for picks of {shown_px:g} px, "
             f"{ratio:.1f} times {of} (chance below {SIGNIFICANCE:g})"
         )
-    # picks may fit each other for it, whatever is wrong
-    moved_m, stated_m = moved_places_m(joint)
-    if moved_m > BEYOND * stated_m > 0.0:
-        far = size_text(moved_m)
-        return (
-            f"{MISFITS}: the cameras come out {far} m from where they are stated, "
-            f"{moved_m / stated_m:.0f} times the standard deviations of their places"
-        )
-    return ""
+    return far_text(joint)
+
+
+def far_text(joint: JointSolution) -> str:
+    """Say that what was solved for comes out far from what is stated of it; or nothing.
+
+    The picks may then fit each other, whatever is wrong.
+    """
+    if not is_far(joint):
+        return ""
+    ratio, _ = size_of_errors(joint)
+    moved_m = np.linalg.norm(joint.moved_m, axis=1)
+    away_m = float(np.median(moved_m[np.isfinite(moved_m)]))
+    return (
+        f"{MISFITS}: positions, landmarks and parameters come out {ratio:.0f} times as far from "
+        f"what is stated as their standard deviations explain, the camera by {size_text(away_m)} m"
+    )
 
 
 def many_blunders_text(count: int, picks: int) -> str:

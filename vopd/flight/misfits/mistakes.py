@@ -15,11 +15,10 @@ from vopd.flight.coordinates import M_PER_FT
 from vopd.flight.estimate import FlightEstimates, flight_estimate
 from vopd.flight.flight import Flight
 from vopd.flight.misfits.input_errors import (
-    BEYOND,
     OF_LANDMARK,
     TYPICAL,
     UNEXPLAINED,
-    moved_places_m,
+    is_far,
     within_stated_text,
 )
 from vopd.flight.project.keys import Project
@@ -64,8 +63,7 @@ def usual_mistakes(project: Project, estimates: FlightEstimates, named: bool = F
     """
     sigma = float(np.median(estimates.flight.picks.sigma_px))
     flight, joint = some_frames(estimates.flight), estimates.joint
-    moved_m, stated_m = (0.0, 0.0) if joint is None else moved_places_m(joint)
-    far = moved_m > BEYOND * stated_m > 0.0
+    far = joint is not None and is_far(joint)
     known = flight is estimates.flight and not far
     estimate = estimates.whole() if known else solved_trial(flight)
     before = typical_px(flight, estimate)

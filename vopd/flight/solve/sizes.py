@@ -154,6 +154,31 @@ def size_of_residuals(solution: JointSolution, frames: Bools) -> tuple[float, fl
     return float(np.sqrt(cost / freedom)), float(chdtrc(freedom, cost))
 
 
+def size_of_errors(solution: JointSolution) -> tuple[float, float]:
+    """Compare the errors of positions, landmarks and parameters with what is stated of them.
+
+    Their squares in standard deviations are as many, in the mean, as the picks say of them: few
+    beside the residuals of thousands of frames, and little of `size_of_residuals` there.
+
+    Args:
+        solution: of the flight
+
+    Returns:
+        The size of the errors over that which is to be expected, and the chance of such large
+        ones, or larger.
+    """
+    model = solution.model
+    stated = np.isfinite(model.common_sigma) & (np.array(model.component) != "click")
+    free = ~np.isfinite(model.common_sigma)
+    told = {name: part for name, part in explained(solution).items() if name != "click"}
+    expected = sum(told.values()) - float(free.sum())
+    squares = (model.common_of(solution.state) / model.common_sigma)[stated] ** 2
+    total = float(squares.sum() + ((solution.state.fix_m / model.fix_sigma_m) ** 2).sum())
+    if not expected > 0.0:
+        return 1.0, 1.0
+    return float(np.sqrt(total / expected)), float(chdtrc(expected, total))
+
+
 def _by_stated(solution: JointSolution, frames: Bools) -> float:
     """Find how much of the cost of some frames errors explain that are stated and not solved for.
 
