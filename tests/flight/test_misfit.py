@@ -379,8 +379,8 @@ def test_names_exchanged_in_a_long_flight_are_named(tmp_path: Path) -> None:
 def test_cameras_that_come_out_5_times_as_far_as_is_stated(times: float, said: bool) -> None:
     """Of fixes of 1, 2 and 2 m in nine frames, and what they share, of 4 m along each axis.
 
-    All are as far off east as north, and the picks say nine tenths of 27 and 3 errors. The least sum
-    of squares of a common shift is its square over 4 m squared and a ninth of a fix's.
+    All are as far off east as north, and the picks say nine tenths of 27 and 3 errors. The least
+    sum of squares of a common shift is its square over 4 m squared and a ninth of a fix's.
     """
     rng = np.random.default_rng(SEED)
     fixes = TrackFixes(np.arange(9), np.ones((9, 1)), np.tile([1.0, 2.0, 2.0], (9, 1)))
