@@ -381,6 +381,49 @@ def test_changed_files_are_refused(copied: Path, name: str) -> None:
         solve_flight(copied / "flight.toml")
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (r"(?m)^(\[picks\]\n(.+\n)*)pixel_grid = .centre.", r'\1pixel_grid = "one-based"'),
+        ("(?m)^frame_rate_hz = 2.0", "frame_rate_hz = 2.1"),
+        ("(?m)^refraction = .*", "refraction = { k = 0.13 }"),
+        (r"(?m)^\[picks\]", '[picks]\nv = "up"'),
+        (r"(?m)^\[flight\]", "[flight]\nepoch = 2026-05-01T11:58:42Z"),
+        (r"(?m)^(\[landmarks\]\n(.+\n)*)height = .ellipsoid.", r"\1height = { undulation_m = 5 }"),
+        ("(?m)^image_size_px = .*\n", ""),
+    ],
+    ids=["grid", "rate", "refraction", "v", "epoch", "height", "size"],
+)
+def test_files_that_are_read_otherwise_are_refused(copied: Path, old: str, new: str) -> None:
+    """The lens and the landmarks came out of the files as they were read."""
+    file = copied / "flight.toml"
+    text, count = re.subn(old, new, file.read_text(encoding="utf-8"))
+    assert count == 1
+    file.write_text(text, encoding="utf-8")
+    with refused():
+        solve_flight(file)
+
+
+def test_keys_that_say_nothing_of_the_files_may_change(drone: Both, copied: Path) -> None:
+    """A title, a standard deviation, a default; and all beside a file of an earlier day."""
+    file, covariance = copied / "flight.toml", copied / "covariance.json"
+    text = file.read_text(encoding="utf-8")
+    for old, new in (
+        ('"simulated"', '"other"'),
+        ("frame_rate_hz = 2.0", 'frame_rate_hz = 2\nv = "down"'),
+        ("(?m)^sigma_t_s = 0.1", "sigma_t_s = 1.0"),
+    ):
+        text, count = re.subn(old, new, text)
+        assert count == 1
+    file.write_text(text, encoding="utf-8")
+    assert_close("residual as solved", solve_flight(file).camera_deg, drone.again.camera_deg)
+    values = json.loads(covariance.read_text(encoding="utf-8"))
+    values["sha256"] = {k: v for k, v in values["sha256"].items() if k.endswith((" file", " lens"))}
+    covariance.write_text(json.dumps(values), encoding="utf-8")
+    file.write_text(re.sub("(?m)^refraction = .*", "", text), encoding="utf-8")
+    assert solve_flight(file).solved.all()
+
+
 def test_a_file_that_is_new_is_refused(copied: Path) -> None:
     file = copied / "flight.toml"
     (copied / "times.csv").write_text("frame,t_s\n0,1\n", encoding="utf-8")

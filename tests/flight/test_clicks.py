@@ -473,6 +473,32 @@ def test_other_clicks_need_another_track(tmp_path: Path) -> None:
         solve_flight(path)
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('pixel_grid = "centre"', 'pixel_grid = "one-based"'),
+        ('pixel_grid = "centre"', 'pixel_grid = "centre"\nv = "up"'),
+        ('pixel_grid = "centre"', 'pixel_grid = "centre"\ncolumns = { u_px = "v_px" }'),
+    ],
+    ids=["grid", "v", "columns"],
+)
+def test_clicks_that_are_read_otherwise_need_another_track(
+    tmp_path: Path, old: str, new: str
+) -> None:
+    """The places that were tracked are of the pixels that they were read as."""
+    path = clicked_project(tmp_path)
+    head, picks, rest = path.read_text().partition("[picks]\n")
+    path.write_text(head + picks + rest.replace(old, new, 1))
+    with refused(VopdError):
+        solve_flight(path)
+
+
+def test_a_default_that_is_written_changes_no_track(tmp_path: Path) -> None:
+    path = clicked_project(tmp_path)
+    path.write_text(path.read_text().replace("[picks]\n", '[picks]\nv = "down"\n'))
+    assert not solve_flight(path).findings
+
+
 def test_a_tracked_file_says_which_clicks_it_is_of(tmp_path: Path) -> None:
     path = clicked_project(tmp_path)
     lines = (tmp_path / "tracked.csv").read_text().splitlines(keepends=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -19,7 +20,12 @@ from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.columns import coordinate_columns
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
 from vopd.flight.formats.tables import EXACT, name_cell
-from vopd.flight.project.covariance import CovarianceFile, digests, files_spoken_of
+from vopd.flight.project.covariance import (
+    CovarianceFile,
+    digests,
+    digests_of_keys,
+    files_spoken_of,
+)
 from vopd.flight.project.inspect import NewProject
 from vopd.flight.project.keys import Project, project_text, toml_text
 from vopd.flight.project.new import NAME
@@ -306,7 +312,7 @@ def common_with_stated(joint: JointSolution) -> tuple[Floats, Floats, list[str]]
 
 
 def _digests(project: Project, new: NewProject, changes: Changes) -> dict[str, str]:
-    """Digest the files of the new project, as far as the covariance speaks of them."""
+    """Digest files and keys of the new project, as far as the covariance speaks of them."""
     files: dict[str, bytes | Path] = {
         key: file.path for key, file in files_spoken_of(project).items()
     }
@@ -316,4 +322,8 @@ def _digests(project: Project, new: NewProject, changes: Changes) -> dict[str, s
         files.pop("[camera] lens", None)
     if LANDMARKS in new.contents:
         files["[landmarks] file"] = new.contents[LANDMARKS]
-    return digests(files)
+    sections: dict[str, dict[str, Any]] = {}
+    for (section, key), value in changes.items():
+        if value is not None:
+            sections.setdefault(section, {})[key] = tomllib.loads(f"x = {value}")["x"]
+    return digests(files) | digests_of_keys(sections)

@@ -1,14 +1,15 @@
 """The covariance file of an adjusted project: what it names is held, with one covariance.
 
 `vopd adjust -o` writes it, and `[uncertainty] covariance` names it. It speaks of the files that
-there were: with other picks or another track the same parameters would come out otherwise.
+there were, and of how they were read: with other picks, another track or another grid of pixels
+the same parameters would come out otherwise.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from math import inf, isfinite
@@ -24,7 +25,7 @@ from vopd.findings import count_text, did_you_mean, shown
 from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_lenses import lens_files
-from vopd.flight.project.keys import Project, Section
+from vopd.flight.project.keys import ROWS, Project, Section
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
@@ -49,6 +50,10 @@ SPEAKS_OF = (
     ("camera", "lens"), ("camera", "of_images"), ("landmarks", "file"),
 )  # fmt: skip
 """Keys of the files of which the covariance speaks."""
+READ_BY = ("flight", "camera", "picks", "landmarks", "track", "position", "atmosphere")
+"""Sections whose keys say how these files are read, and where camera and landmarks are."""
+OTHERS = {("flight", "name"), ("picks", "sigma_px"), ("track", "offset_s")}
+"""Keys of these sections that do not; of the offset `with_stated_offset` takes care."""
 TAGS = 65_536  # bytes from the beginning of an image: its tags are there
 
 
@@ -69,7 +74,7 @@ class CovarianceFile:
     reading_sigma_px: float  # the reading sigma that came out
     freedom: float
     source: str
-    digest: dict[str, str]  # SHA-256 by the keys of files
+    digest: dict[str, str]  # SHA-256 by the keys of files, and by keys of their values
 
     def text(self) -> str:
         """Write the file: JSON, a row of the covariance in a line."""
@@ -121,6 +126,32 @@ def _folder(path: Path) -> bytes:
             with one.open("rb") as image:
                 parts += [one.name.encode(), str(one.stat().st_size).encode(), image.read(TAGS)]
     return b"\0".join(parts)
+
+
+def digests_of_keys(sections: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """Digest the values of the keys that the covariance speaks of, by their names.
+
+    Standard deviations may change, and files have digests of their own.
+    """
+    found = {}
+    for name in READ_BY:
+        for key, value in sections.get(name, {}).items():
+            row = ROWS[name, key]
+            is_file = row.kind in ("file", "files") and not isinstance(value, Mapping)
+            left_out = is_file or row.kind == "sigma" or (name, key) in OTHERS
+            if not left_out and value != row.default:
+                text = json.dumps(_in_floats(value), sort_keys=True, default=str)
+                found[f"[{name}] {key}"] = sha256(text.encode()).hexdigest()
+    return found
+
+
+def _in_floats(value: Any) -> Any:
+    """Write whole numbers as others: 10 is 10.0."""
+    if isinstance(value, Mapping):
+        return {key: _in_floats(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_in_floats(one) for one in value]
+    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 def files_spoken_of(project: Project) -> dict[str, InputFile]:
@@ -362,21 +393,26 @@ def _covariance(
 def _refuse_changed(
     project: Project, section: Section, file: InputFile, found: CovarianceFile
 ) -> None:
-    """Refuse files that are not those of which the covariance speaks."""
-    now = files_spoken_of(project)
-    for key in dict.fromkeys((*found.digest, *now)):
-        if key in now and digests({key: now[key].path})[key] == found.digest.get(key):
+    """Refuse files that are not those of which the covariance speaks, and other values of keys."""
+    files = files_spoken_of(project)
+    now = digests({key: one.path for key, one in files.items()})
+    of_files = {f"[{name}] {key}" for name, key in SPEAKS_OF}
+    if {*found.digest} - of_files:  # earlier versions spoke of files alone
+        now |= digests_of_keys({name: one.values for name, one in project.sections.items()})
+    for key in dict.fromkeys((*files, *found.digest, *now)):
+        if now.get(key) == found.digest.get(key):
             continue
         if key not in now:
             what = f"{key} is not in the project any more"
         elif key not in found.digest:
             what = f"{key} is new"
         else:
-            what = f"{now[key].name} ({key}) has changed"
+            what = f"{files[key].name} ({key})" if key in files else key
+            what += " has changed"
             what += ", or a lens that it names," * (key == "[camera] of_images")
         raise section.error(
             "covariance",
-            f"{what} since {file.name} was written, which speaks of the files that there were. "
+            f"{what} since {file.name} was written, which speaks of what there was. "
             f"Adjust again with what is new: vopd adjust {_from_here(project, found)} --free "
             f"{','.join(found.free) or 'NAME'} -o DIR",
         )

@@ -317,7 +317,8 @@ KEYS: tuple[Key, ...] = (
     Key("uncertainty", "covariance", "file", '"covariance.json"', "what vopd adjust -o has written",
         "the file that `vopd adjust -o` writes: what it names is held in the solve, and its errors "
         "are propagated with their covariance. It speaks of the picks and the track that there "
-        "were: with others it is refused"),
+        "were, as they were read: with others, or other values of the keys that read them, it is "
+        "refused"),
 )  # fmt: skip
 """In the order of a new project, a section's keys together."""
 ROWS = {(key.section, key.name): key for key in KEYS}

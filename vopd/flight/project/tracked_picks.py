@@ -218,13 +218,16 @@ SEEN_BY = {
     "picks": ("times", "frame_rate_hz", "first_frame_t_s"),
 }
 """Sections, and keys of them if not all count, on which the prediction of landmarks depends."""
+READ_BY = ("columns", "pixel_grid", "v", "interpolated")
+"""Keys of `[picks]` that say how the file of clicks is read."""
 
 
 def track_digests(project: Project) -> dict[str, str]:
     """Digest what `vopd track` follows: `clicks`, `video` and `project`.
 
-    Of a video its size and both ends count; of the project what predicts where landmarks are, with
-    the files that it names. Standard deviations do not count.
+    Of the clicks their file counts, and how it is read; of a video its size and both ends; of the
+    project what predicts where landmarks are, with the files that it names. Standard deviations do
+    not count.
 
     Args:
         project: the project; what it does not name, or is not there, has no digest
@@ -233,6 +236,13 @@ def track_digests(project: Project) -> dict[str, str]:
     found = {}
     if section.has("file"):
         found["clicks"] = _of_files([project.folder / section.text("file")])
+        read_by = {
+            key: section.values[key] for key in READ_BY
+            if section.values.get(key, default := ROWS["picks", key].default) != default
+        }  # fmt: skip
+        if found["clicks"] and read_by:
+            text = found["clicks"] + json.dumps(read_by, sort_keys=True)
+            found["clicks"] = sha256(text.encode()).hexdigest()
     video = section.values.get("video")
     names = video if isinstance(video, list) else [video] if video else []
     found["video"] = _of_files([project.folder / str(name) for name in names])
@@ -290,7 +300,7 @@ def refuse_stale(file: InputFile, rows: TrackedRows, project: Project) -> list[s
         if name in now and rows.digest.get(name) != now[name]:
             raise section.error(
                 "tracked", f"{file.name} was made of {key} = {shown(section.values[key])} as it "
-                f"was before: {AGAIN}"
+                f"was{', or was read,' * (name == 'clicks')} before: {AGAIN}"
             )  # fmt: skip
     told = []
     if "rows" in rows.digest and rows.digest["rows"] != digest_of_rows(file.path):
