@@ -56,10 +56,11 @@ FLIGHT: dict[str, str] = {  # the folders and files of flight/, from the ground 
     "scene": "coordinates formats solve",
     "estimate": "flight coordinates solve angles words scene",
     "mounting": "flight estimate",
+    "direction": "flight solve estimate",
     "settled": "flight solve estimate",
     "misfits": "flight coordinates solve project estimate",
     "parameters": "solve estimate mounting settled",
-    "result": "flight solve project angles estimate mounting settled misfits parameters",
+    "result": "flight solve project angles estimate mounting direction settled misfits parameters",
     "check": "flight formats project misfits result",
     "adjust": "flight coordinates formats solve project angles estimate settled misfits parameters "
     "result",

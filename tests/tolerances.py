@@ -539,6 +539,10 @@ TOLERANCES = {
     "same solve": Tolerance("1", 1e-8, "the solve ends at steps of 1E-8 sigma"),
     "wide prior": Tolerance("1", 1e-9, "variances of 1E12 in place of infinite ones"),
     "mean by a turn": Tolerance("1", 1e-6, "differences over .002 rad of turns of 1E-13"),
+    "direction but for refraction": Tolerance("deg", 3e-4, "of landmarks some hundred metres away"),
+    "direction by differences": Tolerance(
+        "1", 2e-3, "of a sigma; differences over a tenth of it, the reading sigma to .1 %"
+    ),
     "covariance of a mean": Tolerance("deg2", 1e-13, "variances of 1E-4 or less, a few roundings"),
     "half-width of a mean": Tolerance("1", 1e-9, "quantiles of another library"),
     "mean of one frame": Tolerance("1", 1e-6, "of its covariance; the reading sigma to .1 %"),

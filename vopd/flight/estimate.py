@@ -37,7 +37,7 @@ from vopd.flight.solve.errors import (
     turns_by_errors,
 )
 from vopd.flight.solve.held import other_solutions_deg, position_ratio
-from vopd.flight.solve.joint import JointSolution
+from vopd.flight.solve.joint import NO_PARAMETERS, JointSolution
 from vopd.flight.solve.lines_of_sight import EARTH_RADIUS_M
 from vopd.flight.solve.rotations import IMAGE_FROM_CAMERA, FlightBlocks, FlightPart, SolvedFlight
 from vopd.flight.words import flight_words
@@ -331,8 +331,19 @@ class FlightEstimates:
             weight: what a turn of each frame about the vehicle's forward, right and down axes
                 adds to the sums, (F, 3, k)
         """
+        return self.camera_errors(self.flight.mount.T @ weight)
+
+    def camera_errors(
+        self, weight: Floats, by_parameter: Mapping[str, Floats] = NO_PARAMETERS
+    ) -> dict[str, Floats]:
+        """Estimate the covariances of k sums over frames, by component, radians squared, (k, k).
+
+        Args:
+            weight: what a turn of each frame about the camera's axes adds to the sums, (F, 3, k)
+            by_parameter: what parameters, by their names, add to them besides, (k,) each
+        """
         assert self.reading is not None
-        found = errors_of_sums(self._joint, self.flight.mount.T @ weight, self._held)
+        found = errors_of_sums(self._joint, weight, self._held, by_parameter)
         if not self._joint.passes:  # it was not solved again with the reading sigma in force
             scale = self.reading.sigma / self._joint.model.flight.picks.one_sigma_px
             found["reading"] = found["reading"] * scale**2

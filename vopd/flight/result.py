@@ -16,7 +16,15 @@ from vopd.arrays import Bools, Floats, Ints
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import AS_SIGMAS, Sigmas
 from vopd.estimate import Estimate
-from vopd.findings import Finding, VopdError, count_text, first_of, refuse_other_kind
+from vopd.findings import (
+    Finding,
+    VopdError,
+    count_text,
+    first_of,
+    numbers,
+    refuse_other_kind,
+    shown,
+)
 from vopd.flight.angles import attack_angles, camera_angles, doubted_angles, vehicle_angles
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import LEAPS, Flight, frame_label
@@ -55,6 +63,7 @@ if TYPE_CHECKING:
 
     from vopd.attitude.history import History, HistoryOptions
     from vopd.attitude.long_history import HistoryParts
+    from vopd.flight.direction import Direction
 
 
 # A solved flight
@@ -207,6 +216,34 @@ class FlightResult(Shown):
         from vopd.export.tables import dataframe
 
         return dataframe([self.history(sigmas, max_rate_deg_s, vertical)])
+
+    def direction(
+        self, frame: int | str, u_px: float, v_px: float, sigma_px: float | None = None
+    ) -> Direction:
+        """Find the direction in which a point of a picture is seen, with its uncertainty.
+
+        Args:
+            frame: number, or name of the image
+            u_px: to the right from the centre of the first pixel, in the picture as it was taken
+            v_px: downward
+            sigma_px: standard deviation of either; None: that of the picks
+
+        Raises:
+            VopdError: where there is no such frame, it has no attitude, or the lens's model does
+                not reach the pixel
+        """
+        from vopd.flight.direction import direction_of
+
+        labels = [*self.image_name] or [str(one) for one in self.frame.tolist()]
+        if str(frame) not in labels:
+            raise VopdError(
+                f"{self.flight.source}: no frame {shown(frame)}: there are {labels[0]} to "
+                f"{labels[-1]}"
+            )
+        pixel = numbers([u_px, v_px], "[u_px, v_px]")
+        if sigma_px is not None:
+            sigma_px = Sigmas(reading=sigma_px).reading
+        return direction_of(self.estimates, labels.index(str(frame)), pixel, sigma_px)
 
     @property
     def next_clicks(self) -> list[str]:

@@ -7,6 +7,7 @@ refraction are not, unless `[solve] free` names them: one standard deviation of 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,7 +20,12 @@ from vopd.findings import VopdError
 from vopd.flight.flight import CameraPath, Flight, TrackFixes
 from vopd.flight.solve.equations import COMPONENT, LEAST_SIGMA_M, SHIFT, Priors
 from vopd.flight.solve.free import free_parameters, prior_sigma
-from vopd.flight.solve.joint import JointSolution, covariance_of_sums, propagated
+from vopd.flight.solve.joint import (
+    NO_PARAMETERS,
+    JointSolution,
+    covariance_of_sums,
+    propagated,
+)
 
 
 def priors_of(flight: Flight) -> Priors:
@@ -133,6 +139,7 @@ class HeldEffects(NamedTuple):
     place: Floats  # (F, 3, C) east, north, up, m
     late_s: Floats  # (F, C) of the frames' times
     component: dict[str, slice]  # the columns of each
+    parameter: dict[str, Floats]  # (C,) of each that is solved for or held, by its name
     change: Floats  # (P, 2, C) of the computed images, in standard deviations of the picks
 
 
@@ -171,7 +178,9 @@ def held_effects(solution: JointSolution) -> HeldEffects | None:
     late_s = model.late_by(held.parameter) @ held.root[:count]
     late_s += model.late_by(model.names) @ moved[: len(model.names)]
     component = {"reading": slice(held.by_picks), ADJUSTED: slice(held.by_picks, None)}
-    return HeldEffects(turn, place, late_s, component, change)
+    each = np.concatenate([moved[: len(model.names)], held.root[:count]])
+    by_name = dict(zip((*model.names, *held.parameter), each, strict=True))
+    return HeldEffects(turn, place, late_s, component, by_name, change)
 
 
 def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) -> dict[str, Floats]:
@@ -213,7 +222,10 @@ def covariance_of_common(solution: JointSolution) -> Floats:
 
 
 def errors_of_sums(
-    solution: JointSolution, weight: Floats, held: HeldEffects | None = None
+    solution: JointSolution,
+    weight: Floats,
+    held: HeldEffects | None = None,
+    by_parameter: Mapping[str, Floats] = NO_PARAMETERS,
 ) -> dict[str, Floats]:
     """Estimate the covariances of k sums over frames, by component, radians squared, (k, k).
 
@@ -221,18 +233,26 @@ def errors_of_sums(
         solution: of the flight
         weight: what a turn of each frame about the camera's axes adds to the sums, (F, 3, k)
         held: effects of held parameters
+        by_parameter: what parameters, by their names, add to the sums besides, (k,) each
     """
     found: dict[str, Floats] = {}
-    for part, own in covariance_of_sums(solution, weight)[1].items():
+    for part, own in covariance_of_sums(solution, weight, by_parameter)[1].items():
         name = part.removesuffix(COMMON_PART)
         found[name] = found.get(name, 0.0) + own
-    for name, columns in stated_components(solution).items():
-        moved = np.einsum("fik,fic->kc", weight, solution.by_stated[0][..., columns])
-        found[name] = found.get(name, 0.0) + moved @ moved.T
+    (turn, _, common), sigma = solution.by_stated, solution.stated[0]
+    names = solution.model.names
+    each = np.concatenate([common[: len(names)], np.diag([*sigma.values()])])
+    stated = dict(zip((*names, *sigma), each, strict=True))
+    effects: list[tuple[Mapping[str, Bools | slice], Floats, dict[str, Floats]]]
+    effects = [(stated_components(solution), turn, stated)]
     if held is not None:
-        for name, some in held.component.items():
-            moved = np.einsum("fik,fic->kc", weight, held.turn[..., some])
-            found[name] = found.get(name, 0.0) + moved @ moved.T
+        effects.append((held.component, held.turn, held.parameter))
+    for component, turns, parameter in effects:
+        moved = np.einsum("fik,fic->kc", weight, turns)
+        for name in {*parameter} & {*by_parameter}:
+            moved += np.outer(by_parameter[name], parameter[name])
+        for name, columns in component.items():
+            found[name] = found.get(name, 0.0) + moved[:, columns] @ moved[:, columns].T
     return found
 
 

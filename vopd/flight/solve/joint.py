@@ -6,7 +6,7 @@ damping, and the covariances of its result by the causes of the errors.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, replace
@@ -23,6 +23,8 @@ from vopd.flight.solve.equations import SHIFT, Model, Priors, Readout, State
 from vopd.flight.solve.free import free_parameters
 from vopd.flight.solve.normal import NARROW, Factored, Normal, RightSide, frames_by_block, pairs
 from vopd.flight.solve.rotations import LOSSES, NOISE_AT_MOST_RAD, SolvedFlight, solve
+
+NO_PARAMETERS: Mapping[str, Floats] = {}
 
 # Gauss and Newton with Levenberg's damping
 
@@ -617,19 +619,25 @@ def _prior_places(model: Model) -> Floats:
     return np.asarray(out)
 
 
-def covariance_of_sums(solution: JointSolution, weight: Floats) -> tuple[Floats, dict[str, Floats]]:
+def covariance_of_sums(
+    solution: JointSolution, weight: Floats, by_parameter: Mapping[str, Floats] = NO_PARAMETERS
+) -> tuple[Floats, dict[str, Floats]]:
     """Estimate the covariance of k sums over frames, with the whole covariance of the flight.
 
     Args:
         solution: of the flight
         weight: what a turn of each frame about the camera's axes adds to the sums, (F, 3, k)
+        by_parameter: what parameters, by their names, add to the sums besides, (k,) each
 
     Returns:
         The covariance (k, k), and its components.
     """
     model, normal, k = solution.model, solution.normal, weight.shape[2]
     nothing = np.zeros((*model.fix_sigma_m.shape, k))
-    right = RightSide(weight, np.zeros_like(weight), nothing, np.zeros((normal.size, k)))
+    own = np.zeros((normal.size, k))
+    for row, name in enumerate(model.names):
+        own[row] = by_parameter.get(name, 0.0)
+    right = RightSide(weight, np.zeros_like(weight), nothing, own)
     turn, fix, common = solution.factored.solve(right)
     place = np.zeros_like(weight)
     found = {name: one[0] for name, one in _by_component(model, common.T[None]).items()}
