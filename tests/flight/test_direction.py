@@ -12,6 +12,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved, refused
+from tests.kit.clicked_flights import clicked_flight
 from tests.kit.flight_project import write_project as write_flight_project
 from tests.kit.joint_flights import axes
 from tests.tolerances import assert_close
@@ -143,6 +144,15 @@ def test_an_adjusted_project_is_as_sure_as_the_solve_that_adjusted_it(tmp_path: 
     assert_close("flight angle", [again.azimuth_deg, again.elevation_deg],
                  [found.azimuth_deg, found.elevation_deg])  # fmt: skip
     assert_close("direction by differences", again.total / found.total, np.ones(2))
+
+
+def test_a_point_of_a_tracked_flight_is_clicked_and_not_matched() -> None:
+    """Clicks are good to .5 px, matches to .08."""
+    made = clicked_flight(np.random.default_rng(2), frames=12, every=6, apart=0, reach=12)
+    result = solve_flight_read(made.flight)
+    usual, stated = (result.direction(3, 900.0, 700.0, one) for one in (None, 0.5))
+    assert_close("direction by differences", usual.components["pick"] / stated.components["pick"],
+                 np.ones(2))  # fmt: skip
 
 
 WRONG: dict[str, tuple[Any, ...]] = {

@@ -84,6 +84,16 @@ def test_each_frame_is_solved_with_its_own_lens(tmp_path: Path) -> None:
     assert result.estimate.lens is not None and result.estimate.lens.tolist() == [0, 1, 0, 1, 0]
 
 
+def test_a_point_of_a_frame_is_seen_through_its_own_lens(tmp_path: Path) -> None:
+    """The middle of each lens is where its camera looks, and a pixel there is 1 / f."""
+    result = solve_flight(str(two_cameras(tmp_path, STATED)))
+    for frame, lens in ((0, LENS), (1, OTHER)):
+        found, (yaw, pitch, _) = result.direction(frame, *lens.centre_px, 1.0), truth_deg()[frame]
+        assert_close("solved angle", [found.azimuth_deg, found.elevation_deg], [yaw % 360.0, pitch])
+        ratio = found.components["pick"] / np.degrees(1.0 / lens.focal_px)
+        assert_close("direction by differences", ratio, np.ones(2))
+
+
 def test_the_image_of_a_frame_has_its_own_lens(tmp_path: Path) -> None:
     """Size, computed places and lines of sight of one frame of each camera."""
     scene_of = solve_flight(str(two_cameras(tmp_path))).estimate.scene

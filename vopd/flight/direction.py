@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -52,6 +53,10 @@ class Direction(Record):
         )
 
 
+PARAMETERS = dict.fromkeys(
+    ["focal", "aspect", "centre_u", "centre_v", *chain.from_iterable(LENS_COEFFICIENTS.values())]
+)
+"""Of lenses of any kind; a lens is not changed by those of another kind."""
 STEP = {"focal": 0.5, "centre_u": 0.5, "centre_v": 0.5}  # px; of coefficients COEFFICIENT_STEP
 COEFFICIENT_STEP = 1e-5
 
@@ -67,7 +72,7 @@ def direction_of(
         estimates: of the flight
         frame: its index
         pixel: u, v from the centre of the first pixel, as the picture was taken, (2,)
-        sigma_px: standard deviation of u and of v; None: that of the picks
+        sigma_px: standard deviation of u and of v; None: that of the picks, or of the clicks
 
     Raises:
         VopdError: where the frame has no attitude, the lens's model does not reach the pixel, or
@@ -98,19 +103,21 @@ def direction_of(
     across = right_up @ to_camera.T  # along the camera's axes, (2, 3)
     weight = np.zeros((len(flight.frame), 3, 2))
     weight[frame] = np.cross(across, ray).T
-    names = ("focal", "aspect", "centre_u", "centre_v", *LENS_COEFFICIENTS[flight.lens.kind])
-    by_parameter = {name: across @ _by_parameter(flight, frame, pixel, name) for name in names}
+    by_parameter = {one: across @ _by_parameter(flight, frame, pixel, one) for one in PARAMETERS}
     found = estimates.camera_errors(weight, by_parameter)
     assert estimates.reading is not None
-    own_px = estimates.reading.sigma if sigma_px is None else sigma_px
+    clicks = estimates.read.picks.clicks  # with what is stated of them
+    as_readings = sigma_px is None and clicks is None
+    if sigma_px is None:  # that of a person's pick; readings of a tracked flight are matches
+        sigma_px = estimates.reading.sigma if clicks is None else float(np.median(clicks.sigma_px))
     steps = 0.5 * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     ends = np.array([_ray(flight, frame, pixel + step) for step in steps])
     by_pixel = across @ (ends[:2] - ends[2:]).T
-    found["pick"] = own_px**2 * by_pixel @ by_pixel.T
+    found["pick"] = sigma_px**2 * by_pixel @ by_pixel.T
     found = {name: np.degrees(np.degrees(one)) for name, one in found.items()}
     covariance = sum(found.values(), np.zeros((2, 2)))
     sigma, by_picks = np.sqrt(np.diag(covariance)), found["reading"]
-    if sigma_px is None:
+    if as_readings:
         by_picks = by_picks + found["pick"]
     with np.errstate(divide="ignore"):
         freedom = estimates.reading.freedom * (sigma**4 / np.diag(by_picks) ** 2)

@@ -226,7 +226,7 @@ class FlightResult(Shown):
             frame: number, or name of the image
             u_px: to the right from the centre of the first pixel, in the picture as it was taken
             v_px: downward
-            sigma_px: standard deviation of either; None: that of the picks
+            sigma_px: standard deviation of either; None: that of the picks, or of the clicks
 
         Raises:
             VopdError: where there is no such frame, it has no attitude, or the lens's model does
