@@ -305,6 +305,17 @@ def in_images_by_tens() -> None:
     change("flight.toml", 'times = "video"', "frame_rate_hz = 250.0")
 
 
+def test_images_are_followed_in_the_order_of_their_numbers(flight: Path) -> None:
+    """Without zeros in front, 100.png is before 20.png by name."""
+    in_images_by_tens()
+    padded = vopd("track", "flight.toml").stderr
+    whole = rows(flight / "tracked.csv")
+    for image in [*Path("images").iterdir()]:
+        image.rename(image.with_name(f"{int(image.stem)}.png"))
+    assert vopd("track", "flight.toml").stderr == padded
+    assert rows(flight / "tracked.csv") == whole
+
+
 def test_images_that_cannot_be_read_cost_the_others_nothing(flight: Path) -> None:
     in_images_by_tens()
     vopd("track", "flight.toml")

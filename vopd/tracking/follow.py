@@ -150,6 +150,10 @@ def read_footage(project: Project) -> Footage:
         raise section.error("video", message)
     every: Any = Names(frames.image_name) if flight.image_name else _numbers(project, frames)
     _, times, index = frames_of(clicked, replace(rows, frame=every))
+    if frames.image_name:  # in time: in the order of names 10.png is before 9.png
+        order = np.lexsort((_numbers(project, frames), times.time_s[index])).tolist()
+        names, images = (tuple(one[k] for k in order) for one in (frames.image_name, frames.images))
+        frames, index = replace(frames, image_name=names, images=images), index[order]
     read = read_path(with_stated_offset(clicked), times)
     path = CameraPath(
         read.path.position_m[index],
@@ -162,7 +166,7 @@ def read_footage(project: Project) -> Footage:
         flight.lens, path, flight.landmarks, flight.refraction, flight.mount, flight.shutter, own_m,
         read_terrain(clicked),
     )  # fmt: skip
-    own = np.asarray(every) if not flight.image_name else np.array(_image_numbers(project, frames))
+    own = _numbers(project, frames)
     by_name = list(frames.image_name) if flight.image_name else own.tolist()
     place = {name: k for k, name in enumerate(by_name)}
     label = flight.image_name or flight.frame.tolist()
@@ -597,11 +601,11 @@ def _summary(
             lines.append(
                 f"frame {frame}: {mark} is too near to the edge: nothing is tracked from it"
             )
-    stretches = _stretches(footage.number[np.array(sorted(lost), int)], footage)
+    stretches = _stretches(sorted(lost))
     if stretches:
-        told = first_of([f"{a} to {b}" if a != b else str(a) for a, b in stretches], SHOWN)
-        inside = [np.searchsorted(footage.number, one) for one in stretches]
-        first, last = max(inside, key=lambda one: int(one[1] - one[0]))
+        ends = [(footage.number[first], footage.number[last]) for first, last in stretches]
+        told = first_of([f"{a} to {b}" if a != b else str(a) for a, b in ends], SHOWN)
+        first, last = max(stretches, key=lambda one: one[1] - one[0])
         lines.append(
             f"fewer than two landmarks in {count_text(len(lost), 'frame')}: {told}; "
             f"click two in frame {footage.number[(first + last) // 2]}"
@@ -609,15 +613,15 @@ def _summary(
     return lines, elsewhere
 
 
-def _stretches(frames: Ints, footage: Footage) -> list[tuple[int, int]]:
-    """Join frames that follow one another: the first and the last of each stretch."""
-    if not len(frames):
-        return []
-    order = np.searchsorted(footage.number, frames)
-    ends = np.flatnonzero(np.diff(order) > 1)
-    first = np.concatenate([[0], ends + 1])
-    last = np.concatenate([ends, [len(frames) - 1]])
-    return [(int(frames[a]), int(frames[b])) for a, b in zip(first, last, strict=True)]
+def _stretches(frames: list[int]) -> list[tuple[int, int]]:
+    """Join frames that follow one another, by their indices: first and last of each stretch."""
+    found: list[tuple[int, int]] = []
+    for one in frames:
+        if found and one == found[-1][1] + 1:
+            found[-1] = found[-1][0], one
+        else:
+            found.append((one, one))
+    return found
 
 
 def _findings(
