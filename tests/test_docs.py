@@ -29,9 +29,12 @@ import pytest
 from tests.kit.appendix_a import solve_input
 from tests.kit.command import vopd
 from tests.kit.jobs import case
+from vopd.attitude.mean import MeanAttitude
+from vopd.attitude.rate import TurningRate
 from vopd.attitude.sigmas import Sigmas
 from vopd.findings import Finding
 from vopd.flight.adjust.adjustment import Adjustment
+from vopd.flight.direction import Direction
 from vopd.job import Camera, Clock, Deck, Ignored, Job, Landmarks, Trajectory, Wind
 from vopd.program.vopd import run
 from vopd.results import Results
@@ -204,13 +207,22 @@ def test_a_page_is_current(tool: str) -> None:
 
 
 PUBLIC = [Results, Adjustment, Sigmas, Finding, Job, Deck]
+OTHERS = {
+    MeanAttitude: "history.mean()",
+    TurningRate: "history.rate()",
+    Direction: "FlightResult.direction()",
+    **{
+        one: f"Job.{one.__name__.lower()}"
+        for one in (Camera, Trajectory, Wind, Clock, Landmarks, Ignored)
+    },
+}
 
 
-@pytest.mark.parametrize("kind", [*PUBLIC, Camera, Trajectory, Wind, Clock, Landmarks, Ignored])
+@pytest.mark.parametrize("kind", [*PUBLIC, *OTHERS])
 def test_help_says_what_each_attribute_is(kind: type) -> None:
     """In the text of the class, by its name, or in a text of its own."""
     promises = (ROOT / "docs" / "promises.md").read_text(encoding="utf-8")
-    name = kind.__name__ if kind in PUBLIC else f"Job.{kind.__name__.lower()}"
+    name = re.escape(OTHERS.get(kind, kind.__name__))
     (listed,) = re.findall(rf"^Attributes of `{name}`: ([^:]*)\.$", promises, re.M)
     text = inspect.getdoc(kind) or ""
     for one in CODE.findall(listed):

@@ -16,6 +16,8 @@ from made_page import between, write_or_check
 
 import vopd
 from vopd.attitude.flags import MEANING
+from vopd.attitude.mean import MeanAttitude
+from vopd.attitude.rate import TurningRate
 from vopd.attitude.sigmas import COMPONENTS
 from vopd.attitude.table import (
     COVARIANCES,
@@ -32,6 +34,7 @@ from vopd.attitude.uncertainty import ANGLES
 from vopd.batch.solve import FAILED, SOLVED, UNCONVERGED
 from vopd.cli import COMMANDS
 from vopd.estimate import FrameStatus
+from vopd.flight.direction import Direction
 from vopd.flight.project.keys import KEYS
 from vopd.job import Camera, Clock, Ignored, Landmarks, Trajectory, Wind
 from vopd.results import Outcome
@@ -84,6 +87,12 @@ def page() -> str:
             for kind in (Camera, Trajectory, Wind, Clock, Landmarks, Ignored)
         },
         "Attributes of `FlightResult`": attributes(vopd.FlightResult),
+        "Attributes of `FlightResult.direction()`": attributes(Direction),
+        "Methods of a history, of `FlightResult.history()` and `Run.histories()`": names(
+            ("mean", "rate")
+        ),
+        "Attributes of `history.mean()`": attributes(MeanAttitude),
+        "Attributes of `history.rate()`": attributes(TurningRate),
         "Attributes of `Adjustment`": attributes(vopd.Adjustment),
         "Attributes of `Sigmas`": attributes(vopd.Sigmas),
         "Attributes of `Finding`": attributes(vopd.Finding),

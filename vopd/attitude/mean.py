@@ -48,22 +48,38 @@ class MeanAttitude(Record):
     Standard deviations are of the mean itself, those of the angles in the order of the first six
     of `ANGLES`; the covariance is of a small turn about the vehicle's forward, right and down
     axes at the mean.
+
+    Attributes:
+        about: of which job
+        frames: how many it is the mean of
+        flagged: how many of those have a flag
+        reading_sigma: in image units
+        reading_freedom: its degrees of freedom
+        camera_deg: yaw, pitch, roll (3,)
+        vehicle_deg: yaw, pitch, roll (3,)
+        quaternion: local north-east-down to vehicle body, w x y z, w >= 0 (4,)
+        total: standard deviations of camera and vehicle yaw, pitch, roll, all components (6,)
+        half_width_95: half-widths of 95 % intervals, with Student's factor (6,)
+        freedom: degrees of freedom of that; infinite where no sigma was estimated (6,)
+        components: standard deviations by component (6,) each
+        covariance_deg2: (3, 3)
+        covariance_factor_95: times that: the ellipsoid that contains the truth with 95 %
     """
 
     about: About = field(repr=False)
-    frames: int  # how many it is the mean of
-    flagged: int  # how many of those have a flag
-    reading_sigma: float  # image units
-    reading_freedom: float  # its degrees of freedom
-    camera_deg: Floats  # (3,) yaw, pitch, roll
-    vehicle_deg: Floats  # (3,) yaw, pitch, roll
-    quaternion: Floats  # (4,) local north-east-down to vehicle body, w x y z, w >= 0
-    total: Floats  # (6,) standard deviations, all components together
-    half_width_95: Floats  # (6,) half-widths of 95 % intervals, with Student's factor
-    freedom: Floats  # (6,) degrees of freedom of that; infinite where no sigma was estimated
-    components: dict[str, Floats]  # (6,) each
-    covariance_deg2: Floats  # (3, 3)
-    covariance_factor_95: float  # times that: the ellipsoid that contains the truth with 95 %
+    frames: int
+    flagged: int
+    reading_sigma: float
+    reading_freedom: float
+    camera_deg: Floats
+    vehicle_deg: Floats
+    quaternion: Floats
+    total: Floats
+    half_width_95: Floats
+    freedom: Floats
+    components: dict[str, Floats]
+    covariance_deg2: Floats
+    covariance_factor_95: float
 
 
 class Middle(NamedTuple):
