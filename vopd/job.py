@@ -331,7 +331,7 @@ def _changed(record: Any, name: str, value: object) -> Any:
     return replace(record, **{own: _changed(getattr(record, own), rest, value) if rest else value})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Deck(Sequence[Job]):
     """The jobs of a deck in order, with its name and the warnings about its cards.
 
@@ -344,6 +344,10 @@ class Deck(Sequence[Job]):
     jobs: tuple[Job, ...]
     name: str = ""
     findings: tuple[Finding, ...] = ()
+
+    def __repr__(self) -> str:
+        named = f"{self.name}, " if self.name else ""
+        return f"Deck({named}{count_text(len(self), 'job')})"
 
     def __len__(self) -> int:
         return len(self.jobs)

@@ -172,6 +172,13 @@ def test_a_deck_is_a_sequence_of_its_jobs() -> None:
     assert deck[1] is jobs[1] and deck[-1] is jobs[2] and deck[1:] == jobs[1:]
 
 
+def test_a_deck_shows_its_name_and_how_many_jobs_it_has() -> None:
+    """A deck of a thousand jobs filled a notebook with a megabyte."""
+    deck = vopd.read_deck("decks/appendix_h/cases_1_2_3.dat")
+    assert repr(deck) == str(deck) == "Deck(decks/appendix_h/cases_1_2_3.dat, 3 jobs)"
+    assert repr(vopd.Deck(deck.jobs[:1])) == "Deck(1 job)"
+
+
 # Layouts of landmarks
 
 
