@@ -195,6 +195,36 @@ def test_images_are_numbered_and_get_times(tmp_path: Path) -> None:
     assert angles_apart(deck.camera_deg, flight.camera_deg) < within("angle by cards")
 
 
+def test_images_whose_names_go_back_in_time_are_on_cards_in_time(tmp_path: Path) -> None:
+    """The last image by name is the first one taken."""
+    toml = re.sub("(?m)^(frame_rate_hz|first_frame).*\n", "", PLAIN)
+    path = write_project(tmp_path, toml.replace("[picks]\n", '[picks]\ntimes = "times.csv"\n', 1))
+    picks, frames = tmp_path / "picks.csv", range(5)
+    rows = [f"{9 - int(row[0])}.jpg{row[1:]}" for row in picks.read_text().splitlines()[1:]]
+    picks.write_text("\n".join(["image,landmark,u_px,v_px", *rows]))
+    times = [f"{9 - k}.jpg,{2.0 + 0.1 * k:.1f}" for k in frames]
+    (tmp_path / "times.csv").write_text("\n".join(["image,t_s", *times]))
+    ran = run("punch", path, "-o", tmp_path / "deck.dat")
+    assert ran.status == 0 and "    frame,1,9.jpg\n" in ran.stderr
+    deck = vopd.run(vopd.read_deck(tmp_path / "deck.dat"), fixes("all"))
+    assert deck.time_s.round(3).tolist() == [2.0, 2.1, 2.2, 2.3, 2.4]
+    flight = vopd.solve_flight(path)
+    assert flight.image_name[0] == "5.jpg"
+    assert angles_apart(deck.camera_deg, flight.camera_deg[::-1]) < within("angle by cards")
+
+
+def test_names_of_numbers_are_no_formulas(tmp_path: Path) -> None:
+    """A spreadsheet opens this table."""
+    path = write_project(tmp_path)
+    for name in ("picks.csv", "landmarks.csv"):
+        text = (tmp_path / name).read_text()
+        assert "church," in text
+        (tmp_path / name).write_text(text.replace("church,", "=1+1,"))
+    ran = run("punch", path, "-o", tmp_path / "deck.dat", "--numbers", tmp_path / "numbers.csv")
+    assert ran.status == 0
+    assert "landmark,1,'=1+1\n" in (tmp_path / "numbers.csv").read_text()
+
+
 def test_what_does_not_fit_the_cards_is_refused(tmp_path: Path) -> None:
     path = write_project(tmp_path)
     rows = (tmp_path / "landmarks.csv").read_text().splitlines()

@@ -277,6 +277,7 @@ def test_frames_by_name_and_by_number(tmp_path: Path) -> None:
         "image,t_utc\na,2026-05-01T00:00:00\n",
         "image,t_utc\na,noon\n",
         "image,when\na,1\n",
+        "frame,t_s\n5,1\n6,2\n7,3\n5,2.5\n",
     ],
 )  # fmt: skip
 def test_errors_in_times_name_line_and_column(text: str) -> None:

@@ -48,6 +48,7 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     """
     from vopd.cards.write import write_deck
     from vopd.convert.flight_to_deck import flight_job
+    from vopd.export.tables import not_a_formula
     from vopd.flight.result import solve_flight
 
     if not is_flight(project):
@@ -61,7 +62,8 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
         raise VopdError(said if said.startswith(project) else f"{project}: {said}") from error
     deck = write_deck([job])
     table = io.StringIO()
-    csv.writer(table, lineterminator="\n").writerows(numbered)
+    rows_of = ((kind, number, not_a_formula(name)) for kind, number, name in numbered)
+    csv.writer(table, lineterminator="\n").writerows(rows_of)
     rows = table.getvalue().splitlines()
     with whole_file(output) as file:
         file.write(deck.encode("ascii"))

@@ -61,6 +61,7 @@ def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
     used = estimate.used[slots.frame, slots.slot] | estimate.ignored[slots.frame, slots.slot]
     held: Bools = used & np.isfinite(film.point_in).all(axis=1)
     frames = np.flatnonzero(result.solved)
+    frames = frames[np.argsort(flight.time_s[frames], kind="stable")]  # images are by name
     seen = np.unique(flight.picks.landmark[held])
     if not len(frames):
         raise VopdError(f"{flight.source}: no frame has an attitude, so none can be punched")
@@ -470,6 +471,7 @@ def card_readings(
     index = np.full(len(flight.frame), -1)
     index[frames] = np.arange(len(frames))
     pick = np.flatnonzero(held & (index[flight.picks.frame] >= 0))
+    pick = pick[np.argsort(index[flight.picks.frame[pick]], kind="stable")]
     slots = FrameSlots.of(index[flight.picks.frame[pick]], len(frames))
     apart = np.sqrt(3.0) * flight.picks.sigma_px[pick] * film.inches_per_px
     three = film.point_in[pick, None] + apart[:, None, None] * np.array([-1.0, 0.0, 1.0])[:, None]

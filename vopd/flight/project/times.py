@@ -217,20 +217,19 @@ def times_of_csv(
     table = read_csv(file, ("frame", "image", *TIME))
     keys = table.column("image" if by_image else "frame")
     time_s, utc = table.clock(TIME)
-    if not by_image:
-        frame = np.array(frames_of_column(table))
-        keys = [str(one) for one in frame.tolist()]
-        order = np.argsort(frame, kind="stable")
-        back = np.flatnonzero((np.diff(frame[order]) > 0) & ~(np.diff(time_s[order]) > 0.0))
-        if len(back):
-            earlier, later = order[back[0]], order[back[0] + 1]
-            message = f"frame {keys[later]} is not after frame {keys[earlier]}"
-            raise table.error(message, int(later), "t_utc" if utc else "t_s")
+    frame = np.zeros(0, np.int64) if by_image else np.array(frames_of_column(table))
+    keys = keys if by_image else [str(one) for one in frame.tolist()]
     known = dict[str, float]()
     for row, (frame_key, one) in enumerate(zip(keys, time_s.tolist(), strict=True)):
         if known.setdefault(frame_key, one) != one:  # as often as it has picks
             message = f"{frame_key} has two times, {known[frame_key]:.10g} and {one:.10g} s"
             raise section.error("times", str(table.error(message, row)))
+    order = np.argsort(frame, kind="stable")  # of images none
+    back = np.flatnonzero((np.diff(frame[order]) > 0) & ~(np.diff(time_s[order]) > 0.0))
+    if len(back):
+        earlier, later = order[back[0]], order[back[0] + 1]
+        message = f"frame {keys[later]} is not after frame {keys[earlier]}"
+        raise table.error(message, int(later), "t_utc" if utc else "t_s")
     return known, utc
 
 
