@@ -342,6 +342,7 @@ def install_command(extra: str, before: str = "") -> str:
 
 # Errors of parsers in plain words
 
+BACKSLASH = "a backslash begins a code: write / in a path, or the text in single quotes"
 PARSERS = {
     "Expecting value": "a value is missing",
     "Expecting property name enclosed in double quotes": "a name in double quotes is missing",
@@ -361,7 +362,13 @@ PARSERS = {
     "duplicate attribute": "an attribute stands twice",
     "Invalid value": "not a value",
     "Invalid statement": "neither a key nor a section",
-    "Invalid initial character for a key part": "a key cannot begin with this character",
+    "Invalid initial character for a key part": (
+        "a key cannot begin with this character; a table in braces stands on one line"
+    ),
+    "Invalid hex value": BACKSLASH,
+    "Unescaped '\\' in a string": BACKSLASH,
+    "Escaped character is not a Unicode scalar value": BACKSLASH,
+    "Unclosed inline table": "a table in braces has no closing brace on its line",
     "Expected '=' after a key in a key/value pair": "no equals sign after a key",
     "Expected newline or end of document after a statement": "something follows the value",
     "Cannot overwrite a value": "a key stands twice",
@@ -387,7 +394,10 @@ CONVERSIONS = (
     (r"cannot identify image file.*", "no kind of image that is known"),
     (r"malformed node or string.*", "something that is neither a number, a text nor a list"),
     (r"(.*) \(<unknown>, line (\d+)\)", r"line \2: \1"),
-    (r"Cannot declare .* twice", "a section stands twice"),
+    (r"Cannot (declare|redefine) .*", "a section stands twice"),
+    (r"Cannot mutate .*", "a table in braces is whole: write all of its keys in it"),
+    (r"Duplicate inline table key (.*)", r"\1 stands twice"),
+    (r"(?:Found invalid|Illegal) character (.*)", r"\1 cannot stand there"),
     (r"setting an array element with a sequence.*", "a list stands in the place of a number"),
 )
 """What Python and numpy say of a value that they cannot take, as a pattern, and plain words."""

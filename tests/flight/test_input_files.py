@@ -194,8 +194,10 @@ def test_kinds_of_videos_by_their_first_bytes() -> None:
 @pytest.mark.parametrize(
     "error",
     [OverflowError("int too large"), UnicodeDecodeError("utf-8", b"\xff", 0, 1, "invalid"),
-     RecursionError("maximum recursion depth"), ZeroDivisionError("division by zero")],
-    ids=["large", "bytes", "deep", "zero"],
+     RecursionError("maximum recursion depth"), ZeroDivisionError("division by zero"),
+     ValueError("Invalid initial character for a key part (at line 2, column 26)"),
+     ValueError("Unclosed inline table (at line 2, column 25)")],
+    ids=["large", "bytes", "deep", "zero", "key", "braces"],
 )  # fmt: skip
 def test_reasons_in_plain_words(error: Exception) -> None:
     assert_approved(reason(error))

@@ -249,6 +249,11 @@ def test_files_that_a_section_needs() -> None:
         GOOD.replace('[landmarks]\nfile = "m"\n', ""),
         GOOD.replace('[track]\nfile = "t"\n', ""),
         GOOD + "[position]\nh_m = 1\n",
+        GOOD.replace('"l"', r'"C:\Users\l.yml"'),
+        GOOD.replace('"l"', r'"D:\lens.yml"'),
+        GOOD.replace('"l"', '{ model = "brown", model = "fisheye" }'),
+        GOOD.replace('"l"', '{ model = "brown" }\nlens.fx_px = 1500.0'),
+        GOOD.replace('"l"', '"a\x01b"'),
     ],
 )  # fmt: skip
 def test_projects_that_are_refused(text: str | bytes, tmp_path: Path) -> None:
