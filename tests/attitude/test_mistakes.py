@@ -248,10 +248,10 @@ def test_that_nothing_explains_a_frame_is_said(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.parametrize(("misfits", "text"), [(2, NOTHING), (3, OF_THE_WHOLE)])
-def test_most_frames_of_a_flight_that_misfits_are_not_searched(
+def test_what_explains_most_frames_of_a_flight_that_misfits(
     misfits: int, text: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What the whole flight misfits by is searched for in all frames together."""
+    """What nothing in a frame explains is of the whole flight, if most of its frames misfit."""
     monkeypatch.setattr(label_search, "repairs", lambda *_: [])
     e = estimate(LABEL_ANGLES)
     e = replace(e, about=e.about._replace(doubt="the flight misfits: by its focal length"))

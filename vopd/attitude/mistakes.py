@@ -39,7 +39,7 @@ MOST_NAMED = 3  # repairs of a frame
 NOTHING = "neither an exchange of two labels nor one wrong landmark"
 ELSEWHERE = "another position than stated"
 NOT_SEARCHED = "not searched"
-OF_THE_WHOLE = "the misfit of the whole flight"  # of most frames: they are not searched
+OF_THE_WHOLE = "the misfit of the whole flight"  # where nothing else explains one of most frames
 
 
 class Repair(NamedTuple):
@@ -201,11 +201,11 @@ def misfit_text(
         return text
     components = given_components(estimate, sigmas)
     pool = Pool(scale.test_sigma, scale.freedom, None)
+    none = OF_THE_WHOLE if whole else NOTHING
     for frame in misfits:
-        found, word, none = _exchanges(estimate, int(frame)), " and ", OF_THE_WHOLE
-        if not found and not whole:
+        found, word = _exchanges(estimate, int(frame)), " and "
+        if not found:
             found, word = repairs(estimate, int(frame), components, pool)[:MOST_NAMED], " or "
-            none = NOTHING
         text[frame] = word.join(_repair_text(estimate, int(frame), one) for one in found) or none
     return text
 

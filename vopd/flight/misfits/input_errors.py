@@ -45,7 +45,7 @@ MOST_UNSETTLED = 2  # trials that do not converge: after more of them no other e
 MOST_SOLVED = 2  # landmarks with which a flight is solved again
 PLAIN = 4.0  # times the least gain: an error is named whatever it does to angles
 MOST_LEFT = 0.1  # of the residuals' squares, where an error is named that leaves a misfit
-WIDE_95 = 1.96  # half of a 95 % interval, standard deviations
+MOVES = 1.0  # standard deviations of an angle: an error that moves none by more does no harm
 NOTHING_SHOWS = 1e-9  # of an error's squares in the image: less is rounding
 CENTRE = ("centre_u", "centre_v")
 USUAL = {
@@ -98,7 +98,7 @@ def significant_errors(
     what is stated, or a tenth of the squares; that of the most evidence is named, with those that
     explain as well: by the evidence or by the gain, to `ALIKE`; more values beside fewer only
     where they may do so by chance. None is named where none of these moves an angle, or its
-    mean over the frames, by more than the half-width, unless it is `PLAIN`.
+    mean over the frames, by more than its standard deviation, unless it is `PLAIN`.
 
     Args:
         joint: the solution of a flight
@@ -273,18 +273,18 @@ def _solved_with(
 
 
 def _moves_an_angle(joint: JointSolution, trial: Floats, stated: Floats, one: Significant) -> bool:
-    """Tell whether an error turns a frame, or all in the mean, by more than the half-width."""
+    """Tell whether an error turns a frame, or all in the mean, by more than may be neglected."""
     columns = trial[..., list(one.error.columns)] @ one.value[:, None]
     turn, _, _ = propagated(joint, np.concatenate([columns, stated], axis=2))
     variance = np.einsum("fii->fi", joint.covariance.turn) + (turn[..., 1:] ** 2).sum(axis=2)
     with np.errstate(invalid="ignore"):
-        if (np.abs(turn[..., 0]) > WIDE_95 * np.sqrt(variance)).any():
+        if (np.abs(turn[..., 0]) > MOVES * np.sqrt(variance)).any():
             return True
     weight = np.tile(np.eye(3) / joint.model.solved, (joint.model.frames, 1, 1))
     mean = turn.sum(axis=0) / joint.model.solved
     own, _ = covariance_of_sums(joint, weight)
     variance = np.diag(own) + (mean[:, 1:] ** 2).sum(axis=1)
-    return bool((np.abs(mean[:, 0]) > WIDE_95 * np.sqrt(variance)).any())
+    return bool((np.abs(mean[:, 0]) > MOVES * np.sqrt(variance)).any())
 
 
 def input_errors(joint: JointSolution, path: CameraPath) -> tuple[list[TriedError], Floats]:

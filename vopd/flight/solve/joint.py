@@ -33,7 +33,8 @@ DONE = 1e-16  # square of a step that needs not be taken, in standard deviations
 SMALL = 1e-9  # square of a step whose change of the cost is rounding; one that does not shrink ends
 NEAR = 1.0  # square of a step from where on Newton's are tried
 NEARER = 0.1  # of that, where they have led away
-LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e10
+FIRST_DAMPING, MOST_DAMPING = 1e-3, 1e10
+LEAST_DAMPING = 1e-6  # a tenth of it is none
 HUNDREDS = 300.0  # standard deviations of the picks that residuals have: the least cost is far
 APPROACH = 20  # passes with wider picks
 NARROWED, LESS = 10.0, 0.5  # times these, the next time; and of that, residuals that are in reach
@@ -342,12 +343,12 @@ def _descend(normal: Normal, most: int = PASSES) -> tuple[Normal, Floats, int, b
 
     Reweighting alone never raises the cost of a robust loss, and closes in slowly; Newton's
     steps begin where its own have become small. Only frames that a step makes worse are damped:
-    a blunder in one would hold back all.
+    a blunder in one would hold back all. The damping is less after two good steps.
     """
     model = normal.model
     robust = model.loss is not LOSSES["least-squares"]
     own, common, before, newton = np.zeros(model.frames), 0.0, np.inf, False
-    turn, near = np.zeros((model.frames, 3)), NEAR
+    turn, near, fell = np.zeros((model.frames, 3)), NEAR, True
     passes = 0
     while passes < most:
         passes += 1
@@ -360,22 +361,25 @@ def _descend(normal: Normal, most: int = PASSES) -> tuple[Normal, Floats, int, b
             size = _size(normal, step)
             turn, fix, moved = (one[..., 0] for one in step)
             tried = normal.state.moved(turn, fix, moved, model.free, model.clicked)
-            less = np.where(own > LEAST_DAMPING, own / 10.0, 0.0)
+            less = np.where(own > LEAST_DAMPING, own / 10.0, 0.0) if fell else own
             there = Normal(model, tried, newton, damping=less)
             worse = there.frame_cost > normal.frame_cost
             if there.cost <= normal.cost or (size < SMALL and np.isfinite(there.cost)):
                 shrinks = size / before if np.isfinite(before) else 1.0
                 settled = size * min(shrinks, 1.0) < DONE or (size < SMALL and shrinks > 0.25)
                 normal, own, before = there, less, size
-                common = common / 10.0 if common > LEAST_DAMPING else 0.0
+                if fell:
+                    common = common / 10.0 if common > LEAST_DAMPING else 0.0
+                fell = True
                 if settled and not own.any() and common == 0.0:
                     return normal, turn, passes, True
                 if robust and not newton and size < near:
                     normal, newton = Normal(model, tried, True, damping=own), True
                 continue
+        fell = False
         if model.priors.fixes is None or not worse.any() or (worse & (own > 1.0)).any():
-            common = max(10.0 * common, LEAST_DAMPING)
-        own = np.where(worse, np.maximum(10.0 * own, LEAST_DAMPING), own)
+            common = 10.0 * common if common else FIRST_DAMPING
+        own = np.where(worse, np.where(own > 0.0, 10.0 * own, FIRST_DAMPING), own)
         if newton and max(common, own.max()) > 1.0:
             newton, own, common, before = False, np.zeros_like(own), 0.0, np.inf
             near *= NEARER
