@@ -293,11 +293,25 @@ def test_images_that_are_not_there_or_named_otherwise(tmp_path: Path) -> None:
     for name in ("x.png", "y.png"):
         (folder / name).write_bytes(b"")
     assert_approved([*messages_of_files(own)])
-    with refused(VopdError, parts=[folder]):
+    with refused(VopdError):
         photograph(own, 0, "0.png")
     for name in named:
         (folder / name).write_bytes(b"")
     assert not [*messages_of_files(own)]
+
+
+def test_pictures_are_found_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A notebook that changes its folder drew figures without their photographs, unsaid."""
+    images = pytest.importorskip("PIL.Image")
+    write_project(tmp_path / "own", TOML.replace("[picks]", '[picks]\nvideo = "frames"', 1))
+    (tmp_path / "own" / "frames").mkdir()
+    images.new("RGB", (1920, 1080)).save(tmp_path / "own" / "frames" / "0.png")
+    monkeypatch.chdir(tmp_path)
+    flight = read_flight("own/flight.toml")
+    monkeypatch.chdir(tmp_path / "own" / "frames")
+    assert photograph(flight, 0, "0.png").size == (1920, 1080)
 
 
 def test_pictures_of_another_size_than_their_lens(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
     beside = (image_file(one, name) for one in (*of_video, flight.folder))
     found = next(filter(None, beside), None)
     if found is None:
-        places = dict.fromkeys(os.path.normpath(one) for one in of_video)
+        places = dict.fromkeys(_as_named(one, flight.folder) for one in of_video)
         where = " or ".join([*places, "the project's folder"])
         others = other_images(of_video)
         cure = "[picks] video, or --images of vopd plot, names its folder"
@@ -47,6 +47,11 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
         raise VopdError(f"{name} is not in {where}; {cure}")
     (picture,) = open_frames([str(found)]).pictures([0])
     return picture
+
+
+def _as_named(path: Path, folder: Path) -> str:
+    """Write a path as the project in a folder names it, or as it is where it is elsewhere."""
+    return str(path.relative_to(folder) if path.is_relative_to(folder) else os.path.normpath(path))
 
 
 def other_images(folders: Iterable[Path]) -> str:

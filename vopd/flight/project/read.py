@@ -355,7 +355,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         options=flight_options(project, lens, refraction, camera, landmarks),
         own_level=project.section("landmarks").values.get("height") == "same",
         grid=landmark_grid(project, rows, camera),
-        folder=project.folder,
+        folder=project.folder.absolute(),
         video=_video(project),
         about=(
             *(lens.said, picks.said),
@@ -401,7 +401,7 @@ def _video(project: Project) -> tuple[Path, ...]:
     """Find the files of the video that was picked in."""
     section = project.section("picks")
     names = section.files("video") if section.has("video") else ()
-    return tuple(project.folder / name for name in names)
+    return tuple(project.folder.absolute() / name for name in names)
 
 
 def _all_as_one(project: Project) -> bool:
