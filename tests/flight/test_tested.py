@@ -16,7 +16,7 @@ from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.adjust import tested
 from vopd.flight.adjust.tested import Prediction, predicted
-from vopd.flight.misfits.leave_out import PICK, leave_out
+from vopd.flight.misfits.leave_out import LANDMARK, PICK, leave_out
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.joint import solve_jointly
@@ -61,6 +61,20 @@ def test_two_landmarks_of_one_frame_predict_no_pick(tmp_path: Path) -> None:
     write_flight(tmp_path, plan, np.random.default_rng(2))
     with refused(VopdError, parts=[tmp_path.as_posix()]):
         tested.tested_flight(vopd.solve_flight(tmp_path / "flight.toml"))
+
+
+def test_a_frame_whose_residuals_tell_no_reading_sigma_is_tested_by_the_stated_one(
+    tmp_path: Path,
+) -> None:
+    """Of landmarks 3 m off six picks have 9 residuals, which the landmarks take up."""
+    plan = Plan(Errors(landmark_m=(3.0,)), landmarks=6, frames=1, stands=True)
+    write_flight(tmp_path, plan, np.random.default_rng(2))
+    file = tmp_path / "flight.toml"
+    with refused(VopdError, parts=[tmp_path.as_posix()]):
+        tested.tested_flight(vopd.solve_flight(file))
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace("[picks]\n", "[picks]\nsigma_px = 1.0\n"), encoding="utf-8")
+    assert (tested.tested_flight(vopd.solve_flight(file)).tests.kind == LANDMARK).sum() == 6
 
 
 def test_freeing_a_wrong_focal_length_helps_the_prediction(tmp_path: Path) -> None:

@@ -120,10 +120,13 @@ def tested_flight(result: FlightResult) -> TestedFlight:
             break
         out = gone | (out & bool(more))  # gross picks that are not named fit after all
     if tests is None or not len(tests.kind):
-        raise VopdError(
-            f"{flight.source}: no pick is left over that the others predict: "
-            "pick three landmarks or more in a frame"
-        )
+        few = np.bincount(flight.picks.frame[used], minlength=1).max() < 3  # one predicts none
+        advice = (
+            "pick three landmarks or more in a frame" if few
+            else "state [picks] sigma_px, as the residuals do not tell how good a pick is"
+        )  # fmt: skip
+        message = f"no pick is left over that the others predict: {advice}"
+        raise VopdError(f"{flight.source}: {message}")
     rest = tests.take(~_explained(tests, named, flight))
     rest = _solved_without(estimates, rest, len(tests.kind))
     every = LeftOut.concat([*(one.tests.take(slice(1)) for one in named), rest])
