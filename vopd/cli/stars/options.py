@@ -348,7 +348,10 @@ def _mount(ctx: click.Context, param: click.Parameter, value: str | None) -> Any
         return None
     if value in ("forward", "down"):
         return FORWARD if value == "forward" else DOWN
-    return mount_by_angles(numbers(3)(ctx, param, value))
+    ypr_deg = numbers(3)(ctx, param, value)
+    if max(map(abs, ypr_deg)) > 360.0:  # as in a flight project
+        raise click.BadParameter(f"{value!r}: yaw, pitch and roll are -360 to 360 degrees.")
+    return mount_by_angles(ypr_deg)
 
 
 _SKY_OPTIONS = (
