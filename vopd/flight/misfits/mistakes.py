@@ -152,7 +152,7 @@ def freedom(estimate: Estimate) -> int:
 def _size_text(flight: Flight, estimate: Estimate, size_px: float) -> str:
     """Say how large residuals are, or that most landmarks cannot be used."""
     count, missing = _picks_missing(flight, estimate)
-    if 2 * missing.sum() > count.sum():
+    if 2 * missing.sum() >= count.sum():  # or the median is between a residual and UNSEEN_PX
         return f"most landmarks cannot be used {TYPICAL}"
     return f"residuals are {size_px:.1f} px {TYPICAL}"
 
