@@ -344,6 +344,18 @@ def test_a_log_that_is_faster_than_its_receiver_has_each_position_once() -> None
     assert_approved(rows.said)
 
 
+def test_rows_of_a_log_without_a_position_are_left_out() -> None:
+    """Before the first fix, and between two; one that lacks a coordinate alone is an error."""
+    blank = "0.1,,,\n0.2,,,\n0.3,48,15,300\n0.4,,,\n0.5,48.1,15,301\n"
+    rows = read(f"t_s,lat_deg,lon_deg,h_m\n{blank}")
+    assert rows.time_s is not None and rows.time_s.tolist() == [0.3, 0.5]
+    assert rows.coordinate.tolist() == [[15.0, 48.0, 300.0], [15.0, 48.1, 301.0]]
+    assert [*rows.line] == [4, 6]
+    assert_approved(rows.said)
+    for wrong in (blank.replace("301", ""), "0.1,,,\n"):
+        assert_approved(told(f"t_s,lat_deg,lon_deg,h_m\n{wrong}"))
+
+
 def test_positions_that_repeat_now_and_then_stay() -> None:
     """Of a camera that stands at four places; and where most rows differ from the one before."""
     stands = STAIRS.replace("15.2,309", "15.2,301")

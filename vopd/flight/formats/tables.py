@@ -13,7 +13,7 @@ from itertools import chain
 
 import numpy as np
 
-from vopd.arrays import Floats, Ints
+from vopd.arrays import Bools, Floats, Ints
 from vopd.files import names_stars, reason
 from vopd.findings import (
     LONG_WORD,
@@ -206,6 +206,15 @@ class CsvTable:
             raise self.file.error(f"no column {name}{self._instead_of(name)}", 1)
         for block in self.columns[self.header.index(name)]:
             yield [*map(str.strip, block.split("\n") if isinstance(block, str) else block)]
+
+    def take(self, rows: Bools) -> CsvTable:
+        """Take some of the rows, by a mark for each."""
+        kept, columns = np.flatnonzero(rows).tolist(), list[list[Cells]]()
+        for blocks in self.columns:
+            each = [one.split("\n") if isinstance(one, str) else one for one in blocks]
+            texts = [*chain.from_iterable(each)]
+            columns.append([tuple(texts[k] for k in kept)])
+        return replace(self, columns=columns, line=[self.line[k] for k in kept])
 
     def _instead_of(self, name: str) -> str:
         """Say which column may be one that is missing: those that have no other use here."""

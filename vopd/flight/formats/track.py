@@ -41,7 +41,7 @@ from vopd.flight.formats.landmarks import (
     recognises_gpx,
     sigma_columns,
 )
-from vopd.flight.formats.tables import has_columns, read_csv
+from vopd.flight.formats.tables import CsvTable, has_columns, read_csv
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices
 from vopd.inputs import LEAP_SECOND, leap_second, parse_json, plain_number, whole_number
@@ -127,6 +127,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
     table = read_csv(file, COLUMNS)
     geodetic = has_latitudes(table)
     table.require(coordinate_columns(geodetic))
+    table, without = _with_positions(table, coordinate_columns(geodetic))
     coordinate = coordinates_of(table, geodetic)
     velocity = velocity_sigma = None
     if any(table.has(name) for name in VELOCITY):
@@ -143,7 +144,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
         table.check_signs(coordinate)
     image = table.column("image") if table.has("image") else []
     new = np.ones(len(coordinate), bool) if image else new_positions(coordinate)
-    said = f"CSV{table.read_as}, {count_text(int(new.sum()), 'position')}"
+    said = f"CSV{table.read_as}, {count_text(int(new.sum()), 'position')}{without}"
     if not new.all():
         said += (
             f"; {count_text(int((~new).sum()), 'row')} that repeat a position are left out: the "
@@ -165,6 +166,23 @@ def read_csv_track(file: InputFile) -> TrackRows:
         from_ground=table.from_ground,
         names_units=True,
     )
+
+
+def _with_positions(table: CsvTable, names: Sequence[str]) -> tuple[CsvTable, str]:
+    """Leave out the rows of a log whose cells of the position are all empty.
+
+    A flight computer writes its other sensors more often than a position.
+
+    Returns:
+        The others, and what is to be said of those; all, and nothing, of positions of images.
+    """
+    if table.has("image") or not all(map(table.has, names)):
+        return table, ""
+    empty = np.all([[not text for text in table.column(name)] for name in names], axis=0)
+    if empty.all() or not empty.any():
+        return table, ""
+    said = f"; {count_text(int(empty.sum()), 'row')} without a position are left out"
+    return table.take(~empty), said
 
 
 LEAST_RUNS = 5  # of rows with one position: fewer are of a camera that has stood now and then
