@@ -13,7 +13,7 @@ import pytest
 import vopd
 from tests.approved.texts import assert_approved
 from tests.kit.flight_blunders import BlunderRow
-from tests.kit.flight_project import uneven_flight
+from tests.kit.flight_project import uneven_flight, write_project
 from tests.kit.simulated_flights import write_flight
 from tests.tolerances import assert_close
 from vopd.flight.flight import FlightOptions, Picks
@@ -68,16 +68,21 @@ def test_labels_that_are_dropped_leave_the_flight_without_them(tmp_path: Path) -
     assert dropped.estimate.used.sum(axis=1).tolist() == [4 - 2 * (not one) for one in others]
 
 
-def test_only_picks_near_each_other_s_images_are_exchanged_in_larger_frames() -> None:
-    """Images at (0, 0), (100, 0): exchanged picks are 5 px off the other's, 100 px off their own.
-
-    Of the second pair each pick is 10 px off its own image, and 90 and 110 px off the other's.
-    """
-    pixel = np.array([[[105.0, 0.0], [-5.0, 0.0]], [[10.0, 0.0], [110.0, 0.0]]])
-    image = np.array([[0.0, 0.0], [100.0, 0.0]])
-    assert exchanged._far_apart(pixel, pixel - image).tolist() == [False, True]
-    unseen = np.full((1, 2, 2), np.nan)
-    assert not exchanged._far_apart(pixel[1:], unseen).any()
+@pytest.mark.parametrize("frame", [0, 3])
+def test_labels_that_turn_a_frame_upside_down_are_named(frame: int, tmp_path: Path) -> None:
+    """The two lie on either side of all others: upside down they fit, and three others do not."""
+    project = write_project(tmp_path, noise_px=0.5)
+    head, *rows = (tmp_path / "picks.csv").read_text().splitlines()
+    other = {"church": "bridge", "bridge": "church"}
+    parts = [row.split(",") for row in rows]
+    for part in parts:
+        if part[0] == parts[6 * frame][0]:
+            part[1] = other.get(part[1], part[1])
+    lines = [head, *(",".join(part) for part in parts), ""]
+    (tmp_path / "picks.csv").write_text("\n".join(lines))
+    texts = messages(vopd.solve_flight(project))
+    assert [one for one in texts if f"church and bridge {ARE_EXCHANGED}" in one] == texts[:1]
+    assert not any("does not fit" in one for one in texts)
 
 
 @pytest.mark.parametrize("gross", [0, 2, 3, 5])
@@ -86,8 +91,7 @@ def test_trials_of_a_frame_are_counted_before_they_are_made(landmarks: int, gros
     picks, used = np.arange(landmarks + 1) + 7, np.arange(landmarks + 1) > 0
     plain = exchanged._Trial(0, picks, picks, used)
     out = np.isin(np.arange(50), picks[1 : 1 + gross])
-    pixel, error_px = np.zeros((50, 2)), np.full((50, 2), np.nan)  # nothing is far from anything
-    groups = exchanged._groups_of_frame(plain, out, pixel, error_px)
+    groups = exchanged._groups_of_frame(plain, out, np.full((50, 2), np.nan))
     made = sum(len(one.picks) for group in groups for one in group)
     assert exchanged._picks_of_trials(plain, out) == made > 0
 

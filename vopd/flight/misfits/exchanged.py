@@ -36,8 +36,6 @@ from vopd.flight.solve.rotations import (
 
 LEAST_IN_FRAME = 3  # landmarks
 MOST_LANDMARKS = 24  # of a frame, the worst, that are exchanged in twos
-FEW_LANDMARKS = 4  # of a frame: all its exchanges are tried
-FARTHER = 3.0  # times as far from the other's image as from their own: no exchange in a larger one
 MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
 SEARCHED_PICKS = 100_000  # of all exchanges together: frames beyond are not searched
 KEPT = 4  # exchanges of a frame, the best by its rotation alone, whose place is solved for
@@ -182,7 +180,7 @@ def _exchanges(
         more = _picks_of_trials(plain, out)
         if total + more <= SEARCHED_PICKS:
             searched[frame], total = True, total + more
-            groups += _groups_of_frame(plain, out, flight.picks.pixel, error_px) if more else []
+            groups += _groups_of_frame(plain, out, error_px) if more else []
     costs_alone = _costs_of_rotations(flight, groups)
     groups = [_best(group, cost) for group, cost in zip(groups, costs_alone, strict=True)]
     groups = [group for group in groups if len(group) > 1]
@@ -235,9 +233,7 @@ def _picks_of_trials(plain: _Trial, out: Bools) -> int:
     return len(plain.picks) * (1 + comb(min(used, MOST_LANDMARKS), 2) + 2 * alone)
 
 
-def _groups_of_frame(
-    plain: _Trial, out: Bools, pixel: Floats, error_px: Floats
-) -> list[list[_Trial]]:
+def _groups_of_frame(plain: _Trial, out: Bools, error_px: Floats) -> list[list[_Trial]]:
     """List what is tried of a frame, in groups of the same picks: first their own labels.
 
     All exchanges of its worst landmarks, with all picks; and where more than two picks do not fit,
@@ -246,10 +242,7 @@ def _groups_of_frame(
     picks, used = plain.picks, plain.used
     size = np.where(used, np.nan_to_num(np.hypot(*error_px[picks].T), nan=np.inf), -1.0)
     worst = np.sort(np.argsort(-size, kind="stable")[: min(int(used.sum()), MOST_LANDMARKS)])
-    pairs = np.array(list(combinations(worst.tolist(), 2)))
-    if used.sum() > FEW_LANDMARKS:
-        pairs = pairs[~_far_apart(pixel[picks[pairs]], error_px[picks[pairs]])]
-    groups = [[plain, *(plain.exchanged(*pair) for pair in pairs.tolist())]]
+    groups = [[plain, *(plain.exchanged(*pair) for pair in combinations(worst.tolist(), 2))]]
     gross = np.flatnonzero(used & out[picks])
     for pair in combinations(gross.tolist(), 2) if len(gross) > 2 else ():
         rest = used.copy()
@@ -264,16 +257,6 @@ def _best(group: list[_Trial], cost: Floats) -> list[_Trial]:
     """Keep the labels as they are, and of the exchanges that fit better the best."""
     better = [1 + k for k in np.argsort(cost[1:], kind="stable")[:KEPT]]
     return [group[0], *(group[k] for k in better if cost[k] < cost[0])]
-
-
-def _far_apart(pixel: Floats, error_px: Floats) -> Bools:
-    """Mark pairs of picks (N, 2, 2) that lie far from each other's image as the frame is solved.
-
-    Their own labels may have turned the frame, but not so far where others hold it.
-    """
-    others = pixel - (pixel - error_px)[:, ::-1]
-    theirs, own = ((one**2).sum(axis=(1, 2)) for one in (others, error_px))
-    return np.asarray(theirs > FARTHER**2 * own)
 
 
 def _costs_of_rotations(flight: Flight, groups: list[list[_Trial]]) -> list[Floats]:
