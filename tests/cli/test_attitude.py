@@ -287,7 +287,7 @@ def test_what_cannot_change_the_angles_is_not_named(tmp_path: Path) -> None:
     """A camera that does not move has no error by time, and no angles of attack."""
     project = write_project(tmp_path)
     fixed = '[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\nheight = "ellipsoid"\n'
-    project.write_text(f"{TOML[: TOML.index('[track]')]}{fixed}sigma_m = 0.3\n")
+    project.write_text(f"{TOML[: TOML.index('[track]')]}{fixed}sigma_m = 3.0\n")
     assert_approved(named(project))
 
 
