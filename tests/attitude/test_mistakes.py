@@ -260,6 +260,28 @@ def test_what_explains_most_frames_of_a_flight_that_misfits(
     assert found == [text] * misfits + [""] * (4 - misfits)
 
 
+def test_frames_of_a_flight_that_misfits_are_searched_where_some_are_explained(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of 100 every sixth is tried first, which are twenty at most."""
+    e = estimate(np.repeat(LABEL_ANGLES, 25, axis=0))
+    e = replace(e, about=e.about._replace(doubt="the flight misfits: by its focal length"))
+    scale: Any = SimpleNamespace(misfit=np.ones(100, bool), test_sigma=1.0, freedom=np.inf)
+    sigmas, asked = in_force(e, Sigmas(reading=1.0)), list[int]()
+
+    def search(_: object, frame: int, *more: object) -> list[Repair]:
+        asked.append(frame)
+        return [Repair((), None, 0.5)] * (frame in good)
+
+    monkeypatch.setattr(label_search, "repairs", search)
+    good: set[int] = set()
+    assert misfit_text(e, scale, sigmas) == [OF_THE_WHOLE] * 100
+    assert asked == list(range(0, 100, 6))
+    good = {6, 7}
+    text = misfit_text(e, scale, sigmas)
+    assert [k for k, one in enumerate(text) if one != OF_THE_WHOLE] == [6, 7]
+
+
 @pytest.mark.parametrize("most", [0, 1, 2, 3, 4])
 def test_only_so_many_frames_are_searched(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     text = told(monkeypatch, [], [True, False, True, True], most=most)

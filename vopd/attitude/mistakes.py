@@ -35,6 +35,7 @@ NEAR = 0.1  # repairs less likely than this, against the best, are not named
 MOST_LANDMARKS = 24  # of a frame: of more only the worst are searched
 MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
 MOST_FRAMES = 1000  # of a job, some 4 ms each; of the others the flag says that they are not
+FIRST_FRAMES = 20  # of a flight that misfits in most: if none is explained, no other is searched
 MOST_NAMED = 3  # repairs of a frame
 NOTHING = "neither an exchange of two labels nor one wrong landmark"
 ELSEWHERE = "another position than stated"
@@ -201,12 +202,19 @@ def misfit_text(
         return text
     components = given_components(estimate, sigmas)
     pool = Pool(scale.test_sigma, scale.freedom, None)
-    none = OF_THE_WHOLE if whole else NOTHING
-    for frame in misfits:
-        found, word = _exchanges(estimate, int(frame)), " and "
+
+    def explained(frame: int) -> str:
+        found, word = _exchanges(estimate, frame), " and "
         if not found:
-            found, word = repairs(estimate, int(frame), components, pool)[:MOST_NAMED], " or "
-        text[frame] = word.join(_repair_text(estimate, int(frame), one) for one in found) or none
+            found, word = repairs(estimate, frame, components, pool)[:MOST_NAMED], " or "
+        return word.join(_repair_text(estimate, frame, one) for one in found)
+
+    named = np.zeros(0) if estimate.exchanged is None else estimate.exchanged
+    first = misfits[:: len(misfits) // FIRST_FRAMES + 1].tolist()
+    if whole and not named.any() and not any(map(explained, first)):
+        return text
+    for frame in misfits.tolist():
+        text[frame] = explained(frame) or (OF_THE_WHOLE if whole else NOTHING)
     return text
 
 

@@ -558,7 +558,7 @@ FAR = 5.0  # times what is stated: errors that nothing but a mistake explains
 
 
 def is_far(joint: JointSolution) -> bool:
-    """Whether positions, landmarks or parameters come out far from where they are stated."""
+    """Tell whether positions, landmarks or parameters come out far from what is stated of them."""
     if not joint.passes:
         return False
     ratio, chance = size_of_errors(joint)
