@@ -13,7 +13,7 @@ from vopd.arrays import Bools, Floats
 from vopd.attitude.conventions import included_statements
 from vopd.attitude.sigmas import COMMON
 from vopd.attitude.table import MATRICES, TableArrays, TableColumn, columns_of
-from vopd.attitude.uncertainty import student_factor
+from vopd.attitude.uncertainty import student_factor, total_freedom
 from vopd.estimate import About
 from vopd.findings import VopdError, shown
 from vopd.geometry.linear import covariance_factor_95, crossing
@@ -182,8 +182,7 @@ def mean_attitude(history: History, frames: ArrayLike | slice | None = None) -> 
     else:
         covariance, components = _by_sums(history, some, by_frames, by_turns)
     total = np.sqrt(sum(one**2 for one in components.values()))
-    with np.errstate(divide="ignore"):
-        freedom = doubt.reading.freedom * (total / components["reading"]) ** 4
+    freedom = total_freedom(doubt.reading.freedom, total**2, components["reading"] ** 2)
     return MeanAttitude(
         about,
         int(some.sum()),

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
 from vopd.attitude.mean import by_turns_of, covariances_of_sums, middle_of
-from vopd.attitude.uncertainty import student_factor
+from vopd.attitude.table import BODY_AXES
+from vopd.attitude.uncertainty import student_factor, total_freedom
 from vopd.estimate import About
 from vopd.findings import VopdError, size_text
 from vopd.geometry.linear import covariance_factor_95
@@ -18,9 +19,6 @@ from vopd.records import Record
 
 if TYPE_CHECKING:
     from vopd.attitude.history import History
-
-
-AXES = ("forward", "right", "down")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,7 +54,7 @@ class TurningRate(Record):
         from vopd.attitude.summary import decimals_for
 
         few = decimals_for(self.half_width_95, 2)
-        each = zip(AXES, self.rate_deg_s, self.half_width_95, strict=True)
+        each = zip(BODY_AXES, self.rate_deg_s, self.half_width_95, strict=True)
         turns = [f"{axis} {rate:.{few}f} +- {half:.{few}f}" for axis, rate, half in each]
         return (
             f"{self.about.label}: {self.frames} frames about {self.time_s:.3f} s turn by degrees a "
@@ -103,8 +101,7 @@ def turning_rate(history: History, frames: ArrayLike | slice | None = None) -> T
     covariance = sum(found.values(), np.zeros((3, 3)))
     components = {name: np.sqrt(np.maximum(np.diag(one), 0.0)) for name, one in found.items()}
     total, reading = np.sqrt(np.diag(covariance)), history.uncertainty.reading
-    with np.errstate(divide="ignore"):
-        freedom = reading.freedom * (total / components["reading"]) ** 4
+    freedom = total_freedom(reading.freedom, total**2, components["reading"] ** 2)
     return TurningRate(
         history.about,
         int(middle.some.sum()),

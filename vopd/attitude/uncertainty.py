@@ -217,9 +217,7 @@ def _uncertainty(
     components = {name: np.sqrt(one) for name, one in of_component.items()}
     squares = np.asarray(sum(of_component.values()))
     of_readings = of_component["reading"]
-    freedom = np.where(
-        of_readings > 0.0, reading_freedom[:, None] * (squares / of_readings) ** 2, np.inf
-    )
+    freedom = total_freedom(reading_freedom[:, None], squares, of_readings)
     student = student_factor(freedom)
     total, half_width = (
         np.where(gains.free, np.inf, np.sqrt(squares) * one) for one in (1.0, student)
@@ -272,6 +270,21 @@ def _effects(
         if one.name not in known:
             found[one.name + COMMON_PART * one.common] = gains.effect(one)
     return found
+
+
+def total_freedom(reading_freedom: Floats | float, squares: Floats, of_readings: Floats) -> Floats:
+    """Count the degrees of freedom of variances whose part by readings is estimated.
+
+    By Welch and Satterthwaite; infinite where readings have no part.
+
+    Args:
+        reading_freedom: of the reading sigma, broadcast against (...)
+        squares: the whole variances, (...)
+        of_readings: their parts by readings, (...)
+    """
+    with np.errstate(all="ignore"):
+        freedom = reading_freedom * (squares / of_readings) ** 2
+    return np.where(of_readings > 0.0, freedom, np.inf)
 
 
 def student_factor(freedom: Floats) -> Floats:

@@ -8,10 +8,10 @@ from itertools import chain
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.attitude.uncertainty import student_factor
+from vopd.attitude.uncertainty import student_factor, total_freedom
 from vopd.findings import VopdError
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.flight import Flight
+from vopd.flight.flight import Flight, frame_label
 from vopd.flight.solve.equations import LENS_COEFFICIENTS, with_parameters
 from vopd.geometry.lenses import ray_of_pixel
 from vopd.records import Record
@@ -79,7 +79,7 @@ def direction_of(
             its row is of another time than the frame
     """
     flight = estimates.flight
-    label = flight.image_name[frame] if flight.image_name else f"frame {flight.frame[frame]}"
+    label = frame_label(flight, frame)
     where = f"{flight.source}: {label}"
     if flight.shutter is not None:
         raise VopdError(
@@ -119,8 +119,8 @@ def direction_of(
     sigma, by_picks = np.sqrt(np.diag(covariance)), found["reading"]
     if as_readings:
         by_picks = by_picks + found["pick"]
+    freedom = total_freedom(estimates.reading.freedom, sigma**2, np.diag(by_picks))
     with np.errstate(divide="ignore"):
-        freedom = estimates.reading.freedom * (sigma**4 / np.diag(by_picks) ** 2)
         total = sigma / [cos_e, 1.0]
     return Direction(
         label,

@@ -17,7 +17,6 @@ from vopd.flight.flight import Flight
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.rotations import rotation_matrices
 
-AXES = ("forward", "right", "down")
 PASSES = 5  # of a mean of rotations: each squares what is left
 MOST_APART = 3.0  # times what is expected: more are told
 LARGEST_GAP = 3.0  # usual steps of an attitude's rows: a longer one is not interpolated over

@@ -9,9 +9,9 @@ from math import isfinite
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.attitude.table import BODY_AXES
 from vopd.findings import size_text
 from vopd.flight.estimate import FlightEstimates
-from vopd.flight.mounting import AXES
 from vopd.flight.settled import settled, with_named_picks
 from vopd.flight.solve.errors import covariance_of_common
 from vopd.flight.solve.free import (
@@ -100,7 +100,7 @@ def parameters_of(estimates: FlightEstimates) -> tuple[tuple[Parameter, ...], Fl
         assert vehicle.covariance_deg2 is not None
         sigmas = np.sqrt(np.diag(vehicle.covariance_deg2)).tolist()
         prior = flight.mount_sigma_deg or float("inf")
-        for axis, turn, sigma in zip(AXES, vehicle.turned_deg.tolist(), sigmas, strict=True):
+        for axis, turn, sigma in zip(BODY_AXES, vehicle.turned_deg.tolist(), sigmas, strict=True):
             found.append(Parameter(f"mount {axis}", "deg", 0.0, turn, prior, sigma, held=True))
         apart = np.zeros((len(covariance), 3))
         covariance = np.block([[covariance, apart], [apart.T, vehicle.covariance_deg2]])

@@ -557,12 +557,14 @@ def _readout(joint: JointSolution) -> Readout | None:
 FAR = 5.0  # times what is stated: errors that nothing but a mistake explains
 
 
-def is_far(joint: JointSolution) -> bool:
-    """Tell whether positions, landmarks or parameters come out far from what is stated of them."""
-    if not joint.passes:
-        return False
-    ratio, chance = size_of_errors(joint)
-    return ratio > FAR and chance < SIGNIFICANCE
+def times_as_far(joint: JointSolution) -> float:
+    """Measure how many times as far as stated the errors that were solved for come out.
+
+    Returns:
+        The ratio; 0 where it is not beyond `FAR`.
+    """
+    ratio, chance = size_of_errors(joint) if joint.passes else (0.0, 1.0)
+    return ratio if ratio > FAR and chance < SIGNIFICANCE else 0.0
 
 
 def with_stated_exact(joint: JointSolution, sigma_px: float) -> JointSolution:

@@ -28,11 +28,11 @@ from vopd.flight.misfits.input_errors import (
     TYPICAL,
     UNEXPLAINED,
     Significant,
-    is_far,
     named_text,
     of_sampled,
     sampled,
     significant_errors,
+    times_as_far,
     with_stated_exact,
 )
 from vopd.flight.solve.equations import SHIFT
@@ -40,10 +40,9 @@ from vopd.flight.solve.errors import every_prior
 from vopd.flight.solve.joint import PASSES, JointSolution, solve_jointly
 from vopd.flight.solve.sizes import (
     cost_of_frames,
-    explained,
     residual_freedom,
-    size_of_errors,
     size_of_residuals,
+    squares_of_errors,
 )
 
 MOST_BLUNDERS = 0.25  # of the picks: more of them are the flight's misfit
@@ -110,13 +109,13 @@ def far_text(joint: JointSolution) -> str:
 
     The picks may then fit each other, whatever is wrong.
     """
-    if not is_far(joint):
+    times = times_as_far(joint)
+    if not times:
         return ""
-    ratio, _ = size_of_errors(joint)
     moved_m = np.linalg.norm(joint.moved_m, axis=1)
     away_m = float(np.median(moved_m[np.isfinite(moved_m)]))
     return (
-        f"{MISFITS}: positions, landmarks and parameters come out {ratio:.0f} times as far from "
+        f"{MISFITS}: positions, landmarks and parameters come out {times:.0f} times as far from "
         f"what is stated as their standard deviations explain, the camera by {size_text(away_m)} m"
     )
 
@@ -237,16 +236,9 @@ def size_spoken_for(first: JointSolution, component: str) -> tuple[float, float]
 
 def _squares(solution: JointSolution, component: str) -> tuple[float, float]:
     """Add up squares of the errors of a component, and count their degrees of freedom."""
-    model, state = solution.model, solution.state
     if component == "reading":
         return float((solution.normal.residual**2).sum()), residual_freedom(solution)[0]
-    common = model.common_of(state)
-    own = [one == component for one in model.component]
-    squares = float(((common / model.common_sigma)[own] ** 2).sum())
-    free = int((~np.isfinite(model.common_sigma))[own].sum())
-    if component == "position":
-        squares += float(((state.fix_m / model.fix_sigma_m) ** 2).sum())
-    return squares, explained(solution).get(component, 0.0) - free
+    return squares_of_errors(solution).get(component, (0.0, 0.0))
 
 
 def log_likelihood(solution: JointSolution) -> float:

@@ -18,7 +18,7 @@ from vopd.flight.misfits.input_errors import (
     OF_LANDMARK,
     TYPICAL,
     UNEXPLAINED,
-    is_far,
+    times_as_far,
     within_stated_text,
 )
 from vopd.flight.project.keys import Project
@@ -63,7 +63,7 @@ def usual_mistakes(project: Project, estimates: FlightEstimates, named: bool = F
     """
     sigma = float(np.median(estimates.flight.picks.sigma_px))
     flight, joint = some_frames(estimates.flight), estimates.joint
-    far = joint is not None and is_far(joint)
+    far = joint is not None and times_as_far(joint) > 0.0
     known = flight is estimates.flight and not far
     estimate = estimates.whole() if known else solved_trial(flight)
     before = typical_px(flight, estimate)

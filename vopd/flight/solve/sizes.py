@@ -28,6 +28,26 @@ def explained(solution: JointSolution) -> dict[str, float]:
     return found
 
 
+def squares_of_errors(solution: JointSolution) -> dict[str, tuple[float, float]]:
+    """Add up squares of the errors of each component, in stated standard deviations.
+
+    Returns:
+        By component, the squares, and how many there are in the mean: what the picks say of
+        them, but for errors that are free.
+    """
+    model, state = solution.model, solution.state
+    common, told = model.common_of(state), explained(solution)
+    found: dict[str, tuple[float, float]] = {}
+    for component in dict.fromkeys((*model.component, *told)):
+        own = [one == component for one in model.component]
+        squares = float(((common / model.common_sigma)[own] ** 2).sum())
+        free = int((~np.isfinite(model.common_sigma))[own].sum())
+        if component == "position":
+            squares += float(((state.fix_m / model.fix_sigma_m) ** 2).sum())
+        found[component] = squares, told.get(component, 0.0) - free
+    return found
+
+
 def fix_variances(factored: Factored) -> Array:
     """Calculate variances of the fixes' errors after the solve (J, 3)."""
     return np.asarray(np.einsum("jii->ji", fix_covariances(factored)))
@@ -167,16 +187,11 @@ def size_of_errors(solution: JointSolution) -> tuple[float, float]:
         The size of the errors over that which is to be expected, and the chance of such large
         ones, or larger.
     """
-    model = solution.model
-    stated = np.isfinite(model.common_sigma) & (np.array(model.component) != "click")
-    free = ~np.isfinite(model.common_sigma)
-    told = {name: part for name, part in explained(solution).items() if name != "click"}
-    expected = sum(told.values()) - float(free.sum())
-    squares = (model.common_of(solution.state) / model.common_sigma)[stated] ** 2
-    total = float(squares.sum() + ((solution.state.fix_m / model.fix_sigma_m) ** 2).sum())
+    found = [one for name, one in squares_of_errors(solution).items() if name != "click"]
+    squares, expected = (sum(parts) for parts in zip((0.0, 0.0), *found, strict=True))
     if not expected > 0.0:
         return 1.0, 1.0
-    return float(np.sqrt(total / expected)), float(chdtrc(expected, total))
+    return float(np.sqrt(squares / expected)), float(chdtrc(expected, squares))
 
 
 def _by_stated(solution: JointSolution, frames: Bools) -> float:
