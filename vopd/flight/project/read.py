@@ -267,7 +267,13 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     number, times, index = frames_of(project, picks)
     one = _all_as_one(project)
     flight_name, frames = _name(project.section("flight")), len(number)
+    turned: list[str] = []
     if one:
+        if picks.tracks is None:
+            from vopd.flight.project.turned import doubts_of_turn  # of few flights
+
+            names = times.image or [f"frame {k}" for k in number.tolist()]
+            turned = doubts_of_turn(picks, index, names)
         noun = "image" if times.image else "frame"
         flight_name += f"{', ' if flight_name else ''}{count_text(frames, noun)} solved as one"
         number, times, index = number[:1], _first(times), np.zeros_like(index)
@@ -300,7 +306,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     camera, wind_said, wind_doubts = add_wind(project, path.path)
     crs = landmark_crs(project.section("landmarks"), rows)
     outside = outside_area(crs, landmarks.position_m)
-    doubts = [*picks.doubts, *times.doubts, *rows.doubts, *path.doubts, *wind_doubts]
+    doubts = [*picks.doubts, *turned, *times.doubts, *rows.doubts, *path.doubts, *wind_doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
     if picks.commented:
         from vopd.flight.project.commented import doubts_of_comments  # of few flights
