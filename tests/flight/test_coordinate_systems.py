@@ -160,6 +160,22 @@ def test_where_positions_are_on_a_grid() -> None:
         assert np.isnan(column[1]) and column.shape == (3,)
 
 
+def test_a_grid_counts_from_its_own_datum() -> None:
+    """Of Swiss coordinates the origin is defined on Bessel's ellipsoid, and where that lies."""
+    longitude, latitude = np.radians([7 + 26 / 60 + 22.5 / 3600, 46 + 57 / 60 + 8.66 / 3600])
+    radius_m, flattening, height_m = 6377397.155, 1 / 299.1528128, 550.0
+    e2 = flattening * (2.0 - flattening)
+    across_m = radius_m / np.sqrt(1.0 - e2 * np.sin(latitude) ** 2)
+    level_m = (across_m + height_m) * np.cos(latitude)
+    up_m = (across_m * (1.0 - e2) + height_m) * np.sin(latitude)
+    centre_m = np.array([674.374, 15.056, 405.346])
+    own_m = np.array([level_m * np.cos(longitude), level_m * np.sin(longitude), up_m])
+    position = own_m + centre_m
+    grid = map_grid("EPSG:21781", position[None])
+    assert grid is not None
+    assert_close("flight position", [grid.easting[0], grid.northing[0]], [600_000.0, 200_000.0])
+
+
 @pytest.mark.parametrize(
     ("datum", "vertical"), [("egm96", "5773"), ("egm2008", "3855"), ("navd88", "5703")]
 )

@@ -291,18 +291,22 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     pyproj = optional_package("pyproj", "geo", f"the CRS {name}")
     known = np.isfinite(position_m[:, 0])
     where = geodetic(position_m[known])
-    plane = _projection(pyproj, name)
+    plane, from_grid = _projection(pyproj, name)
+    here = where.longitude_deg.tolist(), where.latitude_deg.tolist(), where.height_m.tolist()
     columns = np.full((3, len(position_m)), np.nan)
-    columns[:2, known] = plane(where.longitude_deg.tolist(), where.latitude_deg.tolist())
+    # a projection alone takes WGS 84 for the CRS's own datum, hundreds of metres from it
+    columns[:2, known] = from_grid.transform(*here, direction="INVERSE")[:2]
+    columns[:2, ~np.isfinite(columns[0])] = np.nan  # outside the area of the transformation
     factors = plane.get_factors(where.longitude_deg, where.latitude_deg)
     columns[2, known] = factors.meridian_convergence
     return MapGrid(name, *columns)
 
 
 @cache
-def _projection(pyproj: Any, name: str) -> Any:
-    """Make the projection of a CRS, which takes milliseconds."""
-    return pyproj.Proj(_crs(name, "crs"))
+def _projection(pyproj: Any, name: str) -> tuple[Any, Any]:
+    """Make the projection of a CRS, and its transformation to WGS 84, which take milliseconds."""
+    crs = _crs(name, "crs")
+    return pyproj.Proj(crs), _transformer(pyproj, crs.to_2d(), "EPSG:4326")
 
 
 def _transform(
@@ -311,10 +315,8 @@ def _transform(
     crs = _crs(source, where)
     pyproj = optional_package("pyproj", "geo", f"{where}: the CRS {source}")
     try:
-        transformer = pyproj.Transformer.from_crs(
-            crs, target, always_xy=True, allow_ballpark=False, only_best=True
-        )
         lists = coordinate.T.tolist()  # an array of one element has a path of its own, deprecated
+        transformer = _transformer(pyproj, crs, target)
         return tuple(np.asarray(a) for a in transformer.transform(*lists, errcheck=True))
     except pyproj.exceptions.ProjError as error:
         if not hint and "+" in source and "=" not in source:
@@ -330,6 +332,13 @@ def _transform(
             else "these coordinates have no exact transformation: look at them and at the CRS"
         )
         raise VopdError(f"{where}: {source} to WGS 84: {hint} (PROJ: {_short(error)})") from error
+
+
+def _transformer(pyproj: Any, crs: Any, target: str) -> Any:
+    """Make the best transformation of a CRS to another, x before y in both."""
+    return pyproj.Transformer.from_crs(
+        crs, target, always_xy=True, allow_ballpark=False, only_best=True
+    )
 
 
 def _short(error: Exception) -> str:
