@@ -462,7 +462,8 @@ def solve_cameras(
     monkeypatch.setattr(solved_calibration, "calibrate_from_both_starts", calibrate)
     axes = AXES if unit == "mm" else PX
     request = StarRequest(axes, free=free)
-    return *solve_calibration(star_file(unit), STARS, used, request, sigma), given
+    stars, solved, _, doubts = solve_calibration(star_file(unit), STARS, used, request, sigma)
+    return stars, solved, doubts, given
 
 
 ALL = ("k1", "centre", "focal")

@@ -1170,3 +1170,23 @@ def test_what_coordinates_without_a_date_refer_to(kind: str) -> None:
     found = sky_directions(file, SkyRequest(None), lambda _: None)
     assert found.directions.tolist() == [[1.0, 0.0, 0.0]] and found.frame is None
     assert_approved(found.epoch)
+
+
+def test_a_point_of_the_night_sky_has_azimuth_and_elevation() -> None:
+    """A pixel near a corner, through the lens by hand, with and without the camera known."""
+    pixel = np.array([700.0, 300.0])
+    image = (pixel - (np.array(SIZE) - 1.0) / 2.0) * [1.0, -1.0] / FOCAL
+    tangent = image.copy()
+    for _ in range(60):
+        tangent = image / (1.0 + K1 * (tangent @ tangent))
+    east, north, up = np.array([*tangent, -1.0]) @ camera_night()
+    truth = np.degrees([np.arctan2(east, north), np.arctan2(up, np.hypot(east, north))])
+    free = ("--focal-px", "3150", "--size", "4000,3000", "--free", "focal,centre,k1")
+    for lens in (LENS, free):
+        point = ("--point", "700,300", "--y-down")
+        (row,) = solved_night(by_name(read(1)), *lens, *point, *AT_NIGHT)
+        (found,) = row["points"]
+        off = np.array([found[name] for name in OF_PLACE[:2]]) - truth
+        sigmas = np.array([found[f"sigma_{name}"] for name in OF_PLACE[:2]])
+        assert np.abs(off / sigmas).max() < DEVIATIONS
+        assert sigmas.max() < within("sigma of a point at night")

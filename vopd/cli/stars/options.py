@@ -205,6 +205,15 @@ _METHOD_OPTIONS = (
         "distortion. Several photographs share them.",
     ),
     click.option(
+        "--point",
+        "points",
+        metavar="X,Y",
+        multiple=True,
+        callback=numbers(2),
+        help="A point of the picture, in the file's coordinates, whose direction is wanted, as of "
+        "a fireball; repeatable.",
+    ),
+    click.option(
         "--resection",
         is_flag=True,
         help="Solve the camera's position too, from four ground points or more.",
@@ -229,6 +238,10 @@ def refuse_idle_options(ctx: click.Context, given: dict[str, Any], form: str) ->
         raise click.UsageError(f"--method {method} takes three stars at least, not a pair.")
     if given["listing"] and (pairs or form != "text" or method == "all"):
         raise click.UsageError("--listing is for text output of collinearity with all stars.")
+    if given["points"] and (given["listing"] or form not in ("text", "json")):
+        raise click.UsageError(
+            "--point is for solutions as text or JSON (-o NAME.json), without --listing."
+        )
     if given["reject"] and given["edit_by_pairs"]:
         raise click.UsageError("--reject and --edit-by-pairs exclude each other.")
     for name in ("reject", "edit_by_pairs"):

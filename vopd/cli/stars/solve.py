@@ -123,7 +123,8 @@ def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: A
     from the photograph. All results are then in pixels.
 
     omega, phi, kappa turn the camera's axes about x, y, z in this order; alpha,
-    delta are where the optical axis points. Without --pair, two-star and
+    delta are where the optical axis points; --point gives the direction of another
+    point. Without --pair, two-star and
     single-rotation solve stars 1 and 2, as their programs do.
 
     The residuals are compared with --reading-sigma or with the interstar angles.
@@ -234,6 +235,7 @@ def _request(given: dict[str, Any]) -> StarRequest:
         camera_m=given["camera"],
         resection=given["resection"],
         free=given["free"],
+        points=given["points"],
         sky=sky_request(given),
         options=StarOptions(
             initial_deg=None if isinstance(given["initial"], str) else given["initial"],

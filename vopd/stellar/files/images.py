@@ -73,28 +73,11 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
 
     Raises:
         MissingOption: a file of pixels lacks its scale or its principal point.
-        InputError: options for pixels with a file in mm.
+        InputError: options for pixels with a file in mm, or an image outside the field of k1.
     """
-    upward = np.array([1.0, -1.0 if axes.flipped(file) else 1.0])
-    if file.unit == "mm":
-        for_pixels = (axes.focal_px, axes.pitch_um, axes.centre_px, axes.size_px)
-        if any(one is not None for one in for_pixels):
-            message = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
-            raise input_error(message, file.source)
-        if axes.focal_mm is None:
-            raise _missing(file, "--focal MM is needed (or --free focal)")
-        points, focal = file.image * upward, axes.focal_mm
-    else:
-        if not axes.has_focal(file) and axes.centre_px is None and axes.size_px is None:
-            raise _missing(
-                file, f"the file has pixels: {_FOCAL}, and {_POINT}, are needed; {_BOTH}"
-            )
-        points = file.image - _principal_point(file, axes)
-        if file.pixels.distortion:
-            points = undistorted(points, file.pixels.distortion, _width(file, axes))
-        points, focal = points * upward, _focal_px(file, axes)
+    points, focal = centred_points(file.image, file, axes)
     if axes.k1:
-        far, points = points, without_lens(points, LensOfStars(focal, k1=axes.k1))
+        far, _ = centred_points(file.image, file, replace(axes, k1=0.0))
         outside = np.flatnonzero(~np.isfinite(points).all(axis=1))
         if outside.size:
             text = "the image lies outside the field in which --k1 holds"
@@ -107,6 +90,44 @@ def centred_images(file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
                 "which no lens does: write the lens's own, as -0.1, or --free k1"
             )
             raise file.error(text, int(times.argmax()))
+    return points, focal
+
+
+def centred_points(image: Floats, file: StarFile, axes: ImageAxes) -> tuple[Floats, float]:
+    """Count points of a file's picture from the principal point, with y up.
+
+    Args:
+        image: the points in the file's coordinates, (n, 2)
+        file: the photograph
+        axes: how its image coordinates are read
+
+    Returns:
+        Points, (n, 2), NaN outside the field in which k1 holds, and principal distance.
+
+    Raises:
+        MissingOption: a file of pixels lacks its scale or its principal point.
+        InputError: options for pixels with a file in mm.
+    """
+    upward = np.array([1.0, -1.0 if axes.flipped(file) else 1.0])
+    if file.unit == "mm":
+        for_pixels = (axes.focal_px, axes.pitch_um, axes.centre_px, axes.size_px)
+        if any(one is not None for one in for_pixels):
+            message = "--focal-px, --pitch-um, --centre, --size are for pixels; the file has mm"
+            raise input_error(message, file.source)
+        if axes.focal_mm is None:
+            raise _missing(file, "--focal MM is needed (or --free focal)")
+        points, focal = image * upward, axes.focal_mm
+    else:
+        if not axes.has_focal(file) and axes.centre_px is None and axes.size_px is None:
+            raise _missing(
+                file, f"the file has pixels: {_FOCAL}, and {_POINT}, are needed; {_BOTH}"
+            )
+        points = image - _principal_point(file, axes)
+        if file.pixels.distortion:
+            points = undistorted(points, file.pixels.distortion, _width(file, axes))
+        points, focal = points * upward, _focal_px(file, axes)
+    if axes.k1:
+        points = without_lens(points, LensOfStars(focal, k1=axes.k1))
     return points, focal
 
 

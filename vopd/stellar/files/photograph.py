@@ -31,6 +31,7 @@ from vopd.stellar.files.images import (
 )
 from vopd.stellar.files.mistakes import Plausibility, judge, suspicious_photographs
 from vopd.stellar.files.plate_solvers import read_corr_fits, read_plate_solutions
+from vopd.stellar.files.points import point_directions
 from vopd.stellar.files.read import (
     MOST_STARS,
     StarFile,
@@ -84,6 +85,8 @@ class StarRequest:
     # date and place of the photograph, and files about stars
     sky: SkyRequest = field(default_factory=SkyRequest)
     free: tuple[str, ...] = ()  # what of the camera is solved with the attitude: focal, centre, k1
+    # x, y of points of the picture whose directions are wanted, in the coordinates of the file
+    points: tuple[tuple[float, ...], ...] = ()
     options: StarOptions = field(default_factory=StarOptions)  # how to solve
     # the solution of one photograph with the camera of all, if there are several
     shared: Calibration | None = None
@@ -469,10 +472,11 @@ def solved_photograph(
     sigma = options.reading_sigma_mm
     doubts: list[KindOfFinding] = []
     solved = list(problem.resected)
+    calibration = None
     if alike is not None:
         solved = list(alike)
     elif request.free and sky is not None:
-        stars, solution, doubts = solve_calibration(file, stars, used, request, sigma)
+        stars, solution, calibration, doubts = solve_calibration(file, stars, used, request, sigma)
         solved = [solution]
     elif sky is not None:
         pairs = _pairs(file, request)
@@ -491,6 +495,15 @@ def solved_photograph(
         shown = [
             replace(one, sky=sky_pointing(
                 np.array(one.matrix), frame, mount, one.rotation_covariance_arcsec2
+            ))
+            for one in shown
+        ]  # fmt: skip
+    if request.points:
+        focal = float(np.ravel(stars.focal_length_mm)[0])
+        shown = [
+            replace(one, points=point_directions(
+                request.points, file, request.axes, one, focal, calibration, frame,
+                equatorial=file.kind in EQUATORIAL,
             ))
             for one in shown
         ]  # fmt: skip
@@ -558,7 +571,7 @@ def _judged(problem: StarProblem, fitted: FittedStars | None, suspicious: bool) 
     if not request.free:
         return judgement(stars)
     try:
-        camera, _, _ = solve_calibration(file, stars, np.arange(len(file.lines)), request, sigma)
+        camera, *_ = solve_calibration(file, stars, np.arange(len(file.lines)), request, sigma)
     except InputError as error:
         mistake = judgement(stars).mistake
         if mistake is None:
@@ -696,7 +709,7 @@ def solve_calibration(
     used: Ints,
     request: StarRequest,
     reading_sigma: float | None,
-) -> tuple[StarField, SolvedStars, list[KindOfFinding]]:
+) -> tuple[StarField, SolvedStars, Calibration, list[KindOfFinding]]:
     """Solve attitude and camera.
 
     Args:
@@ -707,7 +720,7 @@ def solve_calibration(
         reading_sigma: standard deviation of an image coordinate; None: from the residuals
 
     Returns:
-        The problem with images without the lens, the solution, and warnings about it.
+        The problem with images without the lens, the solution, the camera, and warnings.
 
     Raises:
         InputError: too few stars, or there is no solution.
@@ -758,4 +771,4 @@ def solve_calibration(
                 f"{size_text(deviation, 3)}{unit}"
             )
     kinds = [(f"calibration {k}", file.finding(text).warned()) for k, text in enumerate(doubts)]
-    return corrected, solved, kinds
+    return corrected, solved, found, kinds

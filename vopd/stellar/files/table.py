@@ -173,6 +173,7 @@ def stated_conventions(photographs: Sequence[SolvedPhotograph]) -> dict[str, str
 
 def _row(photograph: SolvedPhotograph, one: SolvedStars) -> dict[str, Any]:
     row = one.as_dict(photograph.file.unit)
+    row.pop("points", None)
     elements = [element for line in row.pop("matrix") for element in line]
     covariance = row.pop("rotation_covariance_arcsec2", None)
     upper = covariance and [covariance[i][j] for i in range(3) for j in range(i, 3)]

@@ -50,6 +50,8 @@ def as_text(
     elif rows:
         pages += [_directions([row for row in rows if row[0].epoch]), _table(rows)]
         pages = [page for page in pages if page]
+    if any(one.points for _, one in rows):
+        pages.insert(1, _points([row for row in rows if row[1].points]))
     if len(rows) > 1 and rows[0][1].camera is not None:
         pages += _cameras(rows)
     epochs = dict.fromkeys(one.epoch for one in photographs if one.epoch and one.solved)
@@ -188,6 +190,42 @@ def _directions(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
     left = {k for k, cell in enumerate(table[0]) if cell in ("image", "method", "stars")}
     close = {k for k, cell in enumerate(table[0]) if cell == "+-"}
     return "\n".join(aligned(table, left, close)) + "\n"
+
+
+POINT_ANGLES = {
+    "ra_deg": "ra", "dec_deg": "dec", "alpha_deg": "alpha", "delta_deg": "delta",
+    "azimuth_deg": "azimuth", "elevation_deg": "elevation",
+}  # fmt: skip
+AS_SEEN = "points as they are seen, without correction for refraction or aberration"
+READ_ALIKE = "; their own readings count\nas good as those of the stars"
+
+
+def _points(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
+    """Tabulate the directions of points that were asked for."""
+    first = (rows[0][1].points or [{}])[0]
+    shown = [name for name in POINT_ANGLES if name in first]
+    units = "/".join(dict.fromkeys(photograph.file.unit for photograph, _ in rows))
+    angles = [cell for name in shown for cell in (POINT_ANGLES[name], "+-")]
+    table = [
+        ["image", "method", "x", "y", *angles],
+        ["", "", units, units, *(cell for _ in shown for cell in ("deg", ""))],
+    ]
+    for photograph, one in rows:
+        for point in one.points or []:
+            cells = []
+            for name in shown:
+                sigma = point.get(f"sigma_{name}")
+                half = None if sigma is None else half_widths([sigma], one.reading_freedom)[0]
+                cells += with_half(point[name], half)
+            at = (f"{point[axis]:g}" for axis in "xy")
+            table.append([photograph.label, one.method, *at, *cells])
+    keep = [k for k in range(len(table[0])) if k > 1 or len({row[k] for row in table[2:]}) > 1]
+    table = [[row[k] for k in keep] for row in table]
+    left = {k for k, cell in enumerate(table[0]) if cell in ("image", "method")}
+    close = {k for k, cell in enumerate(table[0]) if cell == "+-"}
+    known = any(one.rotation_covariance_arcsec2 is not None for _, one in rows)
+    note = AS_SEEN + READ_ALIKE * known
+    return "\n".join([note, *aligned(table, left, close)]) + "\n"
 
 
 def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:

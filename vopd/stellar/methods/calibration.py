@@ -231,9 +231,22 @@ def without_lens(image: Floats, lens: LensOfStars) -> Floats:
 
 @np.errstate(all="ignore")
 def _computed(field: StarField, matrix: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Project images (n, 2), and differentiate them by turns, focal, centre and k1, (n, 2, 7)."""
-    focal, centre, k1 = values[0], values[1:3], values[3]
+    """Project a problem's stars, (n, 2), and differentiate their images, (n, 2, 7)."""
     tangents = image_points_mm(transform(matrix, field.directions), 1.0)
+    return differentiated_images(tangents, values)
+
+
+def differentiated_images(tangents: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Project directions to images, and differentiate these by turns, focal, centre and k1.
+
+    Args:
+        tangents: of the directions from the optical axis, (n, 2)
+        values: of UNKNOWNS
+
+    Returns:
+        Images, (n, 2), and derivatives, (n, 2, 7), in image units.
+    """
+    focal, centre, k1 = values[0], values[1:3], values[3]
     (x, y), by_tangents = distort_brown(_brown(k1), *tangents.T)
     distorted = np.column_stack([x, y])
     square = (tangents**2).sum(axis=1, keepdims=True)

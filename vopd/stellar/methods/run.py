@@ -88,6 +88,9 @@ class SolvedStars:
     camera: dict[str, float] | None = None
     camera_sigmas: dict[str, float] | None = None
     images: list[list[float]] | None = None  # x, y from the principal point, y up, image units
+    # of each point that was asked for its x, y, and angles and standard deviations by the names of
+    # columns
+    points: list[dict[str, float]] | None = None
 
     def without_uncertainty(self) -> SolvedStars:
         """Remove the statement of uncertainty."""
