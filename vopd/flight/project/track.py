@@ -136,10 +136,13 @@ def times_of_track(
     if rows.time_s is None:
         return times, None
     time_s = track_clock(section, rows) + section.number("offset_s")
+    timed = bool(np.isfinite(times.time_s).any())
     if rows.clock != "seconds":
-        epoch = times.epoch or first_whole_second(time_s, section, "file")
-        times, time_s = times._replace(epoch=epoch), time_s - epoch.timestamp()
-    if not np.isfinite(times.time_s).any():
+        zero = times.epoch or first_whole_second(time_s, section, "file")
+        time_s = time_s - zero.timestamp()
+        if not timed:  # the date of their zero, where frames have times of their own, is not known
+            times = times._replace(epoch=zero)
+    if not timed:
         row = rows_of_images(section, rows, times.image)
         times = times._replace(time_s=np.where(row >= 0, time_s[row], np.nan))
         times = refuse_since_1970(section.project, times) if rows.clock == "seconds" else times
@@ -173,7 +176,7 @@ def path_by_image(
         rows: the track
         position: its positions, Earth-centred, (T, 3)
         times: of the frames, with the names of their images
-        time_s: of the track's positions on the frames' clock, (T,), where it has times
+        time_s: of the track's positions from any zero, (T,), where it has times
         notes: added to
     """
     found = rows_of_images(section, rows, times.image)
