@@ -184,7 +184,12 @@ def test_one_that_is_not_stated_is_that_with_which_the_flight_is_solved() -> Non
 # Standard deviations that the user gives
 
 
-@pytest.mark.parametrize("name", ["position", "landmark", "focal_length", "time_s", "reading"])
+EVERY_SIGMA = (
+    "position", "landmark", "focal_length", "time_s", "reading", "velocity", "wind", "mount_deg"
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EVERY_SIGMA)
 def test_the_user_s_standard_deviations_are_those_of_a_project_that_states_them(name: str) -> None:
     flight, _ = drawn(Priors(own_fixes(6), np.full((6, 3), 0.5)))
     speed = np.tile([3.0, 2.0, 0.0], (6, 1))
@@ -196,6 +201,17 @@ def test_the_user_s_standard_deviations_are_those_of_a_project_that_states_them(
     assert np.array_equal(one.uncertainty.total, other.uncertainty.total, equal_nan=True)
     plain = solve_flight_read(flight).history().uncertainty.total
     assert not np.array_equal(one.uncertainty.total, plain, equal_nan=True)
+
+
+def test_standard_deviations_that_are_given_later_leave_those_from_before() -> None:
+    """No picture of a flight has fiducials, whose errors would move it as a whole."""
+    flight, _ = drawn(Priors(own_fixes(6), np.full((6, 3), 0.5)))
+    first, then = Sigmas(landmark=0.7, mount_deg=0.3), Sigmas(reading=0.4, wind=2.0, fiducial=5.0)
+    both = Sigmas(landmark=0.7, mount_deg=0.3, reading=0.4, wind=2.0)
+    one = solve_flight_read(with_sigmas(flight, first)).history(then)
+    other = solve_flight_read(flight).history(both)
+    assert one.uncertainty.components.keys() == other.uncertainty.components.keys()
+    assert np.array_equal(one.uncertainty.total, other.uncertainty.total, equal_nan=True)
 
 
 def test_a_standing_camera_s_position_is_given_for_all_frames_together() -> None:

@@ -25,7 +25,7 @@ AS_SIGMAS = "standard deviations as vopd.Sigmas has them"
 
 @dataclass(frozen=True)
 class Sigmas:
-    """Standard deviations of the inputs of a job; 0 leaves a component out.
+    """Standard deviations of the inputs of a job; 0 leaves a component out, or to its project.
 
     Lengths are in feet for a card deck and in metres for a flight project; image
     coordinates in millimetres on the film for a deck and in pixels for a flight.

@@ -439,8 +439,8 @@ class FlightOptions:
     # those of which the project and its files say nothing; `bias` among them if nothing says how
     # much of a track's error is common to its fixes
     not_stated: tuple[str, ...] = ()
-    # standard deviations that the user gives in the place of stated ones; of those in `SOLVED_WITH`
-    # and of the readings, of which 0 leaves them out and None gives none
+    # standard deviations that the user gives in the place of stated ones, or besides them; 0, and
+    # None of the readings, gives none
     given: Sigmas = field(default_factory=Sigmas)
     # parameters that are solved for, by the names of `vopd.flight.solve.free.FREE`
     free: tuple[str, ...] = ()

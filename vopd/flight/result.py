@@ -49,7 +49,7 @@ from vopd.flight.misfits.unsolved import (
 from vopd.flight.project.keys import Project, read_project
 from vopd.flight.project.read import flight_or_errors, read_flight
 from vopd.flight.settled import settled, settled_as_held, with_named_picks
-from vopd.flight.solve.errors import SOLVED_WITH, with_sigmas
+from vopd.flight.solve.errors import SOLVED_WITH, is_solved_again, with_sigmas
 from vopd.flight.solve.free import MOUNT, not_held_findings, without_parameter
 from vopd.flight.solve.held import least_held, solved_findings
 from vopd.flight.solve.readout import ROUNDS as ROUNDS_OF_ROWS
@@ -183,9 +183,10 @@ class FlightResult(Shown):
         from vopd.attitude.long_history import history_of_long_job
 
         flight = with_sigmas(self.read, options.sigmas)
-        if flight.options.given != self.flight.options.given:
+        given = flight.options.given
+        if is_solved_again(self.flight.options.given, given):
             return solve_flight_read(flight).history_parts(options)
-        rest = replace(options.sigmas, **dict.fromkeys(SOLVED_WITH, 0.0), reading=None)
+        rest = replace(given, **dict.fromkeys(SOLVED_WITH, 0.0), reading=None)
         made, own = self.estimates, replace(options, sigmas=rest)
         return history_of_long_job(made.layout, made.of, own, made.reading, made.sum_errors)
 

@@ -61,10 +61,11 @@ def with_sigmas(flight: Flight, sigmas: Sigmas) -> Flight:
 
     Args:
         flight: the flight
-        sigmas: the user's; 0 leaves what the project states, and None of the readings
+        sigmas: the user's; 0 leaves what was given before, or what the project states, and None
+            of the readings. No picture of a flight has fiducials
 
     Returns:
-        The flight itself where none of them takes part in its solve.
+        The flight itself where none of them is another.
     """
     path, marks, options = flight.path, flight.landmarks, flight.options
     if sigmas.reading == 0.0:
@@ -72,9 +73,10 @@ def with_sigmas(flight: Flight, sigmas: Sigmas) -> Flight:
             f"{flight.source}: reading sigma: no pick is exact: give pixels, as 0.5 of a click, or "
             "leave it out"
         )
-    given = Sigmas(sigmas.reading, **{name: getattr(sigmas, name) for name in SOLVED_WITH})
-    if given in (Sigmas(), options.given):
-        return flight
+    before, given = options.given, {name: one for name, one in vars(sigmas).items() if one}
+    options = replace(options, given=replace(before, **given | {"fiducial": None}))
+    if not is_solved_again(before, options.given):
+        return flight if options.given == before else replace(flight, options=options)
     if options.held is not None:
         raise VopdError(
             f"{flight.source}: standard deviations in the place of stated ones are for the project "
@@ -87,11 +89,17 @@ def with_sigmas(flight: Flight, sigmas: Sigmas) -> Flight:
     common = dict(options.parameter_sigma)
     common |= {"focal": sigmas.focal_length} if sigmas.focal_length > 0.0 else {}
     common |= {"clock": sigmas.time_s} if sigmas.time_s > 0.0 else {}
-    options = replace(options, parameter_sigma=common, given=given)
+    options = replace(options, parameter_sigma=common)
     picks = flight.picks
     if sigmas.reading:
         picks = picks.with_sigma(sigmas.reading)
     return replace(flight, path=path, landmarks=marks, options=options, picks=picks)
+
+
+def is_solved_again(before: Sigmas, given: Sigmas) -> bool:
+    """Tell whether a flight is solved with others of the standard deviations that a user gives."""
+    names = ("reading", *SOLVED_WITH)
+    return any(getattr(before, name) != getattr(given, name) for name in names)
 
 
 def _with_position_sigma(path: CameraPath, sigma_m: float) -> CameraPath:
