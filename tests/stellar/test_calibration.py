@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from itertools import combinations
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -79,7 +80,8 @@ def test_counted_errors_have_the_stated_covariance() -> None:
     assert abs(np.mean(squares) / 7.0 - 1.0) < within("rae resection sigma")
 
 
-def test_photographs_share_one_camera() -> None:
+@pytest.mark.parametrize("spread", [(1.0, 1.0, 1.0), (0.2, 1.0, 4.0)])
+def test_photographs_share_one_camera(spread: tuple[float, ...]) -> None:
     """Three attitudes and one lens: scipy's least squares of all 13 unknowns at once."""
     rng, fields, looks = np.random.default_rng(11), [], []
     for count in (6, 12, 20):
@@ -90,7 +92,8 @@ def test_photographs_share_one_camera() -> None:
         read = images_of(tangents) + rng.normal(0.0, SIGMA, (count, 2))
         fields.append(StarField.of(stars, read, FOCAL))
         looks.append(look)
-    found = calibrate_together(fields, [calibrate(f, wahba(f).matrix, UNKNOWNS) for f in fields])
+    starts = [calibrate(f, wahba(f).matrix, UNKNOWNS) for f in fields]
+    found = calibrate_together(fields, starts, spread)
     assert found is not None
 
     def residuals(at: np.ndarray) -> np.ndarray:
@@ -100,7 +103,8 @@ def test_photographs_share_one_camera() -> None:
             ray = field.directions @ (turn @ looks[k]).T
             tangents = ray[:, :2] / -ray[:, 2:]
             r2 = (tangents**2).sum(axis=1, keepdims=True)
-            out.append(centre + focal * tangents * (1.0 + k1 * r2) - field.image_mm)
+            off = centre + focal * tangents * (1.0 + k1 * r2) - field.image_mm
+            out.append(off / spread[k])
         return np.concatenate(out).ravel()
 
     start = np.concatenate([np.zeros(9), [1.0, 0.0, 0.0, 0.0]])
@@ -108,8 +112,10 @@ def test_photographs_share_one_camera() -> None:
     sigma = np.sqrt(np.diag(np.linalg.inv(dense.jac.T @ dense.jac)))
     lens = np.array([FOCAL, FOCAL, FOCAL, 1.0])
     for k, one in enumerate(found):
-        own = np.sqrt(np.diag(one.covariance))
+        own = np.sqrt(np.diag(one.covariance)) * spread[k]
         assert_close("rae sigma by scipy", own[3:] / (sigma[9:] * lens), 1.0)
+        variance = dense.fun @ dense.fun / one.freedom * spread[k] ** 2
+        assert_close("rae sigma by scipy", one.variance / variance, 1.0)
         turn = Rotation.from_rotvec(dense.x[3 * k : 3 * k + 3]).as_matrix() @ looks[k]
         assert np.abs(one.matrix - turn).max() < within("rae weighted element")
         away = (np.array(one.lens) - dense.x[9:] * lens) / own[3:]
@@ -163,6 +169,70 @@ def test_the_command_finds_an_exact_camera() -> None:
     again = solved(text, *given)
     assert np.abs(np.array(again["matrix"]) - LOOK).max() < within("rae weighted element")
     assert_close("residual", again["residuals_px"], np.zeros((12, 2)))
+
+
+@pytest.mark.parametrize(
+    "options", [("--free", "focal,centre", "--focal-px", "2300"), ("--free", "focal,centre")]
+)
+def test_a_known_distortion_is_that_of_the_solved_camera(options: tuple[str, ...]) -> None:
+    """k1 goes by the principal point and distance that are found, not by those to start from."""
+    tangents = sky(12)
+    text = written(images_of(tangents), stars_of(tangents))
+    row = solved(text, *options, "--k1", str(K1))
+    found = [row["focal_px"], row["centre_x_px"], row["centre_y_px"]]
+    assert_close("rae exact camera", found, [FOCAL, 1499.5 + 14.0, 999.5 + 9.0])
+    assert row["picture"]["k1"] == K1 and "k1" not in row
+    head, *lines = text.splitlines()
+    twice = [f"{head},image", *(f"{line},{name}" for name in "ab" for line in lines)]
+    for each in json.loads(solve("\n".join(twice), *options, "--k1", str(K1)).stdout):
+        assert_close("rae exact camera", each["focal_px"], FOCAL)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [("--centre", "1513.5,1008.5", "--k1", str(K1)), ("--free", "centre,k1")],
+    ids=["stated", "solved"],
+)
+def test_the_field_of_an_image_is_that_of_its_lens(options: tuple[str, ...]) -> None:
+    """Edges 1514 and 1486, 1009 and 991 px from the principal point, (1 + k1 r**2) r of them."""
+    tangents = sky(12)
+    text = written(images_of(tangents), stars_of(tangents)).replace("u,v,w", "ra_deg,dec_deg")
+    u, v, w = stars_of(tangents).T
+    places = np.column_stack([np.degrees(np.arctan2(v, u)), np.degrees(np.arcsin(w))])
+    head, *lines = text.splitlines()
+    rows = [
+        ",".join([*line.split(",")[:2], f"{ra:.17g}", f"{dec:.17g}"])
+        for line, (ra, dec) in zip(lines, places.tolist(), strict=True)
+    ]
+    shown = vopd("stars", "solve", "-", "--size", "3000,2000", "--y-down", "--focal-px", str(FOCAL),
+                 *options, stdin="\n".join([head, *rows])).stdout  # fmt: skip
+    angles = [
+        max(np.roots([K1, 0.0, 1.0, -px / FOCAL]).real, key=lambda r: -abs(r - px / FOCAL))
+        for px in (1514.0, 1486.0, 1009.0, 991.0)
+    ]
+    left, right, up, down = np.degrees(np.arctan(angles))
+    (field,) = (line for line in shown.splitlines() if line.startswith("field "))
+    assert field.split()[1:4] == [f"{left + right:.4g}", "x", f"{up + down:.4g}"]
+
+
+@pytest.mark.parametrize("stated", [True, False], ids=["of both", "of one"])
+def test_the_better_photograph_tells_the_camera_they_share(tmp_path: Path, stated: bool) -> None:
+    """That of .01 px against one of 20 px whose principal distance is 1 % longer."""
+    tangents = sky(30)
+    stars, near = stars_of(tangents), FOCAL * tangents
+    rng = np.random.default_rng(8)
+    files = tmp_path / "good.csv", tmp_path / "bad.csv"
+    for file, scale, sigma, says in zip(
+        files, (1.0, 1.01), (0.01, 20.0), (True, stated), strict=True
+    ):
+        text = written(scale * near + rng.normal(0.0, sigma, near.shape), stars)
+        head, *lines = text.splitlines()
+        more = [f"{head},sigma_px", *(f"{line},{sigma}" for line in lines)]
+        file.write_text("\n".join(more if says else [head, *lines]))
+    options = ("--size", "3000,2000", "--y-down", "--focal-px", "2400", "--free", "focal")
+    good, bad = json.loads(vopd("stars", "solve", *files, "--format", "json", *options).stdout)
+    assert good["focal_px"] == bad["focal_px"]
+    assert_close("sigmas of one draw", (good["focal_px"] - FOCAL) / good["sigma_focal_px"], 0.0)
 
 
 def test_the_reading_error_has_fewer_degrees_of_freedom() -> None:
@@ -455,7 +525,7 @@ def solve_cameras(
 ) -> tuple[StarField, SolvedStars, list[Any], list[Any]]:  # fmt: skip
     given: list[Any] = []
 
-    def calibrate(stars: StarField, unknowns: tuple[str, ...]) -> Calibration:
+    def calibrate(stars: StarField, unknowns: tuple[str, ...], _: float) -> Calibration:
         given.extend([stars.used.shape[-1], unknowns])
         return found
 

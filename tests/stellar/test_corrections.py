@@ -346,6 +346,10 @@ def test_the_command_hands_weights_and_sigma_on_to_the_listing() -> None:
     pages = [solve_text(wrong, "--initial", "1,-2,3", "--listing", *way).stdout for way in ways]
     assert len({tuple(first_angles(page, 1)) for page in pages}) == 1
     assert len({tuple(first_angles(page, 2)) for page in pages}) == 3
+    head, *lines = wrong.splitlines()
+    stated = "\n".join([f"{head},sigma_mm", *(f"{line},.01" for line in lines)])
+    own = solve_text(stated, "--initial", "1,-2,3", "--listing", "--weights", "robust").stdout
+    assert first_angles(own, 2) == first_angles(pages[2], 2)
 
 
 def test_what_has_no_printout() -> None:

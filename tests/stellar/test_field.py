@@ -19,9 +19,11 @@ from vopd.geometry.sexagesimal import format_dms, parse_angle_deg
 from vopd.stellar import (
     StarSolution,
     alpha_delta_swing_deg,
+    calibrate,
     church,
     closed_form,
     collinearity,
+    find_outliers,
     matrix_from_alpha_delta_swing,
     omega_phi_kappa_deg,
     orientation_matrix,
@@ -66,7 +68,7 @@ def same(one: StarField, directions: Any, image: Any, focal: Any, used: Any, err
     assert one.directions[used].tolist() == np.array(directions)[used].tolist()
     assert one.image_mm[used].tolist() == np.array(image)[used].tolist()
     assert one.focal_length_mm.tolist() == np.array(focal).tolist()
-    assert one.errors is not None and one.errors.tolist() == np.array(errors).tolist()
+    assert one.errors is not None and one.errors[used].tolist() == np.array(errors)[used].tolist()
 
 
 def test_parts_of_a_stack() -> None:
@@ -303,6 +305,22 @@ def test_a_star_that_is_not_used_changes_nothing(method: str) -> None:
         assert np.abs(mine - plain).max() < within("rae stack element")
 
 
+def test_a_star_that_is_not_used_is_no_outlier_and_tells_no_camera() -> None:
+    images = np.vstack([[[900.0, 900.0]], PERTURBED_MM, [[30.0, 30.0]]])
+    stars = np.vstack([[[1.0, 0.0, 0.0]], DIRECTIONS_STACKS, DIRECTIONS_STACKS[:1]])
+    errors = np.tile(np.eye(2), (6, 1, 1))
+    errors[0] = 0.0
+    padded = StarField.of(stars, images, 76.0, [False] + [True] * 5, errors)
+    alone = StarField.of(stars[1:], images[1:], 76.0)
+    for start in ("interstar", "pairs"):
+        mine, plain = find_outliers(padded, start=start), find_outliers(alone, start=start)
+        assert [one.star for one in mine] == [one.star + 1 for one in plain]
+    matrix = wahba(alone).matrix
+    mine, plain = (calibrate(one, matrix, ("focal",)) for one in (padded, alone))
+    assert plain.failure == Failure.NONE
+    assert mine.lens == plain.lens
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_the_order_of_the_stars_does_not_matter(method: str) -> None:
     order = [2, 0, 3, 1]
@@ -437,6 +455,13 @@ OTHER: dict[str, Callable[[], object]] = {
         np.eye(3), np.ma.masked_greater([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], 5.5), 76.0
     ),
     "points of a space resection in the plane": lambda: resection(np.eye(2), np.eye(2), 76.0),
+    "errors that are no covariance": lambda: StarField.of(
+        np.eye(3), np.eye(3)[:, :2], 76.0, errors=[[1.0, 2.0], [2.0, 1.0]]
+    ),
+    "errors of nothing": lambda: StarField.of(
+        np.eye(3), np.eye(3)[:, :2], 76.0, errors=np.zeros((2, 2))
+    ),
+    "an unknown that no camera has": lambda: calibrate(THREE, np.eye(3), ("centre",)),
     "three stars by two": lambda: two_star(THREE),
     "three stars by a single rotation": lambda: single_rotation(THREE),
     "one star by two": lambda: two_star(THREE.select(np.array([0]))),

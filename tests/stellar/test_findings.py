@@ -300,6 +300,9 @@ def test_findings_of_one_kind_are_counted(severity: Any, count: int) -> None:
     assert shown[: min(count, 3)] == [one[1] for one in given[:3]]
     more = Finding(f"svd: {count - 3} more like these", "a.csv", severity=severity)
     assert shown[3:] == ([more] if count > 3 else [])
+    notes = counted(("note 0", one) for _, one in given)
+    plain = replace(more, message=f"{count - 3} more like these")
+    assert notes[3:] == ([plain] if count > 3 else [])
 
 
 def test_findings_about_plausibility_are_all_shown() -> None:

@@ -17,7 +17,7 @@ import pytest
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import Ran, vopd
 from tests.tolerances import assert_close
-from vopd.findings import Finding, VopdError
+from vopd.findings import VopdError
 from vopd.stellar.files.images import ImageAxes
 from vopd.stellar.files.read import StarFile, read_star_csv
 from vopd.stellar.identify import identified
@@ -87,14 +87,21 @@ def test_the_axis_of_unidentified_stars_is_the_true_one(place: tuple[float, floa
     assert_close("sigmas of one draw", off / sigma, 0.0)
 
 
+def test_places_without_a_star_are_told_of_photographs_that_share_a_camera() -> None:
+    head, *one = photograph(84.0, 0.0, 25.0).splitlines()
+    other = photograph(200.0, -70.0, 160.0).splitlines()[1:]
+    rows = [f"{row},{name}" for name, own in (("a", one), ("b", other)) for row in own]
+    result = solved("\n".join([f"{head},image", *rows]), "--free", "focal")
+    assert result.status == 0 and result.stderr.count("left out; ") == 2
+
+
 def test_stars_that_are_identified_keep_their_standard_deviations() -> None:
     """Each half a pixel, but for x of the first, in the files with and without places."""
     head, *lines = photograph(84.0, 0.0, 25.0).splitlines()[:-2]
     rows = [f"{one},{0.2 if k == 0 else 0.5},0.5" for k, one in enumerate(lines)]
     text = "\n".join([f"{head},sigma_x_px,sigma_y_px", *rows, ""])
     (unknown,) = read_star_csv(text, "a.csv")
-    told = list[Finding]()
-    known = identified(unknown, AXES, SkyRequest(), told.append, focal_known=True)
+    known = identified(unknown, AXES, SkyRequest(), focal_known=True)
     assert known.sigmas is not None and unknown.sigmas is not None
     kept = [unknown.lines.index(one) for one in known.lines]
     assert np.array_equal(known.sigmas, unknown.sigmas[kept])
@@ -127,11 +134,10 @@ AXES = ImageAxes(focal_px=FOCAL, size_px=(WIDTH, HEIGHT))
 
 
 def refused_identification(file: StarFile, focal_px: float = FOCAL, catalogue: str = "") -> None:
-    found: list[Finding] = []
     axes = AXES.with_focal(focal_px, "px")
     sky = SkyRequest(catalogue=catalogue or None)
     with refused(VopdError, parts=[catalogue] if catalogue else []):
-        identified(file, axes, sky, found.append, focal_known=True)
+        identified(file, axes, sky, focal_known=True)
 
 
 def test_a_field_in_which_no_pattern_is_found() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -585,6 +586,15 @@ def test_a_robust_solution_marks_the_star_that_hardly_counts() -> None:
     assert "* weight below 0.5" in robust.stdout
     rms = [float(run.stdout.partition("rms mm")[2].split()[0]) for run in (plain, robust)]
     assert rms[0] > 0.5 and rms[1] < 0.05
+
+
+def test_a_robust_solution_in_which_no_star_counts_fully_has_the_rms_of_all() -> None:
+    options = ("--weights", "robust", "--reading-sigma", "1e-6")
+    result = solve(written(photograph(10)), *options, "--format", "json")
+    (one,) = json.loads(result.stdout)
+    assert result.status == 3 and np.max(one["weights"]) < 0.5
+    assert_close("rae element", one["rms_mm"], np.sqrt(np.mean(np.square(one["residuals_mm"]))))
+    assert_approved(solve(written(photograph(10)), *options).stdout.partition("* ")[2][:80])
 
 
 def test_the_chance_of_an_outlier_is_that_of_the_f_distribution() -> None:

@@ -418,19 +418,22 @@ FACTORS: list[tuple[Model, list[float]]] = [
 
 @pytest.mark.parametrize(("model", "factors"), FACTORS)
 def test_variances_by_brightness_and_length(model: Model, factors: list[float]) -> None:
-    """Relative to their mean; the reading sigma is not stated."""
+    """Relative to their mean; the reading sigma to that of a bright and round star."""
     relative, sigma = errors_of(star_file(magnitude=BRIGHT, elongation=LONG), model, flipped=True)
-    assert relative is not None and sigma is None
+    assert relative is not None
+    assert_close("rae element", sigma, np.mean(factors) ** 0.5)
     expected = np.array(factors)[:, None, None] / np.mean(factors) * ROUND
     assert_close("rae element", relative, expected)
 
 
 def test_errors_that_are_all_alike() -> None:
     same = star_file(magnitude=[6.0] * 3, elongation=[2.0] * 3)
-    for model in (PLAIN, (7.5, False), BY_LENGTH):
-        assert errors_of(same, model) == (None, None)
+    for model, sigma in ((PLAIN, 1.0), ((6.0, False), 2.0**0.5), (BY_LENGTH, 2.0)):
+        relative, found = errors_of(same, model)
+        assert relative is None
+        assert_close("rae element", found, sigma)
     bright = star_file(magnitude=BRIGHT, elongation=LONG)
-    assert errors_of(bright) == (None, None)
+    assert errors_of(bright) == (None, 1.0)
 
 
 def test_faint_and_bright_beyond_measure() -> None:
@@ -484,4 +487,4 @@ def test_columns_that_lack(columns: dict[str, Any], model: Model) -> None:
     with refused(InputError):
         errors_of(star_file(**columns), model)
     empty = star_file(magnitude=[np.nan] * 3, elongation=[0.5] * 3)
-    assert errors_of(empty) == (None, None)
+    assert errors_of(empty) == (None, 1.0)

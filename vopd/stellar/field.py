@@ -225,8 +225,8 @@ class StarField(Rows):
             The field, with all as arrays of one stack shape.
 
         Raises:
-            VopdError: the shapes do not fit, n is 0, a principal distance is not positive, or
-                something is no number.
+            VopdError: the shapes do not fit, n is 0, a principal distance is not positive,
+                something is no number, or errors are no covariance matrices.
         """
         vectors, images = numbers(directions, "directions"), numbers(image_mm, "image_mm")
         focal = numbers(focal_length_mm, "focal_length_mm")[..., None]
@@ -256,6 +256,10 @@ class StarField(Rows):
                 f"{vectors.shape}, images {images.shape}, focal lengths {focal.shape}, "
                 f"used {present.shape}"
             ) from None
+        if errors is not None:
+            errors = np.where(mask[..., None, None], errors, np.eye(2))
+            if not ((errors[..., 0, 0] > 0.0) & (np.linalg.det(errors) > 0.0)).all():
+                raise VopdError("the errors of a star field must be covariance matrices of x and y")
         return cls(
             _contained(vectors, mask, [0.0, 0.0, 1.0]),
             _contained(images, mask, [0.0, 0.0]),

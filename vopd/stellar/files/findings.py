@@ -23,7 +23,7 @@ SHOWN_OF_A_KIND = 3  # how many findings of one kind are shown; the others are c
 
 
 KindOfFinding = tuple[str, Finding]
-"""A finding after its kind, by which many of one kind are counted."""
+"""A finding after its kind, by which many of one kind are counted: `method: what` or `what`."""
 
 
 def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
@@ -38,8 +38,8 @@ def counted(findings: Iterable[KindOfFinding]) -> list[Finding]:
         last[kind] = finding
     for kind, count in seen.items():
         if count > SHOWN_OF_A_KIND and kind != "plausibility":
-            method = kind.partition(":")[0]
-            text = f"{method}: {count - SHOWN_OF_A_KIND} more like these"
+            method, colon, _ = kind.partition(":")
+            text = f"{method}: " * bool(colon) + f"{count - SHOWN_OF_A_KIND} more like these"
             more = Finding(text, last[kind].source, severity=last[kind].severity)
             shown.append(more)
     return shown

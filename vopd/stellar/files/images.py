@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -150,6 +151,32 @@ def in_file_coordinates(point: Floats, file: StarFile, axes: ImageAxes) -> Float
     return np.asarray(origin + point * upward)
 
 
+def image_edges(
+    file: StarFile, axes: ImageAxes, focal: float, solved: Mapping[str, float]
+) -> Floats:
+    """Find the edges of an image of pixels at the height of its principal point, and above it.
+
+    Args:
+        file: the photograph
+        axes: the camera as stated, with the size of the image
+        focal: principal distance, as solved where it was
+        solved: what else of the camera was solved, by its names; the centre as the file counts
+
+    Returns:
+        x of the left and the right edge and y of the first and the last, from the principal point
+        and without the lens, (2, 2); NaN where the lens does not reach them.
+    """
+    stated = in_file_coordinates(np.zeros(2), file, axes)
+    point = np.array([solved.get(f"centre_{one}", stated[k]) for k, one in enumerate("xy")])
+    first = np.full(2, file.pixels.first_centre - 0.5) - point
+    last = first + (axes.size_px or (np.nan, np.nan))
+    edges = np.array([[first[0], 0.0], [last[0], 0.0], [0.0, first[1]], [0.0, last[1]]])
+    if file.pixels.distortion:
+        edges = undistorted(edges, file.pixels.distortion, _width(file, axes))
+    edges = without_lens(edges, LensOfStars(focal, k1=axes.k1 + solved.get("k1", 0.0)))
+    return np.stack([edges[:2, 0], edges[2:, 1]], axis=1)
+
+
 def _focal_px(file: StarFile, axes: ImageAxes) -> float:
     """Find the principal distance in pixels: as given, by the pitch, or by the field of view."""
     if axes.focal_px is not None:
@@ -205,13 +232,13 @@ LEAST_ELONGATION = 1.0
 
 def reading_errors(
     file: StarFile, magnitude_limit: float | None, *, by_elongation: bool, flipped: bool
-) -> tuple[Floats | None, float | None]:
+) -> tuple[Floats | None, float]:
     """Estimate the covariance of a file's images, relative to the reading sigma.
 
     The noise of a star's light falls with the root of its brightness, so that the
     variance at magnitude m is 1 + 10**(0.4 (m - limit)) times that of a bright star.
-    The sigma of an elongated image is multiplied by its elongation. Where the file
-    states standard deviations the reading sigma is their root mean square.
+    The sigma of an elongated image is multiplied by its elongation. The reading sigma is the
+    root mean square of all.
 
     Args:
         file: the file
@@ -222,8 +249,8 @@ def reading_errors(
 
     Returns:
         Covariance matrices of x and y for a reading sigma of 1, (n, 2, 2), or None if all
-        errors are alike; and the reading sigma, image units, or None if the file does not
-        state it.
+        errors are alike; and the reading sigma, in image units where the file states standard
+        deviations, else in that of a bright star with a round image.
 
     Raises:
         InputError: a star lacks the magnitude or elongation that is asked for.
@@ -241,9 +268,9 @@ def reading_errors(
             raise file.error("elongation: length over width is 1 or more", int(short[0]))
         factor *= elongation**2
     if file.sigmas is None:
-        if (factor == factor[0]).all():
-            return None, None
-        return factor[:, None, None] / factor.mean() * np.eye(2), None
+        mean = float(factor.mean())
+        alike = bool((factor == factor[0]).all())
+        return None if alike else factor[:, None, None] / mean * np.eye(2), mean**0.5
     x, y, correlation = file.sigmas.T
     mixed = x * y * (-correlation if flipped else correlation)
     covariance = np.stack([np.stack([x**2, mixed], -1), np.stack([mixed, y**2], -1)], axis=-2)

@@ -115,6 +115,9 @@ class SolvedPhotograph:
     utc: datetime | None = None  # when it was taken, if that is known
     # from ICRF axes to east, north, up at the place, (3, 3), if these are known
     local: Floats | None = None
+    # how it was solved, with its own reading sigma
+    options: StarOptions = field(default_factory=StarOptions)
+    spread: float = 1.0  # its reading sigma, as `reading_errors` has it
 
 
 # Files of photographs
@@ -261,15 +264,20 @@ def _with_one_camera(
     unknowns = tuple(name for one in PARAMETERS if one in request.free for name in PARAMETERS[one])
     fields = []
     for one in own:
-        points, focal = centred_images(one.file, request.axes)
+        points, focal = centred_images(one.file, _axes_as_read(request))
         read = replace(
             one.stars,
             image_mm=points,
             focal_length_mm=np.full_like(one.stars.focal_length_mm, focal),
         )
         fields.append(read.select(one.used))
-    starts = [calibrate_from_both_starts(one, unknowns) for one in fields]
-    found = calibrate_together(fields, starts)
+    starts = [calibrate_from_both_starts(one, unknowns, request.axes.k1) for one in fields]
+    spread = [one.spread for one in own]
+    stated = [one.file.sigmas is not None for one in own]
+    if any(stated) and not all(stated):  # the residuals tell the others
+        each = zip(stated, spread, starts, strict=True)
+        spread = [sigma if known else start.variance**0.5 for known, sigma, start in each]
+    found = calibrate_together(fields, starts, spread)
     if found is None:
         return photographs
     camera = {id(one): shared for one, shared in zip(own, found, strict=True)}
@@ -330,6 +338,7 @@ class StarProblem(NamedTuple):
     sky: FileSky | None  # directions, frame and date; None for a resection
     resected: tuple[SolvedStars, ...]  # the solution of a resection
     findings: tuple[KindOfFinding, ...]  # warnings
+    spread: float  # its reading sigma, as `reading_errors` has it
 
     @property
     def judged_as_read(self) -> bool:
@@ -363,22 +372,24 @@ def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
     if file.utc is not None:
         request = replace(request, sky=replace(request.sky, utc=file.utc))
     unknown = "focal" in request.free and not (request.resection or request.axes.has_focal(file))
-    axes = request.axes.with_focal(1.0, file.unit) if unknown else request.axes
+    axes = _axes_as_read(request)
+    if unknown:
+        axes = axes.with_focal(1.0, file.unit)
     notes: list[Finding] = []
     if not file.kind:
         if request.resection or request.camera_m is not None:
             raise file.error("ground points need columns x_m, y_m, z_m")
-        file = identified(file, axes, request.sky, notes.append, focal_known=not unknown)
+        known = axes if unknown else request.axes
+        file = identified(file, known, request.sky, focal_known=not unknown)
     points, focal = centred_images(file, axes)
-    notes += outside_image(file, axes)
+    notes += (*file.notes, *outside_image(file, axes))
     sky = None if request.resection else photograph_directions(file, request, notes.append)
     if sky is not None and unknown:
-        axes = axes.with_focal(focal_by_pairs(points, sky.directions), file.unit)
-        request = replace(request, axes=axes)
-        points, focal = centred_images(file, axes)
+        focal = focal_by_pairs(points, sky.directions)
+        request = replace(request, axes=request.axes.with_focal(focal, file.unit))
     if sky is not None and file.magnitude is None:
         file = replace(file, magnitude=sky.magnitude)
-    errors, sigma = reading_errors(
+    errors, spread = reading_errors(
         file,
         request.magnitude_limit,
         by_elongation=request.by_elongation,
@@ -387,10 +398,10 @@ def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
     options = request.options
     if errors is not None and options.weights == "listed":
         raise file.error("--weights listed knows no columns of sigma, and no other errors")
-    if sigma is not None:
+    if file.sigmas is not None:
         if options.reading_sigma_mm is not None:
             raise file.error("the file has standard deviations: no --reading-sigma")
-        options = replace(options, reading_sigma_mm=sigma)
+        options = replace(options, reading_sigma_mm=spread)
     doubts: list[KindOfFinding] = []
     resected: list[SolvedStars] = []
     if sky is None:
@@ -402,7 +413,12 @@ def star_problem(file: StarFile, request: StarRequest) -> StarProblem:
         stars = StarField.of(sky.directions, points, focal, errors=errors)
     refuse_unsolvable(file, stars)
     findings = (*doubts, *((f"note {k}", one) for k, one in enumerate(notes)))
-    return StarProblem(file, request, options, stars, sky, tuple(resected), findings)
+    return StarProblem(file, request, options, stars, sky, tuple(resected), findings, spread)
+
+
+def _axes_as_read(request: StarRequest) -> ImageAxes:
+    """Leave a known distortion in images of which the camera is solved, as it goes by that."""
+    return replace(request.axes, k1=0.0) if request.free else request.axes
 
 
 def solve_photograph(file: StarFile, request: StarRequest, label: str = "") -> SolvedPhotograph:
@@ -520,6 +536,8 @@ def solved_photograph(
         epoch=sky.epoch if sky else "",
         utc=request.sky.utc if frame else None,
         local=frame.local if frame else None,
+        options=options,
+        spread=problem.spread,
     )
 
 
@@ -730,7 +748,9 @@ def solve_calibration(
     needed = (3 + len(unknowns)) // 2 + 1
     if len(used) < needed:
         raise file.error(f"{option} takes {needed} stars at least")
-    found = request.shared or calibrate_from_both_starts(stars.select(used), unknowns)
+    found = request.shared or calibrate_from_both_starts(
+        stars.select(used), unknowns, request.axes.k1
+    )
     if found.failure == Failure.SINGULAR:
         raise file.error(f"{option}: the stars do not determine it")
     if found.failure != Failure.NONE:

@@ -333,6 +333,7 @@ class StarFile:
     line_word: str = "line"  # what a line is called in messages
     # which columns have other names in the file, as a sentence; empty if none has
     read_as: str = ""
+    notes: tuple[Finding, ...] = ()  # warnings of how its stars were identified
 
     def error(self, message: str, *stars: int) -> InputError:
         """Make an error about some stars (counted from 0) that names their lines."""

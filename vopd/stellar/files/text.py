@@ -11,8 +11,8 @@ from scipy.special import stdtrit
 from vopd.findings import count_text, size_text
 from vopd.geometry.sexagesimal import format_dms
 from vopd.screen import aligned
-from vopd.stellar.files.images import in_file_coordinates
-from vopd.stellar.files.photograph import SolvedPhotograph, StarRequest
+from vopd.stellar.files.images import image_edges
+from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
 from vopd.stellar.listed import LISTED_CORRECTIONS, stars_printout
@@ -151,12 +151,10 @@ def _answer(photograph: SolvedPhotograph, one: SolvedStars, size_px: Sequence[fl
     image = np.asarray(stars.image_mm).reshape(-1, 2)[photograph.used]
     ends = np.stack([image.min(axis=0), image.max(axis=0)])
     what = "of the stars"
-    if size_px is not None and unit == "px":
-        ends, what = np.outer([-0.5, 0.5], size_px), "of the image"
-        if photograph.axes is not None:  # the principal point may lie off the middle
-            file = photograph.file
-            point = in_file_coordinates(np.zeros(2), file, photograph.axes)
-            ends += np.asarray(size_px) / 2.0 + file.pixels.first_centre - 0.5 - point
+    if size_px is not None and unit == "px" and photograph.axes is not None:
+        edges = image_edges(photograph.file, photograph.axes, focal, one.camera or {})
+        if np.isfinite(edges).all():  # of a lens that reaches them
+            ends, what = edges, "of the image"
     wide, high = np.degrees(np.ptp(np.arctan(ends / focal), axis=0)).tolist()
     rows.append(["field", f"{wide:.4g} x {high:.4g}", "", "deg", what])
     known = [f"; {HALF_WIDTHS}"] if halves[0] is not None else []
@@ -316,7 +314,9 @@ def _residuals(one: SolvedStars, file: StarFile, *, robust: bool) -> str:
             line += " *" if small else "  "
         lines.append(f"{line}  {file.names[star - 1]}".rstrip())
     if reduced:
-        lines.append(f"* weight below {REDUCED_WEIGHT:g}: the star is not in the rms")
+        every = all(max(weights) < REDUCED_WEIGHT for weights in one.weights or ())
+        fate = "as of all stars, which are in the rms" if every else "the star is not in the rms"
+        lines.append(f"* weight below {REDUCED_WEIGHT:g}: {fate}")
     return "\n".join(lines) + "\n"
 
 
@@ -435,11 +435,11 @@ def _stars(stars: Sequence[int]) -> str:
 # What program STARS prints
 
 
-def as_listed(photographs: Sequence[SolvedPhotograph], request: StarRequest) -> str:
+def as_listed(photographs: Sequence[SolvedPhotograph]) -> str:
     """Print photographs as program STARS does; four corrections unless a number is given."""
-    options = request.options
     pages = []
     for one in photographs:
+        options = one.options
         page = stars_printout(
             one.stars.select(one.used),
             initial_deg=options.initial_deg,

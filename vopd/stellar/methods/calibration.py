@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.findings import VopdError
 from vopd.geometry.lenses import distort_brown, undistort_brown
 from vopd.geometry.linear import angle_between, inverse, transform
 from vopd.stellar.field import Failure, StarField, image_points_mm, refuse_other_field
@@ -77,8 +78,14 @@ def calibrate(
         free: names of UNKNOWNS to solve; the others keep their values
         lens: lens to start from, and values of what is not solved; None: the
             principal distance of the field, no distortion
+
+    Raises:
+        VopdError: where it is no field, or there is no such unknown
     """
     refuse_other_field(field, "calibrate")
+    if other := [name for name in free if name not in UNKNOWNS]:
+        raise VopdError(f"calibrate solves {', '.join(UNKNOWNS)}, and not {other[0]!r}")
+    field = field.select(field.used)
     index = [UNKNOWNS.index(name) for name in free]
     values = np.array(lens or LensOfStars(float(field.focal_length_mm[0])))
     matrix = start
@@ -115,7 +122,7 @@ def calibrate(
 
 
 def calibrate_together(
-    fields: Sequence[StarField], starts: Sequence[Calibration]
+    fields: Sequence[StarField], starts: Sequence[Calibration], spread: Sequence[float] = ()
 ) -> list[Calibration] | None:
     """Solve the attitudes of several photographs, and the one lens that took them.
 
@@ -124,11 +131,14 @@ def calibrate_together(
     Args:
         fields: a problem each, its images as they were read, from about the principal point
         starts: each with a lens of its own; the lens that its photograph holds best begins
+        spread: how the reading sigmas of the photographs are to each other; none: alike
 
     Returns:
-        A solution for each photograph, with the same lens; None where it does not converge.
+        A solution for each photograph, with the same lens; None where it does not converge. Its
+        covariance is for readings of the photograph good to 1 image unit.
     """
     free = starts[0].free
+    sigmas = np.array(spread or [1.0] * len(fields)) / max(spread, default=1.0)
     index, k = [UNKNOWNS.index(name) for name in free], len(free)
     best = min(starts, key=lambda one: float(np.trace(one.covariance[3:, 3:])))
     values, matrices = np.array(best.lens), [one.matrix for one in starts]
@@ -137,11 +147,11 @@ def calibrate_together(
     while steps < LIMIT:
         steps += 1
         parts, squares = [], 0.0
-        for field, matrix in zip(fields, matrices, strict=True):
+        for field, matrix, sigma in zip(fields, matrices, sigmas, strict=True):
             computed, design = _computed(field, matrix, values)
             rows = field.whitened(design[..., [0, 1, 2, *(3 + n for n in index)]])
-            rows = rows.reshape(-1, 3 + k)
-            side = field.whitened(field.image_mm - computed).ravel()
+            rows = rows.reshape(-1, 3 + k) / sigma
+            side = field.whitened(field.image_mm - computed).ravel() / sigma
             if not np.isfinite(rows).all():
                 return None
             q, r = np.linalg.qr(rows[:, :3])
@@ -171,7 +181,7 @@ def calibrate_together(
     else:
         return None
     of_lens, found = inverse(reduced.T @ reduced), []
-    for (q, r, by, _), field, matrix in zip(parts, fields, matrices, strict=True):
+    for (q, r, by, _), field, matrix, sigma in zip(parts, fields, matrices, sigmas, strict=True):
         if not (transform(matrix, field.directions)[:, 2] < 0.0).all():
             return None
         alone, gain = inverse(r.T @ r), np.linalg.solve(r, q.T @ by)
@@ -180,8 +190,8 @@ def calibrate_together(
         growth = float(np.sqrt(np.trace(turn) / np.trace(alone)))
         found.append(
             Calibration(
-                Failure.NONE, matrix, LensOfStars(*values.tolist()), free, covariance, growth,
-                squares / freedom, freedom, steps,
+                Failure.NONE, matrix, LensOfStars(*values.tolist()), free, covariance / sigma**2,
+                growth, squares / freedom * sigma**2, freedom, steps,
             )
         )  # fmt: skip
     return found
@@ -282,23 +292,27 @@ FARTHEST_COSINE = 0.1
 """Cosine of the largest angle from the stars' mean direction from which a start is estimated."""
 
 
-def calibrate_from_both_starts(field: StarField, free: tuple[str, ...]) -> Calibration:
+def calibrate_from_both_starts(
+    field: StarField, free: tuple[str, ...], k1: float = 0.0
+) -> Calibration:
     """Solve attitude and lens, from the stated lens and from one estimated from the images.
 
     Args:
         field: one problem, its images as they were read
         free: names of UNKNOWNS to solve; the others keep their values
+        k1: of the lens to start from
 
     Returns:
         The solution with the smaller residuals; where there is none, that from the
         stated lens with its failure.
     """
-    stated = calibrate(field, wahba_rotation(field)[0], free)
+    lens = LensOfStars(float(field.focal_length_mm[0]), k1=k1)
+    stated = calibrate(field, wahba_rotation(field)[0], free, lens)
     estimated = estimated_start(field, free)
     tried = [stated]
     if estimated is not None:
         matrix, lens = estimated
-        tried.append(calibrate(field, matrix, free, lens))
+        tried.append(calibrate(field, matrix, free, lens._replace(k1=k1)))
     solved = [one for one in tried if one.failure == Failure.NONE]
     return min(solved, key=lambda one: one.variance, default=stated)
 

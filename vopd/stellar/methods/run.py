@@ -51,7 +51,7 @@ class SolvedStars:
     iterations: int  # corrections made
     converged: bool  # whether no further correction would change the solution
     # root mean square of the residuals' coordinates; with robust weights without the stars whose
-    # weight is below REDUCED_WEIGHT
+    # weight is below REDUCED_WEIGHT, if that is not so of all
     rms: float
     # standard deviation of an image coordinate, image units, given or estimated; and the degrees
     # of freedom of that estimate, None where it is given
@@ -177,6 +177,7 @@ def split_solutions(
     counts = np.ones(residuals.shape)
     if robust and solution.weights is not None:
         counts = np.where(solution.weights < REDUCED_WEIGHT, 0.0, counts)
+        counts[~counts.any(axis=(1, 2))] = 1.0  # where none counts fully, all count
     with np.errstate(invalid="ignore"):
         whitened = problems.whitened(residuals)
         weights = np.ones(residuals.shape) if solution.weights is None else solution.weights
