@@ -240,6 +240,14 @@ def test_a_steady_rate_comes_back() -> None:
     assert_approved(str(replace(off, residual_deg=0.25)))
 
 
+def test_a_frame_without_a_time_has_no_part_in_a_rate() -> None:
+    one = spinning({"reading": np.eye(12)})
+    untimed = replace(one, estimate=replace(one.estimate, time_s=np.array([0.0, 1.0, np.nan, 4.0])))
+    for found in (untimed.rate(), untimed.rate([0, 2, 1, 3])):
+        assert (found.frames, found.time_s) == (3, 5.0 / 3.0)
+        assert_close("recovered angle", found.rate_deg_s, SPIN_DEG_S)
+
+
 def test_errors_of_a_rate_by_hand() -> None:
     """Of a vehicle that stands: times from the mean -2, -1, 1, 2 s, whose squares add to 10.
 

@@ -97,9 +97,7 @@ def middle_of(history: History, frames: ArrayLike | slice | None) -> Middle:
 
     The arguments and errors are those of `mean_attitude`.
     """
-    label = history.about.label
-    some = _marked(frames, len(history.landmarks), label) & history.has_attitude
-    some &= np.isfinite(history.uncertainty.covariance_deg2).all(axis=(1, 2))
+    label, some = history.about.label, with_attitude(history, frames)
     if not some.any():
         raise VopdError(f"{label}: no mean attitude: none of the frames has an attitude")
     of_frames = history.quaternion[some]
@@ -119,6 +117,16 @@ def middle_of(history: History, frames: ArrayLike | slice | None) -> Middle:
             "it; average frames with similar attitudes"
         )
     return Middle(some, np.radians(away_deg), mean, quaternion, vehicle_deg)
+
+
+def with_attitude(history: History, frames: ArrayLike | slice | None) -> Bools:
+    """Mark those of some frames whose attitude is known, and how well, (all frames of the job,).
+
+    The arguments and errors are those of `mean_attitude`.
+    """
+    known = np.isfinite(history.uncertainty.covariance_deg2).all(axis=(1, 2))
+    chosen = _marked(frames, len(known), history.about.label)
+    return np.asarray(chosen & known & history.has_attitude)
 
 
 def _marked(frames: ArrayLike | slice | None, count: int, label: str) -> Bools:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
-from vopd.attitude.mean import by_turns_of, covariances_of_sums, middle_of
+from vopd.attitude.mean import by_turns_of, covariances_of_sums, middle_of, with_attitude
 from vopd.attitude.table import BODY_AXES
 from vopd.attitude.uncertainty import student_factor, total_freedom
 from vopd.estimate import About
@@ -71,7 +71,7 @@ def turning_rate(history: History, frames: ArrayLike | slice | None = None) -> T
 
     Args:
         history: of one flight
-        frames: as `mean_attitude` takes them
+        frames: as `mean_attitude` takes them. Frames without a time are left out, too
 
     Raises:
         VopdError: if fewer than two frames have an attitude and different times, if one is 90
@@ -83,14 +83,16 @@ def turning_rate(history: History, frames: ArrayLike | slice | None = None) -> T
             "itself, and what their errors have in common is not known; vopd new DIR --deck makes "
             "a flight project of it"
         )
-    middle = middle_of(history, frames)
-    time_s = history.estimate.time_s[middle.some]
-    away_s = time_s - time_s.mean()
-    if not (away_s**2).sum() > 0.0:
+    every_s = history.estimate.time_s
+    timed = with_attitude(history, frames) & np.isfinite(every_s)
+    if len(np.unique(every_s[timed])) < 2:
         raise VopdError(
             f"{history.about.label}: no turning rate: it takes two frames with an attitude, and "
             "times that differ"
         )
+    middle = middle_of(history, timed)
+    time_s = every_s[middle.some]
+    away_s = time_s - time_s.mean()
     weight = away_s / (away_s**2).sum()
     by_middle, by_frame = by_turns_of(middle.away)
     middle_by_frames = np.linalg.solve(by_middle.sum(axis=0), by_frame)
