@@ -115,6 +115,20 @@ def test_points_outside(tmp_path: Path) -> None:
         found(file, (90.0, 0.0), ImageAxes(focal_mm=FOCAL, k1=-0.3))
 
 
+def test_points_beyond_the_stars() -> None:
+    """Outermost are the stars at -18, -14 and -15, 18: 22.8 and 23.4 mm from the middle."""
+    file = photograph(STARS, directions(STARS / FOCAL))
+    for points, far in (
+        (((16.5, -16.5),), []),
+        (((16.6, -16.6), (0.0, 0.0), (-23.5, 0.0)), ["16.6,-16.6", "-23.5,0"]),
+    ):
+        request = StarRequest(ImageAxes(focal_mm=FOCAL), points=points)
+        said = [str(one) for _, one in solve_photograph(file, request).findings]
+        assert len(said) == bool(far)
+        for text in said:
+            assert_approved(text, parts=[*far, "23.4"])
+
+
 ORION = (DECKS / "stars" / "orion.csv").read_text(encoding="utf-8")
 CLOCK = ("--date", "2020-01-15T21:00Z", "--place", "48,11,500")
 

@@ -31,7 +31,7 @@ from vopd.stellar.files.images import (
 )
 from vopd.stellar.files.mistakes import Plausibility, judge, suspicious_photographs
 from vopd.stellar.files.plate_solvers import read_corr_fits, read_plate_solutions
-from vopd.stellar.files.points import point_directions
+from vopd.stellar.files.points import beyond_the_stars, point_directions
 from vopd.stellar.files.read import (
     MOST_STARS,
     StarFile,
@@ -514,6 +514,9 @@ def solved_photograph(
             ))
             for one in shown
         ]  # fmt: skip
+    findings += [("points", one) for one in beyond_the_stars(
+        request.points, file, request.axes, problem.stars.image_mm
+    )]  # fmt: skip
     if request.points:
         focal = float(np.ravel(stars.focal_length_mm)[0])
         shown = [

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.findings import input_error
+from vopd.findings import Finding, input_error
 from vopd.geometry.linear import unit
 from vopd.geometry.rotations import nearest_rotation
 from vopd.stellar.angles import alpha_delta_swing_deg
@@ -94,6 +94,33 @@ def point_directions(
         values = {name: one for name, one in values.items() if name not in ROLL}
         found.append({"x": float(point[0]), "y": float(point[1])} | values)
     return found
+
+
+def beyond_the_stars(
+    points: Sequence[Sequence[float]], file: StarFile, axes: ImageAxes, stars: Floats
+) -> list[Finding]:
+    """Warn of points that lie farther out than all stars, where nothing tests the lens.
+
+    Args:
+        points: x, y in the coordinates of the file's images
+        file: the photograph
+        axes: how image coordinates are read
+        stars: their images from the principal point, (n, 2)
+    """
+    if not points:
+        return []
+    farthest = float(np.hypot(*stars.T).max())
+    centred, _ = centred_points(np.array(points, dtype=float), file, axes)
+    out = [
+        f"{x:g},{y:g}"
+        for (x, y), far in zip(points, np.hypot(*centred.T) > farthest, strict=True)
+        if far
+    ]
+    text = (
+        f"--point {' and '.join(out)}: farther from the principal point than all stars, which "
+        f"reach {farthest:.3g} {file.unit}: no star tests there how the lens distorts"
+    )
+    return [Finding(text, source=file.source, severity="warning")] if out else []
 
 
 def _axis_along(ray: Floats) -> Floats:
