@@ -20,7 +20,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import Path, PurePath, PurePosixPath
 from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
@@ -342,6 +342,19 @@ def image_numbers(image: Sequence[str]) -> list[int]:
     """Find the numbers at the ends of images' names, before the suffix; -1 where there is none."""
     found = [ENDING.search(name.rpartition(".")[0] or name) for name in image]
     return [-1 if one is None else int(one[1]) for one in found]
+
+
+def find_images(known: Sequence[str], names: Iterable[str]) -> Ints:
+    """Look up images among others by their names, -1 where there is none; folders do not count.
+
+    A whole name comes first. A name that several others have in different folders is none of them.
+    """
+    row = {name: k for k, name in enumerate(known)}
+    ends = [PurePosixPath(name).name for name in row]
+    alone = {end for end, count in Counter(ends).items() if count == 1}
+    by_end = {end: k for end, k in zip(ends, row.values(), strict=True) if end in alone} | row
+    found = [row.get(name, by_end.get(PurePosixPath(name).name, -1)) for name in names]
+    return np.array(found, dtype=np.int64)
 
 
 def images_without_number(image: Sequence[str]) -> dict[str, str]:

@@ -21,6 +21,7 @@ from vopd.findings import Finding, VopdError
 from vopd.flight import check as check_module
 from vopd.flight.check import check_flight, messages_of_files
 from vopd.flight.flight import Flight
+from vopd.flight.formats import photographs
 from vopd.flight.formats.photographs import photograph
 from vopd.flight.misfits import far_landmarks as far_module
 from vopd.flight.misfits import mistakes
@@ -312,6 +313,23 @@ def test_pictures_are_found_from_any_folder(
     flight = read_flight("own/flight.toml")
     monkeypatch.chdir(tmp_path / "own" / "frames")
     assert photograph(flight, 0, "0.png").size == (1920, 1080)
+    assert photograph(flight, 0, "cam/0.png").size == (1920, 1080)
+
+
+def test_folders_are_listed_once_for_all_images(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A folder of 3,000 was listed for each of them: 170 s."""
+    (tmp_path / "inside").mkdir()
+    for name in ("a.png", "inside/b.png", "c.png"):
+        (tmp_path / name).touch()
+    listed: list[Path] = []
+    scandir = photographs.os.scandir
+    monkeypatch.setattr(photographs.os, "scandir", lambda p: listed.append(p) or scandir(p))
+    names = ["a.png", "x/b.png", "d.png", "c.png/e.png", "\0", "c.png", "inside/a.png"]
+    there = photographs.lost_images(names, [tmp_path, tmp_path / "none"])
+    assert there == "d.png, c.png/e.png, \0 are"
+    assert listed == [tmp_path, tmp_path / "none"]
 
 
 def test_pictures_of_another_size_than_their_lens(tmp_path: Path) -> None:

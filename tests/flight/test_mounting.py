@@ -73,12 +73,16 @@ def test_the_vehicle_has_the_error_of_the_mount_that_was_solved_for(tmp_path: Pa
 
 
 def test_attitudes_of_images_are_those_of_their_frames(tmp_path: Path) -> None:
-    """Images that are named backward, so that their order is another than that of the rows."""
+    """Images that are named backward, so that their order is another than that of the rows.
+
+    The picks alone name their folder.
+    """
     by_frame = solved(tmp_path, 1).parameters
     name = {str(k): f"{90 - k}.jpg" for k in range(PLAN.frames)}
     for file in ("picks.csv", "ins.csv"):
         head, *lines = (tmp_path / file).read_text(encoding="utf-8").splitlines()
-        rows = [",".join([name[one.split(",")[0]], *one.split(",")[1:]]) for one in lines]
+        inside = "cam/" * (file == "picks.csv")
+        rows = [",".join([inside + name[one.split(",")[0]], *one.split(",")[1:]]) for one in lines]
         text = "\n".join([head.replace("frame", "image", 1), *rows, ""])
         (tmp_path / file).write_text(text, encoding="utf-8")
     times = "".join(f"{name[str(k)]},{k / 5.0}\n" for k in range(PLAN.frames))

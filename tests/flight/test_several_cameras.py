@@ -84,6 +84,21 @@ def test_each_frame_is_solved_with_its_own_lens(tmp_path: Path) -> None:
     assert result.estimate.lens is not None and result.estimate.lens.tolist() == [0, 1, 0, 1, 0]
 
 
+@pytest.mark.parametrize(("header", "name"), [("frame", "{:03d}"), ("image", "of b/{}.png")])
+def test_rows_of_lenses_may_spell_a_frame_otherwise(header: str, name: str, tmp_path: Path) -> None:
+    path = two_cameras(tmp_path)
+    rows = [f"{name.format(frame)},{'ab'[frame % 2]}.json" for frame in range(FRAMES)]
+    table = "\n".join([f"{header},lens", *rows, ""])
+    (tmp_path / "cameras" / "lenses.csv").write_text(table)
+    if header == "image":
+        head, *lines = (tmp_path / "picks.csv").read_text().splitlines()
+        images = [f"of a/{one.replace(',', '.png,', 1)}" for one in lines]
+        text = "\n".join([head.replace("frame", "image"), *images, ""])
+        (tmp_path / "picks.csv").write_text(text)
+    lens = read_flight(str(path)).lens
+    assert isinstance(lens, Lenses) and lens.which.tolist() == [0, 1, 0, 1, 0]
+
+
 def test_a_point_of_a_frame_is_seen_through_its_own_lens(tmp_path: Path) -> None:
     """The middle of each lens is where its camera looks, and a pixel there is 1 / f."""
     result = solve_flight(str(two_cameras(tmp_path, STATED)))

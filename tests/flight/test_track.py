@@ -713,10 +713,13 @@ def test_leap_seconds_are_those_of_the_first_position(day: Any, ahead: int | Non
 
 
 def test_rows_of_images_by_name() -> None:
-    """By the whole name, and else by what stands behind its last slash."""
+    """By the whole name, and else by what stands behind the last slash of either."""
     rows = track(None, 0, 0, 0, image=("b.jpg", "x/a.jpg", "a.jpg"))
     found = rows_of_images(keys(), rows, ("x/a.jpg", "y/a.jpg", "b.jpg", "z/b.jpg", "c.jpg"))
     assert found.tolist() == [1, 2, 0, 0, -1]
+    inside = track(None, 0, 0, 0, 0, image=("x/a.jpg", "x/b.jpg", "y/b.jpg", "y/c.jpg"))
+    found = rows_of_images(keys(), inside, ("a.jpg", "y/a.jpg", "b.jpg", "y/b.jpg", "c.jpg"))
+    assert found.tolist() == [0, 0, -1, 2, 3]  # two are called b.jpg
     photos = track(None, 0, 0, image=("29", "7"), image_key=photo_number)
     found = rows_of_images(keys(), photos, ("MAX_0007.JPG", "d/MAX_0029.JPG", "MAX_0030.JPG"))
     assert found.tolist() == [1, 0, -1]

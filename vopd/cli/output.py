@@ -82,7 +82,7 @@ def _is_photograph(output: str, inputs: dict[str, list[str]]) -> bool:
     """
     if not os.path.isfile(output):  # noqa: PTH113
         return False
-    from vopd.flight.formats.photographs import image_file
+    from vopd.flight.formats.photographs import image_file, image_places
     from vopd.video import STILLS
 
     name = os.path.basename(os.path.realpath(output))  # noqa: PTH119
@@ -93,7 +93,7 @@ def _is_photograph(output: str, inputs: dict[str, list[str]]) -> bool:
     given = [Path(path) for path in inputs if os.path.isdir(path)]  # noqa: PTH112
     for path, files in inputs.items():
         folders = [*given, *(Path(one).parent for one in (*reversed(files), path))]
-        found = next(filter(None, (image_file(one, name) for one in folders)), None)
+        found = image_file(image_places(folders), name)
         if found is None or _identity(str(found), 0) != _identity(output, 1):
             continue
         own = () if path.lower().endswith(".toml") else (path,)  # its comments name figures

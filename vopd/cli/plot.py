@@ -146,12 +146,13 @@ def _with_half(angle: float, half: float | None) -> str:
 
 def _star_photograph(one: ReadSolution, about: StarCamera, images: str | None) -> tuple[Any, str]:
     """Read the photograph of a solution as a PIL image, or say why there is none."""
-    from vopd.flight.formats.photographs import image_file
+    from vopd.flight.formats.photographs import image_file, image_places
     from vopd.video import open_frames
 
     beside = Path(about.source).parent if images is None else Path(images)
     name = PurePath(one.image).name
-    found = beside if images is not None and beside.is_file() else image_file(beside, name)
+    given = images is not None and beside.is_file()
+    found = beside if given else image_file(image_places([beside]), name)
     if found is None or (not name and not beside.is_file()):
         return None, "" if images is None else f"no photograph {name or 'named'} in {images}"
     try:

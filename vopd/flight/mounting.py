@@ -16,6 +16,7 @@ from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.rotations import rotation_matrices
+from vopd.video import find_images
 
 PASSES = 5  # of a mean of rotations: each squares what is left
 MOST_APART = 3.0  # times what is expected: more are told
@@ -114,8 +115,7 @@ def _at_frames(flight: Flight, late_s: Floats) -> tuple[Floats, Floats]:
             sigma[inside] = np.interp(at_s[inside], rows.time_s, rows.sigma_rad)
         return out, sigma
     labels = flight.image_name if rows.by == "image" else tuple(map(str, flight.frame.tolist()))
-    row = {key: k for k, key in enumerate(rows.keys)}
-    found = np.array([row.get(one, -1) for one in labels or ("",) * frames])
+    found = find_images(rows.keys, labels or ("",) * frames)
     there = found >= 0
     out[there], sigma[there] = rows.body_to_ned[found[there]], rows.sigma_rad[found[there]]
     return out, sigma

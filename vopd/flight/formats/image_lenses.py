@@ -10,7 +10,7 @@ from vopd.files import reason
 from vopd.findings import VopdError
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.files import InputFile, open_input
-from vopd.flight.formats.tables import has_columns, read_csv
+from vopd.flight.formats.tables import frames_of_column, has_columns, read_csv
 from vopd.inputs import parse_json
 
 
@@ -35,7 +35,7 @@ def recognises_csv_lenses(file: InputFile) -> bool:
 def read_csv_lenses(file: InputFile) -> ImageLenses:
     """Read the table: `lens` is a file, from its own folder; `camera` one of that file's."""
     table = read_csv(file, OF_IMAGE)
-    name = table.column("image" if table.has("image") else "frame")
+    name = table.column("image") if table.has("image") else [*map(str, frames_of_column(table))]
     lens, camera = (
         table.column(one) if table.has(one) else [""] * len(name) for one in ("lens", "camera")
     )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
-from pathlib import Path
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,8 +36,7 @@ def photograph(flight: Flight, number: int, name: str) -> Image:
         return picture
     assert flight.folder is not None
     of_video = [one if one.is_dir() or not one.suffix else one.parent for one in flight.video]
-    beside = (image_file(one, name) for one in (*of_video, flight.folder))
-    found = next(filter(None, beside), None)
+    found = image_file(image_places([*of_video, flight.folder]), name)
     if found is None:
         places = dict.fromkeys(_as_named(one, flight.folder) for one in of_video)
         where = " or ".join([*places, "the project's folder"])
@@ -63,8 +63,8 @@ def other_images(folders: Iterable[Path]) -> str:
 
 def lost_images(names: Iterable[str], folders: Iterable[Path]) -> str:
     """Name the first images that are in none of some folders; empty if there is none."""
-    places = list(folders)
-    return _are([name for name in names if not any(image_file(one, name) for one in places)])
+    places = image_places(folders)
+    return _are([name for name in names if not image_file(places, name)])
 
 
 def _are(names: list[str]) -> str:
@@ -109,14 +109,14 @@ def other_size(flight: Flight, most: int | None = None) -> str:
 
     if not flight.video or flight.folder is None or (most and not flight.image_name):
         return ""
-    folders = [*(one if one.is_dir() else one.parent for one in flight.video), flight.folder]
+    folders = [one if one.is_dir() else one.parent for one in flight.video]
+    places = image_places([*folders, flight.folder])
     sizes = np.broadcast_to(flight.lens.by_rows("size_px"), (len(flight.frame), 2))
     for k in np.unique(flight.picks.frame)[:most].tolist():
         try:
             if flight.image_name:
                 name = flight.image_name[k]
-                there = filter(None, (image_file(one, name) for one in folders))
-                if (path := next(there, None)) is None:
+                if (path := image_file(places, name)) is None:
                     continue
                 size = upright_size(path)
             else:
@@ -137,15 +137,26 @@ def other_size(flight: Flight, most: int | None = None) -> str:
     return ""
 
 
-def image_file(folder: Path, name: str) -> Path | None:
-    """Find an image in a folder, or in a folder within it.
+def image_places(folders: Iterable[Path]) -> list[Path]:
+    """List folders of a project or of images, and the folders within each behind it."""
+    places = []
+    for folder in folders:
+        places.append(folder)
+        with suppress(OSError, ValueError), os.scandir(folder) as inside:
+            places += sorted(Path(one.path) for one in inside if one.is_dir())
+    return places
+
+
+def image_file(places: Sequence[Path], name: str) -> Path | None:
+    """Find an image by its whole name, or else by that without folders.
 
     Args:
-        folder: of the project, or of the images
+        places: folders that may have it
         name: of the image's file, as the picks have it
     """
-    try:
-        beside = [folder, *sorted(one for one in folder.iterdir() if one.is_dir())]
-        return next((one / name for one in beside if (one / name).is_file()), None)
-    except (OSError, ValueError):  # a name that no file can have
-        return None
+    for own in dict.fromkeys((name, PurePosixPath(name).name)):
+        with suppress(OSError, ValueError):  # a name that no file can have
+            found = next((one / own for one in places if (one / own).is_file()), None)
+            if found is not None:
+                return found
+    return None

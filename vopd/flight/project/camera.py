@@ -26,6 +26,7 @@ from vopd.flight.formats.lens import (
 )
 from vopd.flight.project.keys import Project, Section
 from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
+from vopd.video import find_images
 
 # The lens: an inline table, or a file
 
@@ -216,7 +217,8 @@ class CameraLens(NamedTuple):
         """
         if self.table is None:
             return self.read.lens
-        missing = [name for name in names if name not in self.of_image]
+        found = find_images([*self.of_image], names)
+        missing = [names[k] for k in np.flatnonzero(found < 0).tolist()]
         if missing:
             more = f" and {len(missing) - 1} more of the picks' images" if missing[1:] else ""
             first = f"frame {missing[0]}" if missing[0].isdigit() else missing[0]
@@ -224,7 +226,7 @@ class CameraLens(NamedTuple):
             raise self.table.error(f"no row for {first}{more}: add its name and its lens{of_all}")
         if not self.several:
             return self.read.lens
-        return Lenses.join(self.lenses, np.array([self.of_image[name] for name in names], np.int64))
+        return Lenses.join(self.lenses, np.array([*self.of_image.values()], np.int64)[found])
 
 
 def read_camera(project: Project) -> CameraLens:

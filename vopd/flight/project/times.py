@@ -18,6 +18,7 @@ from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.formats.tables import frames_of_column, has_columns, read_csv
 from vopd.flight.project.keys import VIDEO, Project, Section
 from vopd.inputs import since_1970
+from vopd.video import find_images
 
 ZONE = "utc_offset_h"
 
@@ -153,7 +154,7 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
         known, utc = times_of_csv(section, file, bool(image))
         said = f"{file.name}: times of {count_text(len(known), 'frame')}"
     wanted = list(image) or [str(n) for n in number.tolist()]
-    time_s = np.array([known.get(one, np.nan) for one in wanted])
+    time_s = np.array([*known.values(), np.nan])[find_images([*known], wanted)]
     if not np.isfinite(time_s).any():
         raise section.error("times", f"{file.name}: none of the frames is there ({wanted[0]})")
     if not utc:

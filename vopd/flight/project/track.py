@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from datetime import UTC, datetime
 from math import comb
@@ -47,6 +48,7 @@ from vopd.flight.project.velocity import (
 )
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 from vopd.inputs import LAST_S, LATE_S
+from vopd.video import find_images
 
 # Clocks of tracks: UTC, GPS time, or seconds of the flight
 
@@ -150,15 +152,13 @@ def times_of_track(
 
 
 def rows_of_images(section: Section, rows: TrackRows, image: tuple[str, ...]) -> Ints:
-    """Look up each image's row, -1 where there is none; folders in names do not count."""
+    """Look up each image's row, -1 where there is none."""
     if not image:
         raise section.error("file", "has positions by image, and the picks have frame numbers")
-    index = {name: k for k, name in enumerate(rows.image)}
-    if len(index) < len(rows.image):
-        doubled = next(name for name in rows.image if rows.image.count(name) > 1)
+    doubled = next((name for name, count in Counter(rows.image).items() if count > 1), None)
+    if doubled is not None:
         raise section.error("file", f"{doubled} has two positions")
-    keys = [(rows.image_key(name), rows.image_key(name.rpartition("/")[2])) for name in image]
-    return np.array([index.get(name, index.get(last, -1)) for name, last in keys])
+    return find_images(rows.image, map(rows.image_key, image))
 
 
 def path_by_image(
