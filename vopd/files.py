@@ -454,6 +454,11 @@ CONTROL = rf"(?!\r\n|\A\r|\r\Z)[\x00-\x08\x0b-\x1f\x7f-\x9f{TURNING}{UNSEEN}]"
 """Control characters, but for tabs, ends of lines, and the return of a line of progress."""
 
 
+def readable(text: str) -> str:
+    """Write the control characters of a text as \\x1b."""
+    return re.sub(CONTROL, _escape, text)
+
+
 def _escape(found: re.Match[str]) -> str:
     code = ord(found[0])
     return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}"
@@ -482,7 +487,7 @@ class Terminal(io.RawIOBase):
             self._terminal.close()
 
     def write(self, data: Any, /) -> int:
-        text = re.sub(CONTROL, _escape, self._text.decode(bytes(data)))
+        text = readable(self._text.decode(bytes(data)))
         self._terminal.write(text.encode(self._encoding, "backslashreplace"))
         self._terminal.flush()
         return len(data)

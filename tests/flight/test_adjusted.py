@@ -35,7 +35,7 @@ from vopd.flight.adjust.project import (
 from vopd.flight.coordinates import STEPS, HeightDatum, coordinates_at, earth_centred_positions
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.lens import LensQuestion, read_opencv
-from vopd.flight.project.covariance import CovarianceFile, digests, held_text
+from vopd.flight.project.covariance import CovarianceFile, digests, digests_of_keys, held_text
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import flight_of
 from vopd.flight.result import FlightResult, solve_flight
@@ -422,6 +422,13 @@ def test_keys_that_say_nothing_of_the_files_may_change(drone: Both, copied: Path
     covariance.write_text(json.dumps(values), encoding="utf-8")
     file.write_text(re.sub("(?m)^refraction = .*", "", text), encoding="utf-8")
     assert solve_flight(file).solved.all()
+
+
+def test_the_mount_counts_where_there_is_a_lever_arm() -> None:
+    """It places the camera then; without one it turns the vehicle's angles alone."""
+    arm, mount = {"track": {"lever_arm_m": [1.0, 0.0, 0.0]}}, {"vehicle": {"mount": "down"}}
+    assert not digests_of_keys(mount)
+    assert {*digests_of_keys(arm | mount)} - {*digests_of_keys(arm)} == {"[vehicle] mount"}
 
 
 def test_a_file_that_is_new_is_refused(copied: Path) -> None:

@@ -636,11 +636,28 @@ def test_the_page_of_picks_says_where_to_click_next(tmp_path: Path) -> None:
     assert len(others) == len(found) == 3 and found[0] not in others
 
 
-def test_another_lens_is_said_and_the_picks_serve(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("old", "new"), [("fx_px = 1500.0", "fx_px = 1501.0"), ("11:58:42Z", "11:58:42.5Z")]
+)
+def test_another_lens_or_epoch_is_said_and_the_picks_serve(
+    old: str, new: str, tmp_path: Path
+) -> None:
     path = clicked_project(tmp_path)
-    path.write_text(path.read_text().replace("fx_px = 1500.0", "fx_px = 1501.0"))
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
     said = " ".join(one.message for one in solve_flight(path).findings)
     assert "lens, landmarks or positions have changed" in said and "run vopd track again" in said
+
+
+def test_the_mount_places_the_camera_by_a_lever_arm_only(tmp_path: Path) -> None:
+    """Of a track whose positions are the camera's own it changes nothing that was predicted."""
+    project = read_project(str(clicked_project(tmp_path)))
+    other = project.changed("vehicle", "mount", "down")
+    assert track_digests(other) == track_digests(project)
+    arm = [project.changed("track", "lever_arm_m", [1.0, 0.0, 0.0]) for project in (project, other)]
+    digests = [track_digests(one) for one in arm]
+    assert {key for key in digests[0] if digests[0][key] != digests[1][key]} == {"project"}
 
 
 def test_a_file_of_another_program_needs_tracked_from(tmp_path: Path) -> None:

@@ -340,6 +340,13 @@ def test_every_line_of_a_new_project() -> None:
         assert line == f"{text:43} # {mark}{key.comment}"
 
 
+def test_the_name_of_a_source_is_a_comment_of_toml() -> None:
+    """Which has no control characters but tabs."""
+    head = project_text({}, {}, "vopd adjust a\x1b[31m\x7f\t/flight.toml").splitlines()[0]
+    assert head == "# vopd adjust a\\x1b[31m\\x7f\t/flight.toml"
+    assert tomllib.loads(head) == {}
+
+
 def sections(values: dict[tuple[str, str], str], needed: dict[tuple[str, str], str]) -> list[str]:
     lines = project_text(values, needed, "x").splitlines()
     return [line for line in lines if line.removeprefix("# ").startswith("[")]

@@ -256,6 +256,23 @@ def test_the_same_command_goes_on(
     assert {int(row["frame"]) for row in rows(flight / "tracked.csv")} == set(range(FRAMES))
 
 
+def test_a_run_with_another_key_begins_anew(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What an ended run has left serves no other values: the bytes are those of a new run."""
+    monkeypatch.setattr(rooms, "AT_ONCE", 4)
+    with pytest.raises(Stopped):
+        follow(read_project("flight.toml"), TrackOptions(), stopping_after(33))
+    assert Path("tracked.csv.part").stat().st_size > 700  # blocks, and not the head alone
+    change("flight.toml", "sigma_px = 0.5", "sigma_px = 2.5")
+    follow(read_project("flight.toml"), TrackOptions())
+    found = Path("tracked.csv").read_bytes()
+    assert {
+        row["sigma_px"] for row in rows(flight / "tracked.csv") if row["status"] == "clicked"
+    } == {"2.5000"}
+    Path("tracked.csv").unlink()
+    follow(read_project("flight.toml"), TrackOptions())
+    assert Path("tracked.csv").read_bytes() == found
+
+
 def frames_where(change_it: Callable[[int, Any], Any]) -> Callable[..., Iterator[tuple[int, Any]]]:
     """Frames of which some are changed."""
 

@@ -308,6 +308,7 @@ def follow(
         else terrain.about(footage.flight.landmarks, marks)
     )  # fmt: skip
     about = digests | options._asdict() | {"version": __version__, "frames": len(footage.number)}
+    about["keys"] = {name: one.values for name, one in footage.project.sections.items()}
     journal = Journal(Path(f"{output}.part"), about)
     sides = np.full(len(footage.flight.landmarks.name), options.patch_px | 1)
     own_px = footage.flight.landmarks.patch_px

@@ -50,7 +50,7 @@ class Journal:
 
     def __init__(self, path: Path, about: dict[str, Any]) -> None:
         self.path = path
-        self._head = (json.dumps(about, sort_keys=True) + "\n").encode()
+        self._head = (json.dumps(about, sort_keys=True, default=str) + "\n").encode()
         self._begun = path.is_file() and self._first_line() == self._head
         if self._begun:
             self._cut()

@@ -25,7 +25,7 @@ from vopd.findings import count_text, did_you_mean, shown
 from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_lenses import lens_files
-from vopd.flight.project.keys import ROWS, Project, Section
+from vopd.flight.project.keys import ROWS, Project, Section, mount_moves
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
@@ -52,6 +52,8 @@ SPEAKS_OF = (
 """Keys of the files of which the covariance speaks."""
 READ_BY = ("flight", "camera", "picks", "landmarks", "track", "position", "atmosphere")
 """Sections whose keys say how these files are read, and where camera and landmarks are."""
+WITH_LEVER_ARM = ("vehicle",)
+"""Sections that do so besides where there is a lever arm."""
 OTHERS = {("flight", "name"), ("picks", "sigma_px"), ("track", "offset_s")}
 """Keys of these sections that do not; of the offset `with_stated_offset` takes care."""
 TAGS = 65_536  # bytes from the beginning of an image: its tags are there
@@ -134,7 +136,7 @@ def digests_of_keys(sections: Mapping[str, Mapping[str, Any]]) -> dict[str, str]
     Standard deviations may change, and files have digests of their own.
     """
     found = {}
-    for name in READ_BY:
+    for name in (*READ_BY, *WITH_LEVER_ARM * mount_moves(sections)):
         for key, value in sections.get(name, {}).items():
             row = ROWS[name, key]
             is_file = row.kind in ("file", "files") and not isinstance(value, Mapping)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from vopd.attitude.sigmas import HALF_A_TURN_DEG
-from vopd.files import not_utf8, reason
+from vopd.files import not_utf8, readable, reason
 from vopd.findings import NeededError, VopdError, did_you_mean, raise_all, shown
 from vopd.flight.coordinates import GIVE_METRES, HEIGHTS
 from vopd.flight.formats.by_content import InputFormat, read_by_content
@@ -706,6 +706,15 @@ def read_project(name: str, location: str | None = None) -> Project:
     return Project(name, path.parent, sections)
 
 
+def mount_moves(sections: Mapping[str, Mapping[str, Any]]) -> bool:
+    """Tell whether the camera's place depends on its mount, by a lever arm in the vehicle's axes.
+
+    Args:
+        sections: the values of keys by section
+    """
+    return any(sections.get(name, {}).get("lever_arm_m") for name in ("track", "position"))
+
+
 # The text of a new project file
 
 WIDTH = 44  # columns before a comment
@@ -755,7 +764,7 @@ def project_text(
     either = ("track", "file") in needed
     fixed = any(section == "position" for section, _ in (values if either else [*values, *needed]))
     left_out = ("track",) if fixed else () if either else ("position",)
-    lines = [f"# {line}".rstrip() for line in head.splitlines()]
+    lines = [f"# {readable(line)}".rstrip() for line in head.splitlines()]
     section = ""
     for row in KEYS:
         given = (row.section, row.name) in values

@@ -46,6 +46,7 @@ from vopd.flight.project.keys import (
     KeyValues,
     Project,
     Section,
+    keys_of,
     project_text,
     toml_numbers,
     toml_text,
@@ -454,7 +455,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
         "sigma": section.sigma,
         "date": section.date,
     }
-    if isinstance(value, dict):
+    if isinstance(value, dict) and keys_of(f"{key[0]}.{key[1]}"):
         section.section(key[1])
     elif row.kind != "other":
         readers.get(row.kind, section.text)(key[1])

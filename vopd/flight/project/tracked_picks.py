@@ -30,7 +30,7 @@ from vopd.flight.formats.tracked import (
     read_tracked,
     recognises_tracked,
 )
-from vopd.flight.project.keys import ROWS, Project
+from vopd.flight.project.keys import ROWS, Project, mount_moves
 from vopd.flight.project.picks import by_point, known_landmarks
 from vopd.flight.solve.joint import JointSolution
 
@@ -210,14 +210,17 @@ def correlation_of_neighbours(joint: JointSolution) -> float:
 # Digests of what was tracked
 
 SEEN_BY = {
+    "flight": ("epoch",),
     "camera": (),
     "landmarks": (),
     "track": (),
     "position": (),
     "atmosphere": (),
-    "picks": ("times", "frame_rate_hz", "first_frame_t_s"),
+    "picks": ("times", "frame_rate_hz", "first_frame_t_s", "utc_offset_h"),
 }
 """Sections, and keys of them if not all count, on which the prediction of landmarks depends."""
+WITH_LEVER_ARM = {"vehicle": ("mount",)}
+"""The same, where there is a lever arm."""
 READ_BY = ("columns", "pixel_grid", "v", "interpolated")
 """Keys of `[picks]` that say how the file of clicks is read."""
 
@@ -269,8 +272,10 @@ def _of_files(paths: list[Path]) -> str:
 def _of_project(project: Project) -> str:
     """Digest the keys of a project that predict where landmarks are, and their files."""
     digest = sha256()
-    for name, only in SEEN_BY.items():
-        values = project.section(name).values
+    sections = {name: one.values for name, one in project.sections.items()}
+    seen_by = SEEN_BY | (WITH_LEVER_ARM if mount_moves(sections) else {})
+    for name, only in seen_by.items():
+        values = sections.get(name, {})
         for key in sorted(only or values):
             if key in values and ROWS[name, key].kind != "sigma":
                 value: Any = values[key]
