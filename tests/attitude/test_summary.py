@@ -19,8 +19,8 @@ from tests.kit.histories import by_hand
 from vopd.attitude import summary
 from vopd.attitude.history import History
 from vopd.attitude.long_history import one_part
-from vopd.attitude.summary import columns, frames_of
-from vopd.findings import Finding
+from vopd.attitude.summary import columns, flag_letters, frames_of
+from vopd.findings import Finding, frames_text
 from vopd.screen import aligned, shortened, width, wrapped
 
 ROOT = Path(__file__).parents[2]
@@ -185,6 +185,22 @@ def test_every_frame_is_every_one_with_an_attitude(without: int, flagged: int) -
     (shown,) = frames_of([one_part(replace(film, estimate=estimate, flags=flags))])
     every = [", every frame (" in one for one in summary.doubt_lines(shown) if "two_" in one]
     assert every == [flagged + without == 40]
+
+
+@pytest.mark.parametrize("known", [1, 2, 3])
+def test_a_flag_of_frames_without_an_attitude_is_not_of_every_frame(known: int) -> None:
+    """As many have none as have one, or more: they are named, and have its letter."""
+    film = by_hand(4)
+    vehicle_deg = film.estimate.vehicle_deg.copy()
+    vehicle_deg[known:] = np.nan
+    estimate = replace(film.estimate, vehicle_deg=vehicle_deg)
+    raised = film.flags.raised | {"undetermined": np.arange(4) >= known}
+    flags = replace(film.flags, raised=raised)
+    (shown,) = frames_of([one_part(replace(film, estimate=estimate, flags=flags))])
+    (letter,) = [key for name, key in flag_letters(shown).items() if name == "undetermined"]
+    (line,) = [one for one in summary.doubt_lines(shown) if " undetermined" in one]
+    where = frames_text([film.estimate.frame_label(k) for k in range(known, 4)])
+    assert line.startswith(f"{letter} undetermined, {where}: "), line
 
 
 def test_wide_characters_take_two_columns() -> None:

@@ -125,7 +125,7 @@ def with_attitude(history: History, frames: ArrayLike | slice | None) -> Bools:
     The arguments and errors are those of `mean_attitude`.
     """
     known = np.isfinite(history.uncertainty.covariance_deg2).all(axis=(1, 2))
-    chosen = _marked(frames, len(known), history.about.label)
+    chosen = _marked(frames, len(history.landmarks), history.about.label)
     return np.asarray(chosen & known & history.has_attitude)
 
 

@@ -50,6 +50,9 @@ class ShownFrames:
     attack: bool = False  # whether any frame has angles of attack
     half_deg: list[Floats] = field(default_factory=list)  # of vehicle yaw, pitch, roll, 95 %
     flagged: dict[str, list[str]] = field(default_factory=dict)  # labels of frames by flag
+    with_attitude: dict[str, int] = field(
+        default_factory=dict
+    )  # how many of these have an attitude
     details: dict[str, set[str]] = field(default_factory=dict)  # of each flag, all that there are
     summary: HistorySummary = field(default_factory=HistorySummary)
 
@@ -76,8 +79,14 @@ class ShownFrames:
             if frames:
                 labels = self.flagged.setdefault(name, [])
                 labels += [prefix + estimate.frame_label(k) for k in frames]
+                known = self.with_attitude.get(name, 0) + int((raised & has).sum())
+                self.with_attitude[name] = known
                 own = part.flags.detail.get(name)
                 self.details.setdefault(name, set()).update(own[k] if own else "" for k in frames)
+
+    def flags_all(self, name: str) -> bool:
+        """Tell whether a flag is of all frames with an attitude, and of no other."""
+        return len(self.flagged[name]) == self.with_attitude[name] == self.attitudes
 
     @property
     def without_rows(self) -> bool:
@@ -238,7 +247,10 @@ def _fixed(values: Floats, decimals: int) -> list[str]:
 
 def flag_letters(frames: ShownFrames) -> dict[str, str]:
     """Choose a letter for each flag that some frames have; one that all have needs none."""
-    some = [name for name, labels in frames.flagged.items() if len(labels) < frames.attitudes]
+    some = [
+        name for name, labels in frames.flagged.items()
+        if not frames.flags_all(name) and len(labels) < frames.count
+    ]  # fmt: skip
     order = list(frames.head[0].flags.raised)
     return {name: chr(97 + k) for k, name in enumerate(sorted(some, key=order.index))}
 
@@ -316,7 +328,7 @@ def doubt_lines(frames: ShownFrames) -> list[str]:
     for name in (one for one in frames.head[0].flags.raised if one in frames.flagged):
         labels, own = frames.flagged[name], frames.details[name]
         where = frames_text(labels)
-        if len(labels) == frames.attitudes > 1:
+        if frames.flags_all(name) and len(labels) > 1:
             where = f"every frame ({len(labels)})"
         elif len(where) > NAMED:
             where = count_text(len(labels), "frame")
