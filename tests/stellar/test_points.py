@@ -72,6 +72,16 @@ def test_points_by_hand() -> None:
     assert_close("rae angle", [one["ra_deg"], one["dec_deg"]], by_hand[1])
 
 
+def test_a_known_k1_goes_by_the_camera_that_is_solved() -> None:
+    """Images of a lens with k1 -.2, its principal distance stated 5 % too long and solved for."""
+    k1, sky = -0.2, directions(STARS / FOCAL)
+    point = np.array([0.15, -0.2])
+    images = [FOCAL * at * (1.0 + k1 * (at @ at)) for at in (*STARS / FOCAL, point)]
+    axes = ImageAxes(focal_mm=1.05 * FOCAL, k1=k1)
+    one = found(photograph(np.array(images[:-1]), sky), images[-1], axes, "focal")
+    assert_close("rae angle", [one["ra_deg"], one["dec_deg"]], directions(point[None])[0])
+
+
 SIGMA, DRAWN = 0.02, 200
 POINT = np.array([17.0, -19.0])
 

@@ -514,14 +514,14 @@ def solved_photograph(
             ))
             for one in shown
         ]  # fmt: skip
-    findings += [("points", one) for one in beyond_the_stars(
-        request.points, file, request.axes, problem.stars.image_mm
-    )]  # fmt: skip
+    axes = _axes_as_read(request)
+    far = beyond_the_stars(request.points, file, axes, problem.stars.image_mm)
+    findings += [("points", one) for one in far]
     if request.points:
         focal = float(np.ravel(stars.focal_length_mm)[0])
         shown = [
             replace(one, points=point_directions(
-                request.points, file, request.axes, one, focal, calibration, frame,
+                request.points, file, axes, one, focal, calibration, frame,
                 equatorial=file.kind in EQUATORIAL,
             ))
             for one in shown
