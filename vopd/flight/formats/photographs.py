@@ -142,8 +142,8 @@ def image_places(folders: Iterable[Path]) -> list[Path]:
     places = []
     for folder in folders:
         places.append(folder)
-        with suppress(OSError, ValueError), os.scandir(folder) as inside:
-            places += sorted(Path(one.path) for one in inside if one.is_dir())
+        with suppress(OSError, ValueError):
+            places += sorted(one for one in folder.iterdir() if one.is_dir())
     return places
 
 
