@@ -868,6 +868,7 @@ def grey_frames_backward(frames: VideoFrames, last: int, first: int) -> Iterator
     while end >= first:
         start = max(end - held + 1, first)
         some = list(grey_frames(frames, start, end))
-        held = max(int(BACKWARD_BYTES // max(some[0][1].nbytes, 1)), 1)
+        if some:  # and not all damaged
+            held = max(int(BACKWARD_BYTES // max(some[0][1].nbytes, 1)), 1)
         yield from reversed(some)
         end = start - 1

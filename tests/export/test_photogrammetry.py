@@ -212,6 +212,21 @@ def test_a_deck_has_these_files_too(tmp_path: Path) -> None:
         assert_approved([line for line in lines if words in line])
 
 
+def test_the_azimuth_of_a_camera_whose_pitch_is_beyond_90_is_that_of_its_axis(
+    tmp_path: Path,
+) -> None:
+    """A deck that starts from yaw + 180, 180 - pitch, roll + 180 has the same attitude so."""
+    start, other = b"     198.      -36.      285.", b"      18.      216.      105."
+    deck = CASE_1.read_bytes()
+    assert deck.count(start) == 1
+    (tmp_path / "a.dat").write_bytes(deck.replace(start, other))
+    rows = []
+    for name in (CASE_1, tmp_path / "a.dat"):
+        assert run("attitude", name, "-o", tmp_path / "a.opk.csv").status == 0
+        rows += [(tmp_path / "a.opk.csv").read_text().splitlines()[-1]]
+    assert rows[0] == rows[1]
+
+
 def test_the_longest_suffix_names_the_format() -> None:
     names = {"x.csv": "csv", "x.opk.csv": "opk", "geo.txt": "odm", "sparse/images.txt": "colmap"}
     assert {name: of_file(name).name for name in names} == names

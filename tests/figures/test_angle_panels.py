@@ -112,6 +112,8 @@ def test_labels_of_the_panels() -> None:
     axes = panels([untimed])
     assert [one.get_xlabel() for one in axes] == ["", "", "", "frame"]
     assert [x for x, _ in points(axes[0].lines[0])] == [1.0, 2.0, 3.0, 4.0, 5.0]
+    for both in ([untimed, film()], [film(), untimed]):
+        assert panels(both)[-1].get_xlabel() == "time, s; of jobs without times: frame"
 
 
 @pytest.mark.parametrize("which", [draw_attack, draw_attitude])

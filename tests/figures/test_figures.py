@@ -780,10 +780,13 @@ def test_an_svg_is_the_same_each_time() -> None:
     for _ in range(2):
         figure = Figure(figsize=(1.0, 1.0))
         figure.text(0.5, 0.5, "word", clip_path=None).set_clip_on(True)
+        figure.text(0.5, 0.2, "L#100234: #0072b2", color="#d55e00")
         figure.subplots().plot([0, 1], [0, 1])
         made.append(svg(figure))
     assert made[0] == made[1] and made[0].startswith("<?xml")
     assert ">word</text>" in made[0] and "<dc:date>" not in made[0]
+    assert ">L#100234: #0072b2</text>" in made[0]
+    assert made[0].count("#d55e00") == 1  # in the rules, by which it is another one on a dark page
 
 
 def test_without_matplotlib_it_is_said_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,7 +22,7 @@ from PIL import Image
 
 from tests.approved.texts import assert_approved
 from tests.kit import wgs84_film
-from tests.kit.command import ROOT, vopd
+from tests.kit.command import ROOT, peak, vopd
 from tests.kit.figures import labelled, points
 from tests.kit.flight_project import TOML, write_project
 from tests.kit.histories import histories, with_estimate
@@ -268,6 +268,13 @@ def test_patches_of_picks_are_of_frames_over_the_whole_flight() -> None:
     shown = [text.get_text().split()[0] for text in axis.texts]
     assert shown == ["0", "1", "2", "3", "4"] * 6
     assert "blue border" not in said and "not found: where it should be" in said
+
+
+def test_patches_hold_a_byte_a_pixel_of_each_photograph() -> None:
+    """Of five frames; eight bytes a pixel were gigabytes of those of a survey."""
+    picture = Image.new("L", (1920, 1080))
+    used = peak(lambda: panel("patches", hill(), photograph=lambda number, name: picture))
+    assert used < 5 * 1920 * 1080 * 4
 
 
 def test_true_north_on_the_map_of_a_grid() -> None:

@@ -189,7 +189,7 @@ def test_one_frame_has_its_residuals_by_landmark() -> None:
     above, below = figure.axes
     most = 1.08 * np.abs([X[0], Y[0]]).max()
     for axis, values in ((above, -X[0]), (below, -Y[0])):
-        (spots,) = [one for one in axis.collections if one.get_label() == "one frame"]
+        (spots,) = [one for one in axis.collections if one.get_label() == "0"]
         assert spots.get_offsets().tolist() == [[float(k), values[k]] for k in range(4)]
         assert not axis.patches
         assert_close("table value", axis.get_ylim(), [-most, most])
@@ -199,6 +199,9 @@ def test_one_frame_has_its_residuals_by_landmark() -> None:
     figure, said = drawn(one, one)
     assert "; columns from left to right: the jobs; " in said
     assert len(texts(figure.legends[0])) == 3
+    named = [replace(one, estimate=replace(one.estimate, about=one.about._replace(source=path)))
+             for path in ("_a/flight.toml", "b/flight.toml")]  # fmt: skip
+    assert {one.about.label for one in named} < {*texts(drawn(*named)[0].legends[0])}
     heights = [bar.get_height() for bar in figure.axes[0].patches]
     assert_close("table value", heights, 2.0 * np.abs(X[0]))
     assert len({spot.get_facecolor().tobytes() for spot in figure.axes[0].collections}) == 2

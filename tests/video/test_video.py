@@ -19,11 +19,20 @@ from tests.kit.command import peak
 from tests.kit.flight_project import TOML, write_project
 from tests.kit.video import LEVELS, SIZE, number_of, write_stub, write_video
 from tests.tolerances import assert_close
+from vopd import video
 from vopd.arrays import Floats
 from vopd.findings import VopdError
 from vopd.flight.project.new import example_project
 from vopd.flight.project.read import read_flight
-from vopd.video import Chapter, VideoFrames, eight_bits, grey_frames, open_frames, spread
+from vopd.video import (
+    Chapter,
+    VideoFrames,
+    eight_bits,
+    grey_frames,
+    grey_frames_backward,
+    open_frames,
+    spread,
+)
 
 EVEN_MS = [40 * k for k in range(40)]
 UNEVEN_MS = [0, 33, 66, 100, 133, 333, 366, 400, 433]  # five frames are missing after the fifth
@@ -381,7 +390,9 @@ def damage(video: Path, frame: int) -> None:
     video.write_bytes(content[:at] + bytes(size) + content[at + size :])
 
 
-def test_frames_behind_a_damaged_packet_begin_with_the_next_key_frame(tmp_path: Path) -> None:
+def test_frames_behind_a_damaged_packet_begin_with_the_next_key_frame(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Key frames are 0, 12, 24 and 36. A few before the packet are still in the decoder."""
     damage(write_video(tmp_path / "a.mp4", EVEN_MS), 15)
     frames = open_frames([str(tmp_path / "a.mp4")])
@@ -396,5 +407,8 @@ def test_frames_behind_a_damaged_packet_begin_with_the_next_key_frame(tmp_path: 
     assert [k for k, one in grey.items() if not one.any()] == lost
     assert_approved(told[0])
     assert list(dict(grey_frames(frames, lost[0], 30))) == [*range(lost[0], 31)]
+    monkeypatch.setattr(video, "BACKWARD_BYTES", 4 * grey[0].nbytes)
+    backward = list(dict(grey_frames_backward(frames, 39, 0)))
+    assert backward[:16] == [*range(39, 23, -1)] and backward[-11:] == [*range(10, -1, -1)]
     with refused(VopdError):
         next(frames.pictures(lost))

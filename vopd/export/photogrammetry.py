@@ -333,7 +333,8 @@ def _rows(poses: CameraPoses) -> list[list[str]]:
         convergence = estimate.grid.convergence_deg[k]
         form = "%.4f"
     angles = omega_phi_kappa_deg(grid_from_local(convergence) @ poses.local_from_camera)
-    azimuth = estimate.camera_deg[k, 0]
+    yaw, pitch = estimate.camera_deg[k, :2].T
+    azimuth = np.where(np.cos(np.radians(pitch)) < 0.0, yaw + 180.0, yaw) % 360.0  # of the axis
     columns: list[tuple[str, Floats]] = [
         (form, x), (form, y), ("%.4f", height),
         *(("%.6f", np.round(one, 6) + 0.0) for one in angles.T),

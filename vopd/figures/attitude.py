@@ -350,7 +350,8 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
 
 def label_time_axis(axis: Any, histories: Sequence[History]) -> None:
     """Label the axis of times; where frames have none, that of their numbers, which are whole."""
-    axis.set_xlabel(histories[0].order_axis[1])
+    along = {h.order_axis[1] for h in histories}
+    axis.set_xlabel("; of jobs without times: ".join(sorted(along, reverse=True)))
     if not any(np.isfinite(h.estimate.time_s).any() for h in histories):
         from matplotlib.ticker import MaxNLocator
 

@@ -11,6 +11,7 @@ from pathlib import PurePath
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vopd.arrays import Floats
 from vopd.attitude.history import History
@@ -188,7 +189,7 @@ class _Frames:
     def __init__(self, history: History, scene: JobScene, read: Photograph) -> None:
         self._history, self._scene, self._read = history, scene, read
         self._views: dict[int, ImageScene] = {}
-        self._grey: dict[int, Floats] = {}
+        self._grey: dict[int, NDArray[np.uint8]] = {}
 
     def view(self, k: int) -> ImageScene:
         """Project the landmarks on the image of a frame."""
@@ -197,11 +198,11 @@ class _Frames:
             self._views[k] = self._scene.image(*self._history.estimate.frame_key(k))
         return self._views[k]
 
-    def grey(self, k: int) -> Floats:
-        """Read the photograph of a frame, (H, W)."""
+    def grey(self, k: int) -> NDArray[np.uint8]:
+        """Read the photograph of a frame, (H, W), 0 to 255."""
         if k not in self._grey:
             picture = self._read(*self._history.estimate.frame_key(k)).convert("L")
-            self._grey[k] = np.asarray(picture, dtype=float)
+            self._grey[k] = np.asarray(picture)
         return self._grey[k]
 
     def place(self, one: _Patch, mark: int) -> tuple[Floats, bool]:
@@ -242,7 +243,7 @@ class _Frames:
         if not np.isfinite(at).all():
             return np.full((SIDE, SIDE), np.nan)
         where = at[..., ::-1].transpose(2, 0, 1)
-        return np.asarray(map_coordinates(self.grey(k), where, order=1, cval=np.nan))
+        return np.asarray(map_coordinates(self.grey(k), where, float, order=1, cval=np.nan))
 
 
 def _correlation(first: Floats, patch: Floats) -> float:

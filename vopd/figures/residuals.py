@@ -319,6 +319,7 @@ def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) ->
     most = 1.08 * max(float(np.abs(values).max(initial=0.0)), 1e-9)
     alone = np.bincount(column).max(initial=0) <= 1  # each is its own root mean square
     coloured = 1 < jobs <= len(COLOURS)
+    of_jobs = [label(one, histories) for one in histories] if coloured else ["one frame"]
     for axis, own, name in zip(axes, values.T, names, strict=True):
         if alone:
             axis.vlines(across, 0.0, own, color=COLOURS[0], lw=1.5)
@@ -328,12 +329,11 @@ def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) ->
                 np.arange(len(numbers)), 2.0 * np.array(rms), 0.96, -np.array(rms), color="0.88",
                 label="root mean square, both ways", zorder=0,
             )  # fmt: skip
-        for job in range(jobs) if coloured else (-1,):
+        for job in range(len(of_jobs)):
             here = found.job == job if coloured else np.ones(len(own), dtype=bool)
             axis.scatter(
-                across[here], own[here], size, color=COLOURS[max(job, 0)], lw=0, alpha=0.8,
-                label=label(histories[job], histories) if coloured else "one frame",
-                rasterized=len(across) > DRAWN,
+                across[here], own[here], size, color=COLOURS[job], lw=0, alpha=0.8,
+                label=str(job), rasterized=len(across) > DRAWN,
             )  # fmt: skip
         odd = found.outlier
         if odd.any():
@@ -345,7 +345,8 @@ def _by_landmark(figure: Any, histories: Sequence[History], found: Residuals) ->
         axis.grid(visible=False, axis="x")
     _labels(axes[-1], [_label(histories, n) for n in numbers.tolist()])
     handles, texts = axes[0].get_legend_handles_labels()
-    if len(texts) > 1:
+    if len(texts) > 1:  # matplotlib leaves out what is labelled with a name that begins with _
+        texts = [of_jobs[int(one)] if one.isdecimal() else one for one in texts]
         legend_below(figure, handles, texts, 4)
     order = "; columns from left to right: the jobs" if jobs > 1 else ""
     units = histories[0].estimate.units

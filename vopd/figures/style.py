@@ -141,7 +141,8 @@ def _renamed(text: bytes) -> bytes:
 def svg(figure: Figure) -> str:
     """Write the figure as SVG text that is light or dark, as the page is that shows it."""
     text = save(figure, ".svg").decode("utf-8")
-    colours = {one: f"--c{k}" for k, one in enumerate(dict.fromkeys(HEX.findall(text)))}
+    found = dict.fromkeys(colour for _, colour in HEX.findall(text))
+    colours = {one: f"--c{k}" for k, one in enumerate(found)}
     names = {"light": dict(zip(colours.values(), colours, strict=True))}
     names["dark"] = {name: _on_dark(one) for name, one in names["light"].items()}
     light, dark = (
@@ -149,11 +150,11 @@ def svg(figure: Figure) -> str:
     )
     rules = f":root{{{light}fill:#000000}}@media (prefers-color-scheme:dark)"
     rules += f"{{:root{{{dark}fill:{_on_dark('#000000')}}}}}"
-    text = HEX.sub(lambda found: f"var({colours[found[0]]})", text)
+    text = HEX.sub(lambda found: f"{found[1]}var({colours[found[2]]})", text)
     return text.replace("</style>", f"{rules}</style>", 1)
 
 
-HEX = re.compile(r"#[0-9a-f]{6}\b")
+HEX = re.compile(r'([:"] ?)(#[0-9a-f]{6})(?=[;"])')  # as the value of a property, no part of a name
 DARK_RGB, LIGHT_RGB = (22, 24, 27), (232, 232, 232)  # ground and text of a dark page
 
 
