@@ -210,6 +210,15 @@ def test_settings_above_a_megabyte_and_what_is_no_file(tmp_path: Path) -> None:
     assert no_file(tmp_path) == ""
 
 
+@pytest.mark.parametrize("at", [1, 19_999, 20_000, 20_009, 20_010, 40_000])
+def test_a_null_character_is_no_text(at: int) -> None:
+    """Text is read 20,000 characters at a time, and on to the end of the line."""
+    lines = "".join(f"{k:09d}\n" for k in range(6_000))
+    file = InputFile("t", Path(), lines[:at] + "\0" + lines[at:])
+    with pytest.raises(VopdError, match="null"):
+        list(file.chunks())
+
+
 def test_packages_are_installed_by_their_names(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

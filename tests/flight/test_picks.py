@@ -338,6 +338,8 @@ def test_points_of_cvat_videos() -> None:
     assert rows.pixel.tolist() == [[4.5, 2.0], [5.5, 2.0], [8.5, 2.0]]
     assert (rows.grid, rows.size_px, rows.said) == ("corner", (64, 48), "CVAT video")
     assert read(cvat(track((1, "")))).size_px is None
+    for lost in (' width="40"', ' height="30"'):  # by a converter that knows none
+        assert read(cvat(image("a").replace(lost, ""))).size_px is None
     sizes = read(cvat(image("a"), image("b", width=41), image("c", height=31))).size_px
     assert sizes == {"a": (40, 30), "b": (41, 30), "c": (40, 31)}
     assert np.isnan(rows.sigma_px).all() and rows.sigma_px.shape == (3,)

@@ -160,6 +160,20 @@ def test_every_section_reaches_the_flight(tmp_path: Path) -> None:
     assert_approved(flight(tmp_path, plane).about[2])
 
 
+def test_a_drop_of_interpolated_picks_leaves_some(tmp_path: Path) -> None:
+    """Where none was clicked it ended in Python's own error."""
+    points = "<points frame='0' keyframe='0' points='1,2'/><points frame='1' points='1,2'/>"
+    (tmp_path / "p.xml").write_text(f"<annotations><track label='m'>{points}</track></annotations>")
+    keys = 'file = "p.xml"\ninterpolated = "drop"'
+    toml = TOML.replace('file = "picks.csv"\npixel_grid = "centre"', keys)
+    assert len(read_flight(str(write_project(tmp_path, toml))).frame) == 1
+    (tmp_path / "p.xml").write_text(
+        (tmp_path / "p.xml").read_text().replace("frame='1'", "frame='1' keyframe='0'")
+    )
+    with refused(VopdError):
+        read_flight(str(tmp_path / "flight.toml"))
+
+
 def test_v_is_counted_from_the_last_row_of_the_lens_s_images(tmp_path: Path) -> None:
     """The last of 1080 rows is 1079."""
     down = flight(tmp_path).picks.pixel

@@ -211,6 +211,22 @@ def test_what_is_exact_and_what_is_not_stated(tmp_path: Path) -> None:
     assert {name: round(one, 12) for name, one in options.parameter_sigma.items()} == expected
 
 
+def test_exact_velocities_are_exact_where_the_track_ends_before_the_frames(tmp_path: Path) -> None:
+    """Of frames 3.8 to 4.2 s the track has those up to 4 s."""
+    project = write_project(
+        tmp_path,
+        TOML.replace("first_frame_t_s = 2.0", "first_frame_t_s = 3.8").replace(
+            'sigma_t_s = "exact"', 'sigma_t_s = "exact"\nvelocity_sigma_m_s = "exact"'
+        ),
+    )
+    head, *rows = (tmp_path / "track.csv").read_text().splitlines()
+    rows = [head + ",vn_m_s,ve_m_s,vd_m_s", *(f"{row},20,5,-2" for row in rows), ""]
+    (tmp_path / "track.csv").write_text("\n".join(rows))
+    read = read_flight(str(project))
+    assert np.isnan(read.path.position_m[:, 0]).tolist() == [False] * 3 + [True] * 2
+    assert "velocity" in read.options.exact
+
+
 def test_the_rate_of_the_clock_where_all_else_is_exact(tmp_path: Path) -> None:
     """It was in no sigma of a flight whose positions and landmarks are exact."""
     exact, stated = 'sigma_t_s = "exact"', "sigma_t_s = 0.1"

@@ -292,6 +292,12 @@ def test_a_table_that_has_part_of_a_track_is_told_what_is_missing(
     assert_approved(told(f"{header}\n{cells}\n"), parts=[missing])
 
 
+@pytest.mark.parametrize("header", ["t_s,x_m,y_m,z_m", "image,lat_deg,lon_deg,h_m"])
+def test_a_header_alone_is_no_track(header: str) -> None:
+    """Of images it ended in Python's own error."""
+    assert_approved(told(f"{header}\n# none\n"))
+
+
 @pytest.mark.parametrize(
     "header", ["t_s,lat_deg,lon_deg,h_m", "t_s,x_m,y_m,z_m,vn_m_s,ve_m_s,vd_m_s"]
 )

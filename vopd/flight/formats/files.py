@@ -108,9 +108,10 @@ class InputFile:
         try:
             with self._open() as text:
                 while chunk := text.read(TEXT_AT_ONCE):
+                    chunk += text.readline(LONGEST_LINE)
                     if "\0" in chunk:
                         raise self.error("not a text file: it has null characters")
-                    yield chunk + text.readline(LONGEST_LINE)
+                    yield chunk
         except UnicodeDecodeError as error:
             at = _first_wrong_byte(self.path)
             raise self.error(not_utf8(self._first_bytes, at)) from error

@@ -310,11 +310,15 @@ def read_cvat(file: InputFile) -> PickRows:
         raise file.error("some points have no label: the label is the name of the landmark")
     if images and any(isinstance(one[0], int) for one in found):
         raise file.error("images and video tracks are in one file: give them one by one")
+    own = [(one.get("name", ""), one.get("width"), one.get("height")) for one in images]
+    own += [
+        (f"task {k}", one.findtext("width"), one.findtext("height"))
+        for k, one in enumerate(() if images else root.iter("original_size"))
+    ]
     sizes = {
-        i.get("name", ""): _size(i.get("width", "0"), i.get("height", "0")) for i in images
-    } or {
-        f"task {k}": _size(s.findtext("width", "0"), s.findtext("height", "0"))
-        for k, s in enumerate(root.iter("original_size"))
+        name: (whole_number(width), whole_number(height))
+        for name, width, height in own
+        if width is not None and height is not None
     }
     frames: list[Any] = [one[0] for one in found]
     by_image = isinstance(frames[0], str)
@@ -329,10 +333,6 @@ def read_cvat(file: InputFile) -> PickRows:
         _one_size(sizes), said,
         interpolated=np.array(between) if count else None, doubts=_left_out(file, others),
     )  # fmt: skip
-
-
-def _size(width: str, height: str) -> tuple[int, int]:
-    return whole_number(width), whole_number(height)
 
 
 def _one_size(sizes: Sizes) -> tuple[int, int] | Sizes | None:

@@ -127,6 +127,8 @@ def read_csv_track(file: InputFile) -> TrackRows:
     table = read_csv(file, COLUMNS)
     geodetic = has_latitudes(table)
     table.require(coordinate_columns(geodetic))
+    if not len(table.line):
+        raise file.error("no position is in the file")
     table, without = _with_positions(table, coordinate_columns(geodetic))
     coordinate = coordinates_of(table, geodetic)
     velocity = velocity_sigma = None

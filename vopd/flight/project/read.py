@@ -106,6 +106,11 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     if tracked:
         rows = replace(rows, interpolated=np.ones(len(rows.landmark), bool))
     elif section.text("interpolated") == "drop" and rows.interpolated is not None:
+        if rows.interpolated.all():
+            message = (
+                f'"drop" leaves no pick of {file.name}: a program has interpolated all of them'
+            )
+            raise section.error("interpolated", message)
         rows = rows.where(~rows.interpolated)
     finite = np.isfinite(rows.pixel).all(axis=1)
     if not finite.all():

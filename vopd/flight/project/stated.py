@@ -150,7 +150,9 @@ def flight_options(
         else 1.0,
         "landmark": float(landmarks.sigma_m.max(initial=0.0)),
         **dict.fromkeys(COMPONENT[name] for names in COMMON.values() for name in names),
-        "velocity": None if path.velocity_sigma_m_s is None else path.velocity_sigma_m_s.max(),
+        "velocity": None
+        if path.velocity_sigma_m_s is None
+        else float(np.fmax.reduce(path.velocity_sigma_m_s, axis=None)),
         "wind": path.wind_sigma_m_s if project.section("wind").has("sigma_m_s") else None,
         "mount": None,
     }

@@ -442,7 +442,6 @@ def path_by_time(
         raise section.error("file", f"{name}: {wrong}")
     if len(time_s) < 2:
         few = "one position is no track: give it as [position]"
-        few = few if len(time_s) else "no position is in the file"
         raise section.error("file", f"{name}: {few}")
     if not np.isfinite(times.time_s).any():
         why = "; ".join(times.doubts) or times.bring
