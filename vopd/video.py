@@ -42,7 +42,6 @@ GAP = 1.5  # of the usual time between frames: a longer one is a gap
 VARIES, TWO_MS = 0.1, 0.002  # of the usual time, beyond rounding: the rate varies
 GIVE = "give the video itself, or the folder of its frames as images"
 LISTS = (b"ffconcat", b"#EXTM3U", b"<?xml", b"<MPD")  # begin files that name others, or addresses
-AT_MOST_DECODED = 1_000  # frames after a key frame, for one that is asked for
 WITH_LUMA = (
     "yuv420p", "yuv422p", "yuv444p", "yuvj420p", "yuvj422p", "yuvj444p", "nv12", "nv21", "gray",
 )  # fmt: skip
@@ -561,8 +560,6 @@ def _by_pyav(chapter: Chapter, first: int, last: int, grey: bool) -> Iterator[An
         if sought <= chapter.tick[0]:  # which some files cannot seek
             sought = -np.inf
         for number, frame in enumerate(_decodable(chapter.path, sought)):
-            if number > AT_MOST_DECODED + k - first:
-                break
             if k == first and frame.pts > chapter.tick[k] and not (number and sooner_s):
                 break  # it was sought too late, perhaps
             while k <= last and frame.pts > chapter.tick[k]:

@@ -358,6 +358,21 @@ def test_each_frame_of_a_file_that_cannot_seek_before_its_first(tmp_path: Path) 
         assert round(number_of(picture)) == k
 
 
+def test_a_frame_more_than_a_thousand_behind_its_key_frame(tmp_path: Path) -> None:
+    """Of a video with one key frame, whose frames are by turns black and white."""
+    with av.open(str(tmp_path / "long.mp4"), "w") as container:
+        stream = container.add_stream("libx264", rate=25)
+        stream.width, stream.height, stream.pix_fmt = 16, 16, "yuv420p"
+        stream.options = {"crf": "1", "g": "9999", "preset": "ultrafast"}
+        for k in range(1_100):
+            level = np.full((16, 16), 255 * (k % 2), np.uint8)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(level, "gray")))
+        container.mux(stream.encode())
+    frames = open_frames([str(tmp_path / "long.mp4")])
+    levels = [picture.mean() for k in (1_050, 1_051) for _, picture in frames.decoded(k, k, True)]
+    assert levels[0] < 50.0 and levels[1] > 200.0
+
+
 def test_an_avi_of_frames_that_refer_to_later_ones(tmp_path: Path) -> None:
     """Seven of forty were told as damaged."""
     with refused(VopdError):
