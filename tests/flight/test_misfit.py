@@ -16,6 +16,7 @@ from tests.kit.clicked_flights import clicked_flight
 from tests.kit.command import ROOT
 from tests.kit.command import vopd as command
 from tests.kit.flight_mistakes import MistakeRow
+from tests.kit.flight_parameters import ROLLING
 from tests.kit.flight_project import TOML, long_track, write_project
 from tests.kit.joint_flights import axes, drone, flight_of
 from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
@@ -119,6 +120,16 @@ def test_an_exchange_is_named_and_the_status_is_3(mistake: str, words: str, tmp_
     if mistake == "v upward":
         done = command("attitude", tmp_path / "flight.toml", "-o", tmp_path / "a.csv")
         assert done.status == 3 and "warning: " in done.stderr and words in done.stderr
+
+
+def test_rows_that_are_read_the_other_way_are_named_with_a_way(tmp_path: Path) -> None:
+    """A readout of less than nothing, which no project takes, is one of the other way."""
+    plan = ROLLING._replace(errors=ROLLING.errors._replace(readout_ms=0.0))
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    project = tmp_path / "flight.toml"
+    project.write_text(project.read_text().replace('readout = "down"', 'readout = "up"'))
+    *_, text = said(vopd.solve_flight(project))
+    assert ' ms and readout = "down" in the place of 10 and "up"' in text and "= -" not in text
 
 
 def test_pictures_cut_off_at_their_top_move_the_principal_point(tmp_path: Path) -> None:

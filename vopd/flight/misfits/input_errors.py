@@ -522,6 +522,9 @@ def _rate_text(flight: Flight) -> Callable[[Floats, Floats], str]:
     )
 
 
+OPPOSITE = {"down": "up", "up": "down", "right": "left", "left": "right"}
+
+
 def _readout_text(flight: Flight) -> Callable[[Floats, Floats], str]:
     shutter = flight.shutter
 
@@ -529,8 +532,11 @@ def _readout_text(flight: Flight) -> Callable[[Floats, Floats], str]:
         more_ms, sigma_ms = 1000.0 * float(v[0]), 1000.0 * float(s[0])
         if shutter is not None:
             stated_ms = 1000.0 * shutter.readout_s
-            value = value_text("readout", stated_ms + more_ms, sigma_ms)
-            return f"[camera] readout_ms = {value} in the place of {stated_ms:.3g}"
+            value = value_text("readout", abs(stated_ms + more_ms), sigma_ms)
+            way = f' and readout = "{OPPOSITE[shutter.way]}"' * (stated_ms + more_ms < 0.0)
+            return f"[camera] readout_ms = {value}{way} in the place of {stated_ms:.3g}" + (
+                f' and "{shutter.way}"' if way else ""
+            )
         way = "down" if more_ms > 0.0 else "up"
         value = value_text("readout", abs(more_ms), sigma_ms)
         return f'a rolling shutter, [camera] readout_ms = {value} and readout = "{way}"'
