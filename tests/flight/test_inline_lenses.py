@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from tests.approved.texts import assert_approved
+from tests.kit.command import vopd as run
 from vopd.findings import VopdError
 from vopd.flight.formats.lens import LensRead
 from vopd.flight.project.camera import read_lens
@@ -182,3 +183,19 @@ def test_a_lens_of_numbers_has_those_that_opencv_has(count: int) -> None:
     if (length := LENGTHS[count]) is not None:
         expected["k"] = [*numbers[4:], *[0.0] * (length + 4 - count)]
     assert found == expected
+
+
+def test_numbers_of_a_fisheye_are_written_as_one(tmp_path: Path) -> None:
+    """The key is for files of four numbers; of a table it is the table's own model."""
+    folder = tmp_path / "mine"
+    ran = run(
+        "new", folder, "--lens", "870,870,959.5,539.5,0.03,-0.01,0.003,0.0", "--set",
+        "camera.model=fisheye", "--image-size", "1920,1080", "--pixel-grid", "centre",
+    )  # fmt: skip
+    camera = tomllib.loads((folder / "flight.toml").read_text())["camera"]
+    assert ran.status == 0 and "model" not in camera
+    assert camera["lens"]["k"] == [0.03, -0.01, 0.003, 0.0]
+    assert lens(tmp_path, camera.pop("lens"), **camera).lens.kind.value == "fisheye"
+    assert_approved(
+        run("new", folder, "--set", "camera.lens.model=fisheye").stderr.splitlines()[-1:]
+    )

@@ -146,12 +146,14 @@ def command(
     answers = _answers(given, position, columns, keys)
     if position is not None and "track" in files:
         raise click.UsageError("--position is of a camera that does not move: leave out --track.")
+    model = next((one for one in answers if ("camera", "model") in one.keys), None)
     try:
-        table = lens_of_numbers(files.get("lens", ""))
+        table = lens_of_numbers(files.get("lens", ""), model.value if model else '"brown"')
     except VopdError as error:
         raise click.UsageError(f"--lens: {error}.") from error
     if table:
         del files["lens"]
+        answers = [one for one in answers if one is not model]
         answers.append(Answer("--lens", [("camera", "lens")], table, at_once=True))
     again = deck is None and bool(answers or files or video) and (Path(folder) / NAME).exists()
     own = bool(files or video or table)
@@ -212,8 +214,9 @@ def _answers(
             key = section, last
             if key not in ROWS:
                 near = did_you_mean(name.strip(), [f"{a}.{b}" for a, b in ROWS if "." not in a])
-                if "lens" in section.split(".") or ("camera.lens", last) in ROWS:
-                    near = "; numbers of a lens: --lens FX,FY,CX,CY,K1,K2"
+                if "lens" in name.split(".") or ("camera.lens", last) in ROWS:
+                    near = "; numbers of a lens: --lens FX,FY,CX,CY,K1,K2, of a fisheye with "
+                    near += "--set camera.model=fisheye"
                 raise click.UsageError(f"--set: there is no key {name}{near}")
             value = answer_value("--set", key, text)
             found.append(Answer("--set", [key], value, at_once=True))

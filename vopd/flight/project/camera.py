@@ -103,11 +103,14 @@ def _lens_of(project: Project, section: Section, size: tuple[int, int] | None) -
     return _of_model(section, found, model, name)
 
 
+OWN_MODEL = "leave this key out, and write the other one there if that is right"
+
+
 def _of_model(section: Section, found: LensRead, model: str | None, name: str) -> LensRead:
     """Refuse a lens that says itself that it is of another model than is stated."""
     own = found.lens.kind.value
     if model not in (None, own):
-        raise section.error("model", f"{model}, but {name} says {own} itself: leave this key out")
+        raise section.error("model", f"{model}, but {name} says {own} itself: {OWN_MODEL}")
     return found
 
 

@@ -133,12 +133,13 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
     new.said.append(found.said)
 
 
-def lens_of_numbers(text: str) -> str:
+def lens_of_numbers(text: str, model: str = '"brown"') -> str:
     """Write a lens that is given as numbers as a table of TOML; empty if these are no numbers.
 
     Args:
         text: focal length, or fx, fy, cx, cy and up to five coefficients k1, k2, p1, p2, k3 of
-            OpenCV, pixels
+            OpenCV, of a fisheye k1 to k4, pixels
+        model: of the lens, as TOML
 
     Raises:
         VopdError: where they are not so many, or are no lens
@@ -161,7 +162,7 @@ def lens_of_numbers(text: str) -> str:
     if k := values[4:]:
         k += ["0.0"] * (-len(k) % 4 if len(k) < 4 else 0)
         told.append(f"k = [{', '.join(k)}]")
-    return f'{{ model = "brown", {", ".join(told)} }}'
+    return f"{{ model = {model}, {', '.join(told)} }}"
 
 
 def look_at_numbers(new: NewProject, values: KeyValues) -> None:
