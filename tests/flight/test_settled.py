@@ -242,6 +242,19 @@ def test_an_error_of_the_angles_of_attack_alone_is_told_by_these() -> None:
     assert_approved([included_text(replace(one, uncertainty=uncertainty))])
 
 
+def test_an_error_of_both_is_told_by_both() -> None:
+    """A clock of seconds turns a glider's alpha by all, and its yaw as much as the picks do."""
+    flight, _ = drawn(Priors(own_fixes(6)))
+    one = solve_flight_read(flight).history()
+    turn, none, attack = (np.full((1, 3), size) for size in (1.1, 0.0, 220.0))
+    own = {
+        "reading": np.hstack([turn, turn, turn]), "time": np.hstack([turn, turn, attack]),
+        "wind": np.hstack([none, none, turn]), "position": np.hstack([turn, turn / 20.0, attack]),
+    }  # fmt: skip
+    uncertainty = replace(one.uncertainty, components={n: o.repeat(6, 0) for n, o in own.items()})
+    assert_approved([included_text(replace(one, uncertainty=uncertainty))])
+
+
 def test_parts_of_a_long_flight_say_the_same() -> None:
     flight, _ = drawn(Priors(own_fixes(6)))
     result = solve_flight_read(flight)

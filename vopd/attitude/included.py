@@ -74,10 +74,16 @@ def included_text(history: History, mean: MeanAttitude | None = None) -> str:
     else:
         each = {name: own[None] for name, own in mean.components.items()}
     sizes: dict[str, list[str]] = {OF_VEHICLE: [], "alpha, beta and eta": []}
-    for name, own in each.items():
-        angles, size_deg = _largest(own)
-        size = f"below {LEAST_DEG}" if size_deg < LEAST_DEG else size_text(size_deg)
-        sizes[angles].append(f"{label(name)} {size}")
+    both = {name: _sizes(own) for name, own in each.items()}
+    tells_deg = max(LEAST_DEG, TELLS * max((turn for turn, _ in both.values()), default=0.0))
+    for name, (turn_deg, attack_deg) in both.items():
+        alone = attack_deg > OF_ATTACK * turn_deg
+        told = {"alpha, beta and eta": attack_deg} if alone else {}
+        if not alone or turn_deg >= tells_deg:
+            told[OF_VEHICLE] = turn_deg
+        for angles, size_deg in told.items():
+            size = f"below {LEAST_DEG}" if size_deg < LEAST_DEG else size_text(size_deg)
+            sizes[angles].append(f"{label(name)} {size}")
     texts = [
         f"{', '.join(some)} degree, the largest of {angles}"
         for angles, some in sizes.items()
@@ -170,18 +176,19 @@ def largest_component(history: History) -> str:
     """Name the component that the angles of the vehicle are least sure by, in a median frame."""
     history = history.typical or history
     frames = _with_attitude(history)
-    sizes = {name: _largest(own[frames]) for name, own in history.uncertainty.components.items()}
-    return max((one for one in sizes if sizes[one][0] == OF_VEHICLE), key=lambda n: sizes[n][1])
+    sizes = {name: _sizes(own[frames]) for name, own in history.uncertainty.components.items()}
+    return max(sizes, key=lambda name: sizes[name][0])
 
 
 OF_VEHICLE = "yaw, pitch and roll"
 ATTACK_ALONE = ("velocity", "wind")  # move the angles of attack, which a mean does not have
 LEAST_DEG = 0.0001  # smaller errors are told without their size
 OF_ATTACK = 100.0  # times the vehicle's: an error of the angles of attack
+TELLS = 0.1  # of the largest error of the vehicle's angles: one that is told beside those of attack
 
 
-def _largest(angles_deg: Floats) -> tuple[str, float]:
-    """Take the largest of the vehicle's angles, or of those of attack if they alone move.
+def _sizes(angles_deg: Floats) -> tuple[float, float]:
+    """Take the largest of the vehicle's angles and the largest of those of attack.
 
     Args:
         angles_deg: of camera, vehicle and attack, (F, 9), or without attack, (F, 6): the median
@@ -192,9 +199,7 @@ def _largest(angles_deg: Floats) -> tuple[str, float]:
         float(np.median(known[:, some].max(axis=1, initial=0.0)))
         for some in (slice(3, 6), slice(6, 9))
     )
-    if attack > OF_ATTACK * vehicle:
-        return "alpha, beta and eta", attack
-    return OF_VEHICLE, vehicle
+    return vehicle, attack
 
 
 def left_out_text(
@@ -272,7 +277,8 @@ def usual_effects(estimate: Estimate, names: Collection[str]) -> dict[str, str]:
         of_one = given_components(estimate, type(force)(**none | {field: size}))
         own = [gains.effect(one).angles_deg for one in of_one if one.name == name]
         if own:
-            _, degrees = _largest(np.sqrt(sum((one**2).sum(axis=2) for one in own)))
+            turn, attack = _sizes(np.sqrt(sum((one**2).sum(axis=2) for one in own)))
+            degrees = attack if attack > OF_ATTACK * turn else turn
             if 0.0 < degrees < np.inf:
                 found[name] = f"{text} is {size_text(degrees)} degree"
     return found
