@@ -146,6 +146,9 @@ TOLERANCES = {
     "residual": Tolerance("mm", 1e-11, "film coordinates of 10 mm"),
     "film length": Tolerance("mm", 1e-12, "lengths below 10 mm, a few roundings"),
     "printed angle": Tolerance("deg", 5.1e-4, "half of the last of three printed decimals"),
+    "sigma of printed covariances": Tolerance(
+        "deg", 5e-6, "covariances of .25 have seven digits; that of a sigma of .005 is what is left"
+    ),
     "printed time": Tolerance("s", 5.1e-4, "half of the last of three printed decimals"),
     "printed feet": Tolerance("ft", 5.1e-3, "half of the last of two printed decimals"),
     "axis by printed angles": Tolerance(

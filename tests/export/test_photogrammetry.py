@@ -6,6 +6,7 @@ import csv
 import re
 import shutil
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -297,15 +298,71 @@ def test_all_jobs_have_the_site_of_the_first() -> None:
 def test_an_opk_csv() -> None:
     lines = text_of("opk")[0].splitlines()
     assert_approved(lines[1:3])
-    assert lines[7] == (
+    assert lines[8] == (
         "image,x,y,h_m,omega_deg,phi_deg,kappa_deg,azimuth_true_deg,azimuth_grid_deg,"
-        "convergence_deg,longitude_deg,latitude_deg"
+        "convergence_deg,longitude_deg,latitude_deg,sigma_omega_deg,sigma_phi_deg,sigma_kappa_deg"
     )
     where, level = "90.000000000,0.000000000", "0.000000,0.000000"
-    assert lines[8:] == [
+    assert [line.rsplit(",", 3)[0] for line in lines[9:]] == [
         f"DJI_0000.JPG,{where},100.0000,{level},0.000000,{level},0.000000,{where}",
         f"DJI_0001.JPG,{where},200.0000,{level},-90.000000,90.000000,90.000000,0.000000,{where}",
     ]
+
+
+def opk_sigmas(text: str) -> list[list[str]]:
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return [[row[f"sigma_{name}_deg"] for name in ("omega", "phi", "kappa")] for row in rows]
+
+
+def test_sigmas_of_omega_phi_kappa_of_a_view_straight_down() -> None:
+    """North up: turns about right, forward and down are omega, phi and -kappa; then east up."""
+    one = level_flight()
+    turn = np.tile(np.diag([0.04, 0.09, 0.16]), (2, 1, 1))  # forward, right, down
+    doubt = replace(one.uncertainty, covariance_deg2=turn)
+    one = replace(one, uncertainty=doubt)
+    assert opk_sigmas(text_of("opk", one)[0]) == [
+        ["0.300000", "0.200000", "0.400000"], ["0.200000", "0.300000", "0.400000"]
+    ]  # fmt: skip
+    one.flags.raised["misfit"][1] = True
+    assert opk_sigmas(text_of("opk", one)[0])[1] == [""] * 3
+    deck = level_flight(about=ABOUT._replace(words=replace(WORDS, source="deck")))
+    assert opk_sigmas(text_of("opk", deck)[0])[0] == [""] * 3
+
+
+def attitude(row: dict[str, str], body: str) -> Floats:
+    angles = [float(row[f"{body}_{name}_deg"]) for name in ("yaw", "pitch", "roll")]
+    return np.asarray(Rotation.from_euler("ZYX", angles, degrees=True).as_matrix())
+
+
+def opk_of_turned(turn_deg: Floats, camera: Floats, body: Floats) -> Floats:
+    """Omega, phi, kappa of a camera with a body that is turned about its forward, right, down."""
+    own = body @ Rotation.from_rotvec(turn_deg, degrees=True).as_matrix() @ body.T @ camera
+    image = own[[1, 0, 2]] * [[1.0], [1.0], [-1.0]]  # in east, north, up
+    image = image[:, [1, 2, 0]] * [1.0, -1.0, -1.0]  # right, up, backward
+    return np.asarray(Rotation.from_matrix(image).as_euler("XYZ", degrees=True))
+
+
+def test_sigmas_of_omega_phi_kappa_are_those_of_small_turns(tmp_path: Path) -> None:
+    """By scipy's angles of the attitude turned a little about the vehicle's axes; not the mount."""
+    mount = "[vehicle]\nmount = { ypr_deg = [30, -40, 10] }\nmount_sigma_deg = 0.5\n"
+    path = write_project(tmp_path, TOML + mount)
+    for name in ("a.csv", "a.opk.csv"):
+        assert run("attitude", path, "-o", tmp_path / name).status == 0
+    found = np.array(opk_sigmas((tmp_path / "a.opk.csv").read_text()), float)
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    axes = ("forward", "right", "down")
+    for k, row in enumerate(csv.DictReader(line for line in lines if not line.startswith("#"))):
+        value = {
+            (a, b): float(row[f"covariance_{a}_{b}_deg2"]) for a in axes for b in axes
+            if f"covariance_{a}_{b}_deg2" in row
+        }  # fmt: skip
+        turn = np.array([[value.get((a, b), value.get((b, a))) for b in axes] for a in axes])
+        camera, body = (attitude(row, of) for of in ("camera", "vehicle"))
+        angles = partial(opk_of_turned, camera=camera, body=body)
+        steps = 1e-4 * np.eye(3)
+        slope = np.array([(angles(step) - angles(-step)) / 2e-4 for step in steps]).T
+        expected = np.sqrt(np.diag(slope @ (turn - 0.25 * np.eye(3)) @ slope.T))
+        assert_close("sigma of printed covariances", found[k], expected)
 
 
 @pytest.mark.parametrize("form", ["odm", "colmap", "opk"])
@@ -379,7 +436,7 @@ def test_one_file_has_one_coordinate_system(others: tuple[str, str]) -> None:
     if others[0] == others[1]:
         lines = text_of("opk", *jobs)[0].splitlines()
         assert_approved([lines[1], lines[5]], parts=["EPSG:1", "EPSG:1"])
-        assert [line.split(",")[1:3] for line in lines[8:]] == [["7.0000", "9.0000"]] * 4
+        assert [line.split(",")[1:3] for line in lines[9:]] == [["7.0000", "9.0000"]] * 4
     else:
         with refused(VopdError):
             text_of("opk", *jobs)

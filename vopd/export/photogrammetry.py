@@ -17,7 +17,8 @@ from vopd.export import FileRequest, printable
 from vopd.export.tables import not_a_formula
 from vopd.findings import Finding, Report, VopdError, count_text
 from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
-from vopd.geometry.rotations import camera_axes, from_axes
+from vopd.geometry.linear import inverse
+from vopd.geometry.rotations import body_axes, camera_axes, from_axes
 from vopd.version import __version__
 
 # The camera's attitude in the conventions of photogrammetry.
@@ -132,6 +133,34 @@ def omega_phi_kappa_deg(grid_from_camera: Floats) -> Floats:
     phi = np.arcsin(np.clip(i[:, 0, 2], -1.0, 1.0))
     kappa = np.arctan2(-i[:, 0, 1], i[:, 0, 0])
     return np.asarray(np.degrees(np.stack([omega, phi, kappa], axis=1)))
+
+
+@np.errstate(all="ignore")
+def omega_phi_kappa_sigma_deg(poses: CameraPoses, grid: Floats) -> Floats:
+    """Propagate the covariance of the camera's turn to omega, phi, kappa, (T, 3).
+
+    A turn w, in grid east, north, up, is domega ex + dphi Rx ey + dkappa Rx Ry ez. The vehicle
+    turns with the camera but for its mount, which has no part in these angles.
+
+    Args:
+        poses: of a flight; of a deck, whose vehicle need not turn as its camera, all are NaN
+        grid: true east, north, up to grid east, grid north, up, (T, 3, 3)
+    """
+    one, k = poses.history, poses.frames
+    turn = one.uncertainty.covariance_deg2[k] - one.uncertainty.sigmas.mount_deg**2 * np.eye(3)
+    body = body_axes(np.radians(one.estimate.vehicle_deg[k]))
+    axes = grid @ NED_FROM_ENU.T @ body  # forward, right, down of the vehicle in the grid
+    omega, phi, _ = np.radians(omega_phi_kappa_deg(grid @ poses.local_from_camera)).T
+    of_angles = np.zeros((len(k), 3, 3))
+    of_angles[:, 0, 0] = 1.0
+    of_angles[:, 1:, 1] = np.stack([np.cos(omega), np.sin(omega)], axis=1)
+    of_angles[:, :, 2] = np.stack(
+        [np.sin(phi), -np.sin(omega) * np.cos(phi), np.cos(omega) * np.cos(phi)], axis=1
+    )
+    by_turn = inverse(of_angles) @ axes
+    sigma = np.sqrt(np.einsum("tij,tjk,tik->ti", by_turn, turn, by_turn))
+    unknown = one.flags.raised["misfit"][k] | (one.about.words.source == "deck")
+    return np.where(unknown[:, None], np.nan, sigma)
 
 
 def grid_from_local(convergence_deg: Floats) -> Floats:
@@ -274,7 +303,8 @@ def render_odm_geo(histories: Sequence[History], request: FileRequest, report: R
 
 COLUMNS = (
     "image", "x", "y", "h_m", "omega_deg", "phi_deg", "kappa_deg", "azimuth_true_deg",
-    "azimuth_grid_deg", "convergence_deg", "longitude_deg", "latitude_deg",
+    "azimuth_grid_deg", "convergence_deg", "longitude_deg", "latitude_deg", "sigma_omega_deg",
+    "sigma_phi_deg", "sigma_kappa_deg",
 )  # fmt: skip
 HEAD_OMEGA_PHI_KAPPA = """\
 # {source}
@@ -284,6 +314,7 @@ HEAD_OMEGA_PHI_KAPPA = """\
 # Down is {down}.
 # x, y: {where}; h_m: metres {altitude}
 # azimuth of the optical axis, clockwise; grid azimuth is the true one less the convergence
+# sigma: one standard deviation, without Student's factor; none of decks and of frames that misfit
 """
 
 
@@ -332,15 +363,20 @@ def _rows(poses: CameraPoses) -> list[list[str]]:
         x, y = estimate.grid.easting[k], estimate.grid.northing[k]
         convergence = estimate.grid.convergence_deg[k]
         form = "%.4f"
-    angles = omega_phi_kappa_deg(grid_from_local(convergence) @ poses.local_from_camera)
+    grid = grid_from_local(convergence)
+    angles = omega_phi_kappa_deg(grid @ poses.local_from_camera)
+    sigmas = omega_phi_kappa_sigma_deg(poses, grid)
     yaw, pitch = estimate.camera_deg[k, :2].T
     azimuth = np.where(np.cos(np.radians(pitch)) < 0.0, yaw + 180.0, yaw) % 360.0  # of the axis
     columns: list[tuple[str, Floats]] = [
         (form, x), (form, y), ("%.4f", height),
         *(("%.6f", np.round(one, 6) + 0.0) for one in angles.T),
         ("%.6f", azimuth), ("%.6f", (azimuth - convergence) % 360.0), ("%.6f", convergence),
-        ("%.9f", longitude), ("%.9f", latitude),
+        ("%.9f", longitude), ("%.9f", latitude), *(("%.6f", one) for one in sigmas.T),
     ]  # fmt: skip
-    texts = [[text % value for value in values.tolist()] for text, values in columns]
+    texts = [
+        [text % value if np.isfinite(value) else "" for value in values.tolist()]
+        for text, values in columns
+    ]
     names = [not_a_formula(printable(name)) for name in poses.name]
     return [[name, *row] for name, *row in zip(names, *texts, strict=True)]
