@@ -374,7 +374,7 @@ def _descend(normal: Normal, most: int = PASSES) -> tuple[Normal, Floats, int, b
                 if settled and not own.any() and common == 0.0:
                     return normal, turn, passes, True
                 if robust and not newton and size < near:
-                    normal, newton = Normal(model, tried, True, damping=own), True
+                    normal, newton = normal.again(True, damping=own), True
                 continue
         fell = False
         if model.priors.fixes is None or not worse.any() or (worse & (own > 1.0)).any():
@@ -385,7 +385,7 @@ def _descend(normal: Normal, most: int = PASSES) -> tuple[Normal, Floats, int, b
             near *= NEARER
         if common > MOST_DAMPING:
             break
-        normal = Normal(model, normal.state, newton, damping=own)
+        normal = normal.again(newton, damping=own)
     return normal, turn, passes, False
 
 
@@ -490,7 +490,7 @@ def covariance(solution: JointSolution) -> Covariance:
     given = sum(component.values(), np.zeros(whole.shape))
     reading = np.asarray(whole.real) - given
     if robust:  # a pick of weight w has the variance w^2, and its part is as much less
-        varied = Factored(Normal(model, solution.state, carry=1j * DERIVATIVE))
+        varied = Factored(solution.normal.again(carry=1j * DERIVATIVE))
         reading = _derivative(varied, late)
     component = {"reading": reading} | component
     total = (given + reading)[:, :3, :3]
@@ -542,7 +542,7 @@ def covariance_by_picks(solution: JointSolution) -> tuple[Floats, Floats]:
     given = -varied.imag / DERIVATIVE
     if model.loss is LOSSES["least-squares"]:
         return total, np.asarray(total - given)
-    varied = Factored(Normal(model, solution.state, carry=1j * DERIVATIVE)).common
+    varied = Factored(solution.normal.again(carry=1j * DERIVATIVE)).common
     by_picks = np.asarray(-varied.imag / DERIVATIVE)
     return given + by_picks, by_picks
 

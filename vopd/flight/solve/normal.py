@@ -64,7 +64,7 @@ class Normal:
 
     def __init__(
         self, model: Model, state: State, newton: bool = False, carry: complex = 0.0,
-        damping: Floats | None = None,
+        damping: Floats | None = None, rows: list[LinearisedPicks] | None = None,
     ) -> None:  # fmt: skip
         """Form the equations.
 
@@ -74,6 +74,7 @@ class Normal:
             newton: with the loss's own curvature, where the frame has a minimum with it
             carry: multiplies the weights by 1 + carry times themselves, for a derivative
             damping: Levenberg's of each frame, (F,): a part of the diagonal
+            rows: the equations of the picks, if they are known at this state
         """
         self.model, self.state, self._newton, self._carry = model, state, newton, carry
         self.damping = None if damping is None or not damping.any() else damping
@@ -92,9 +93,9 @@ class Normal:
         self.parts: list[Eliminated] = []
         self.frame_cost = model.prior_cost_of_frames(state)
         self.cost, self.log_determinant = model.prior_cost(state), 0.0
-        self._kept: list[LinearisedPicks] | None = None
-        for rows in model.rows(state):
-            self._eliminate(rows)
+        self._kept = rows
+        for some in self._rows():
+            self._eliminate(some)
         self.border, self.common = self._border[:, : self.size], self._common[:-3, :-3]
         common = model.common_of(state)
         if model.clicks is not None:
@@ -187,6 +188,12 @@ class Normal:
         weighted = (matrix @ one.reshape(count, n, 2, -1) for one in (turn, further))
         across, more = (one.reshape(count, 2 * n, -1).swapaxes(1, 2) for one in weighted)
         return across, more
+
+    def again(
+        self, newton: bool = False, carry: complex = 0.0, damping: Floats | None = None
+    ) -> Normal:
+        """Form the equations at the same state in another way; those of few picks are known."""
+        return Normal(self.model, self.state, newton, carry, damping, self._kept)
 
     def _hand_on(self, frames: Ints, left: Array, index: Ints) -> None:
         """Hand what frames say of their places (B, 3, q) to the fixes."""
