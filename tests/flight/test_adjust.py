@@ -409,6 +409,11 @@ def test_a_stated_offset_of_a_track_holds_it_as_well_as_that(position: str, tmp_
         assert [one.sigma_before for one in found] == [stated_m] * 3
         assert all(one.sigma_after <= stated_m * (1.0 + 1e-9) for one in found)
         assert least <= max(abs(one.after) for one in found) < most
+    level = text.replace("sigma_bias_m = 0.5", "sigma_bias_m = [0.5, 0.5, 0]")
+    project.write_text(level, encoding="utf-8")
+    *free, exact = adjust(project, ["track-offset"]).parameters
+    assert max(abs(one.after) for one in free) > 0.1
+    assert (exact.held, exact.after, exact.sigma_before) == (False, 0.0, 0.0)
 
 
 def test_a_last_landmark_that_is_never_picked_has_no_residual(tmp_path: Path) -> None:

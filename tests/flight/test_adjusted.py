@@ -262,6 +262,17 @@ def test_what_is_written_can_be_read(
     assert_alike(again(tmp_path, file, *free))
 
 
+def test_patches_of_landmarks_stay_as_they_are(tmp_path: Path) -> None:
+    """A mast has a patch of its own, and the others the usual one."""
+    file = written(tmp_path, LOOSE, {})
+    table = file.with_name("landmarks.csv")
+    head, first, *rows = table.read_text(encoding="utf-8").split()
+    lines = [f"{head},patch_px", f"{first},13", *(f"{row}," for row in rows)]
+    table.write_text("\n".join(lines), encoding="utf-8")
+    sides = again(tmp_path, file, "landmarks").again.flight.landmarks.patch_px
+    assert sides is not None and np.array_equal(sides[:2], [13.0, np.nan], equal_nan=True)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="links need a right of their own")
 def test_files_are_named_from_where_a_link_leads(tmp_path: Path) -> None:
     """The system takes .. from there."""

@@ -135,6 +135,13 @@ def test_totals_are_of_the_components_and_azimuths_wider_toward_the_zenith() -> 
                                 elevation_deg=-3.0)))  # fmt: skip
 
 
+def test_north_is_no_full_turn() -> None:
+    found = solve_flight_read(hill()).direction(0, *AT)
+    for azimuth_deg, shown in ((359.99999, "0."), (359.4, "359."), (0.0, "0.")):
+        north = replace(found, azimuth_deg=azimuth_deg, half_width_95=np.array([0.02, 0.02]))
+        assert f"azimuth {shown}" in str(north)
+
+
 def test_an_adjusted_project_is_as_sure_as_the_solve_that_adjusted_it(tmp_path: Path) -> None:
     """Held at what the picks gave, a lens moves frame and ray together by its covariance."""
     joint = adjust(HILL, ["focal", "k1"])

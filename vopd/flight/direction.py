@@ -9,7 +9,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.uncertainty import student_factor, total_freedom
-from vopd.findings import VopdError
+from vopd.findings import VopdError, angle_text
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, frame_label
 from vopd.flight.solve.equations import LENS_COEFFICIENTS, with_parameters
@@ -48,7 +48,7 @@ class Direction(Record):
         few = decimals_for(self.half_width_95, 2)
         azimuth, elevation = (f"{half:.{few}f}" for half in self.half_width_95)
         return (
-            f"{self.frame}: azimuth {self.azimuth_deg % 360.0:.{few}f} +- {azimuth}, elevation "
+            f"{self.frame}: azimuth {angle_text(self.azimuth_deg, few)} +- {azimuth}, elevation "
             f"{self.elevation_deg:.{few}f} +- {elevation} degree (95 %)"
         )
 

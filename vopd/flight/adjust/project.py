@@ -18,7 +18,7 @@ from vopd.flight.adjust.adjustment import Adjustment
 from vopd.flight.coordinates import STEPS, coordinates_at, earth_centred_positions, units_of_grid
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.columns import coordinate_columns
-from vopd.flight.formats.landmarks import LANDMARK_FORMATS, SIGMAS
+from vopd.flight.formats.landmarks import LANDMARK_FORMATS, PATCH, SIGMAS
 from vopd.flight.formats.tables import EXACT, name_cell
 from vopd.flight.project.covariance import (
     CovarianceFile,
@@ -215,11 +215,14 @@ def _write_landmarks(
     if not all(one.is_metre for one in units):  # x and y are in the grid's own unit
         columns = "x", "y", "z" if len(units) == 3 else "z_m"
     order, digits = ([1, 0, 2], (11, 11, 6)) if rows.geodetic else ([0, 1, 2], (6, 6, 6))
-    lines = [",".join(["landmark", *columns, *SIGMAS])]
-    numbers = coordinate[:, order].tolist(), sigma_m.tolist()
-    for name, own, sigma in zip(marks.name, *numbers, strict=True):
+    patches = [] if marks.patch_px is None else [PATCH]
+    sides = np.full(len(marks.name), np.nan) if marks.patch_px is None else marks.patch_px
+    lines = [",".join(["landmark", *columns, *SIGMAS, *patches])]
+    numbers = coordinate[:, order].tolist(), sigma_m.tolist(), sides.tolist()
+    for name, own, sigma, side in zip(marks.name, *numbers, strict=True):
         cells = [f"{value:.{n}f}" for value, n in zip(own, digits, strict=True)]
         cells += [f"{value:.6g}" if value else EXACT for value in sigma]
+        cells += ["" if np.isnan(side) else f"{side:g}" for _ in patches]
         lines.append(",".join([name_cell(name), *cells]))
     new.contents[LANDMARKS] = "\n".join([*lines, ""]).encode()
     changes["landmarks", "file"], changes["landmarks", "columns"] = toml_text(LANDMARKS), None

@@ -8,23 +8,30 @@ from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError, count_text, first_of
 from vopd.flight.flight import Flight, frame_label, pick_label
 from vopd.flight.misfits.input_errors import OF_LANDMARK
-from vopd.flight.project.picks import NO_LANDMARK
+from vopd.flight.project.picks import NO_LANDMARK, NONE_USED
 from vopd.flight.solve.rotations import SolvedFlight
 from vopd.geometry.lenses import UNSEEN_MEANING, Unseen
 
 
 def require_two_landmarks(flight: Flight) -> None:
     """Refuse a flight in which no frame has two landmarks."""
-    used = flight.landmarks.takes_part
-    takes_part = used[flight.picks.landmark]
-    count = np.bincount(flight.picks.frame[takes_part], minlength=len(flight.frame))
+    frame, marks = flight.picks.frame, flight.picks.landmark
+    takes_part = flight.landmarks.takes_part[marks]
+    count = np.bincount(frame[takes_part], minlength=len(flight.frame))
     if count.max(initial=0) < 2:
-        unknown = [f.message for f in flight.findings if f.message.startswith(NO_LANDMARK)]
-        if unknown:
-            more = f"; {len(unknown) - 3} more like these" if len(unknown) > 3 else ""
+        why = [
+            one.message
+            for one in flight.findings
+            if one.message.startswith(NO_LANDMARK) or one.message.endswith(NONE_USED)
+        ]
+        if np.bincount(frame).max(initial=0) > 1:
+            names = [flight.landmarks.name[k] for k in np.unique(marks[~takes_part]).tolist()]
+            why.insert(0, f"[solve] check_landmarks leaves out {first_of(names, 5)}")
+        if why:
+            more = f"; {len(why) - 3} more like these" if len(why) > 3 else ""
             raise VopdError(
-                f"{flight.source}: no frame has two landmarks that the project knows: "
-                f"{'; '.join(unknown[:3])}{more}"
+                f"{flight.source}: no frame has two landmarks that can be used: "
+                f"{'; '.join(why[:3])}{more}"
             )
         raise VopdError(
             f"{flight.source}: no frame has two landmarks (frames: {len(count)}, one at most in "

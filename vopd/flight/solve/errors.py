@@ -31,6 +31,7 @@ from vopd.flight.solve.joint import (
 def priors_of(flight: Flight) -> Priors:
     """Collect the unknowns of a flight besides its rotations, as its files state them."""
     free = {name: prior_sigma(flight, name) for name in free_parameters(flight)}
+    free |= {name: max(free[name], LEAST_SIGMA_M) for name in SHIFT if name in free}
     clicks = flight.picks.clicks
     click_px = None if clicks is None else clicks.sigma_px
     if not flight.options.solve_position:
