@@ -50,6 +50,18 @@ def test_a_full_disk_is_one_message_and_status_1(
     assert (run.returncode, run.stderr) == (1, "standard output: No space left on device\n")
 
 
+def test_a_compiled_file_that_breaks_off_is_said(tmp_path: Path) -> None:
+    """Python up to 3.12.7 leaves such a file on a full disk, and click takes it for Ctrl-C."""
+    cached = ENVIRONMENT | {"PYTHONPYCACHEPREFIX": str(tmp_path)}
+    ran = {"env": cached, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    assert process("errata", **ran).returncode == 0
+    (compiled,) = tmp_path.rglob("cli/errata.*.pyc")
+    compiled.write_bytes(compiled.read_bytes()[:500])
+    run = process("errata", **ran)
+    assert run.returncode == 1
+    assert_approved(run.stderr, parts=[sys.prefix, str(ROOT / "vopd")])
+
+
 @pytest.mark.parametrize("environment", BUFFERED, ids=["buffered", "unbuffered"])
 def test_a_reader_that_has_seen_enough_is_no_failure(environment: dict[str, str]) -> None:
     pages = str(ROOT / "decks" / "appendix_h" / "cases_1_2_3.dat")

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 
 import click
 
-from vopd.files import Terminal
+from vopd.files import ROOT, Terminal
 from vopd.findings import Finding, VopdError, count_text, kind_of, strict
 
 # Messages on standard error: warnings, errors, and the progress of long work.
@@ -157,6 +157,7 @@ class Progress:
 # Turn exceptions into messages on standard error and an exit status, for all commands.
 
 
+DAMAGED = "marshal data"  # in what Python says of a file .pyc that breaks off
 NOT_LOADED = "failed to map segment"  # what the system says of a library and too little memory
 
 
@@ -201,8 +202,15 @@ def command_status(command: Callable[[], object]) -> int:
     except click.ClickException as error:
         error.show()
         return error.exit_code
-    except click.Abort:
-        return 130
+    except click.Abort as error:  # which click makes of the end of standard input, too
+        if DAMAGED not in str(error.__cause__):
+            return 130
+        click.echo(
+            "a compiled file of Python is damaged, as a full disk leaves one: delete the folders "
+            f"__pycache__ in {sys.prefix} and {ROOT / 'vopd'}, and repeat the command",
+            err=True,
+        )
+        return 1
     except VopdError as error:
         click.echo(str(error), err=True)
         return 1
