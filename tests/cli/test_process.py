@@ -59,7 +59,7 @@ def test_a_compiled_file_that_breaks_off_is_said(tmp_path: Path) -> None:
     compiled.write_bytes(compiled.read_bytes()[:500])
     run = process("errata", **ran)
     assert run.returncode == 1
-    assert_approved(run.stderr, parts=[sys.prefix, str(ROOT / "vopd")])
+    assert_approved(run.stderr.replace(sys.prefix, "PREFIX"))
 
 
 @pytest.mark.parametrize("environment", BUFFERED, ids=["buffered", "unbuffered"])
