@@ -233,7 +233,7 @@ def reading_spread(
     ):
         spread: Floats = np.ptp(points, axis=1)
         for k in np.flatnonzero((spread > limit + ROUNDING_IN).any(axis=1)):
-            axis = int(spread[k].argmax())
+            axis = int(np.nanargmax(spread[k]))
             by = decimal_text(spread[k, axis], 3)
             message = f"three readings of this point differ by {by} in (limit {limit:.3f} in)"
             field = ("XSAVE", "YSAVE")[axis]
@@ -338,10 +338,8 @@ CHANCE = 0.001  # probability that a deck without a bad reading draws a finding
 def noise_in(readings: Readings) -> float:
     """Estimate the standard deviation of one reading, inches, from the triples of all points."""
     variance = _triples(readings).var(axis=1, ddof=1)
-    from_deck = 0.0
-    if len(variance):  # NaN where a reading is none: then the deck's own noise is not known
-        middle = np.nan if np.isnan(variance).any() else median(variance.tolist())
-        from_deck = middle / np.log(2.0)
+    variance = variance[~np.isnan(variance)]  # NaN where a reading is no number
+    from_deck = median(variance.tolist()) / np.log(2.0) if len(variance) else 0.0
     total = USUAL_WEIGHT * USUAL_NOISE_IN**2 + len(variance) * from_deck
     return float(np.sqrt(total / (USUAL_WEIGHT + len(variance))))
 

@@ -259,6 +259,7 @@ WHOLE = {
 }  # fmt: skip
 """Those of whole numbers."""
 EXACT = 2.0**53  # below it each whole number is a float
+TITLE = 80  # columns of the title
 PARTS: Mapping[str, type] = {
     "camera": Camera, "trajectory": Trajectory, "wind": Wind, "clock": Clock,
     "landmarks": Landmarks, "ignored": Ignored, "readings": Readings,
@@ -270,13 +271,20 @@ def checked_fields(job: Job) -> Job:
     """Refuse a job one of whose fields is of another kind or shape, as `replace` can make it.
 
     Returns:
-        The job, all of its numbers in eight bytes, as the program computes with them.
+        The job, all of its numbers in eight bytes, as the program computes with them, and its
+        title with the blanks of a card.
 
     Raises:
         VopdError: naming the field
     """
     if not isinstance(job.title, str):
         raise VopdError(f"job.title is {type(job.title).__name__}, not a text")
+    if len(job.title) > TITLE or not (job.title.isascii() and job.title.isprintable()):
+        raise VopdError(f"job.title is not one card of {TITLE} printable ASCII characters at most")
+    group = job.return_group
+    if isinstance(group, bool) or not isinstance(group, int | np.integer) or not 1 <= group <= 13:
+        raise VopdError(f"job.return_group is {group!r}, not a whole number from 1 to 13")
+    job = replace(job, title=job.title.ljust(TITLE))
     for part, kind in PARTS.items():
         found = attrgetter(part)(job)
         if not isinstance(found, kind):

@@ -96,6 +96,12 @@ def test_every_standard_deviation_is_an_option(field: str) -> None:
     assert options["sigmas"] == {field: 0.5}
 
 
+@pytest.mark.parametrize("field", ["reading", "fiducial"])
+def test_a_standard_deviation_of_0_is_not_the_estimated_one(field: str) -> None:
+    options = json.loads(replace(USUAL, history=HistoryOptions(Sigmas(**{field: 0.0}))).options)
+    assert options["sigmas"] == {field: 0.0}
+
+
 def test_suffixes_of_tables() -> None:
     expected = {
         "csv": ".csv", "jsonl": ".jsonl", "npz": ".npz", "parquet": ".parquet", "aem": ".aem",

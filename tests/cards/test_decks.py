@@ -202,6 +202,23 @@ def test_a_stack_that_cannot_be_written() -> None:
         vopd.write_deck([replace(JOB, return_group=13), JOB])
 
 
+@pytest.mark.parametrize(("group", "written"), [(1, False), (2, True), (9, False), (13, True)])
+def test_the_last_job_ends_the_deck(group: int, written: bool) -> None:
+    """One of a stack read on where nothing is; return group 2 may end so (A 28)."""
+    last = replace(JOB, return_group=group)
+    if written:
+        assert jobs(vopd.write_deck(last)) == [last]
+        return
+    with refused(VopdError):
+        vopd.write_deck(last)
+
+
+def test_a_short_title_is_filled_up() -> None:
+    titled = replace(JOB, title="1 SHORT")
+    assert jobs(vopd.write_deck(titled))[0].title == "1 SHORT".ljust(80)
+    assert vopd.run(titled)[0].job.title == "1 SHORT".ljust(80)
+
+
 def test_values_that_do_not_fit() -> None:
     long = replace(JOB, clock=replace(JOB.clock, time_s=np.array([1 / 3, 2.0])))
     with pytest.raises(VopdError) as error:
@@ -507,6 +524,13 @@ TEXT = Path(CASE_1).read_text("ascii")
 RECORDS = "".join(card.ljust(80) for card in TEXT.splitlines())
 
 
+class Pieces(io.BytesIO):
+    """A file that gives some bytes first, and then five at a time."""
+
+    def read(self, _: int | None = -1, /) -> bytes:
+        return super().read(5 if self.tell() else 400)
+
+
 def described(width: int = 0, text: str = TEXT) -> bytes:
     """Write each card as a record of variable length: two bytes of length, two zeros, EBCDIC."""
     cards = [card.ljust(width).encode("cp037") for card in text.splitlines()]
@@ -535,7 +559,10 @@ def test_a_deck_in_another_code_or_in_records(content: tuple[str, bytes]) -> Non
     assert job == usual
     by_parts = CardText(io.BytesIO(content[1]))
     pieces = iter(lambda: by_parts.read(5003), b"")  # no multiple of a record
-    assert b"".join(pieces) == CardText(io.BytesIO(content[1])).all("a")
+    whole = CardText(io.BytesIO(content[1])).all("a")
+    assert b"".join(pieces) == whole
+    few = CardText(Pieces(content[1]))  # bytes that complete no record are not the end
+    assert b"".join(iter(lambda: few.read(1), b"")) == whole
 
 
 def test_a_blank_card_may_be_a_record_without_columns() -> None:
@@ -614,6 +641,13 @@ def test_the_head_of_a_deck_in_records_has_all_cards_behind_it() -> None:
     assert len(records) % 80
     for content in (records, records.decode().encode("cp037"), described(text="\n".join(cards))):
         assert [card.rstrip() for card in read_head(content, "deck").behind] == cards[43:]
+
+
+def test_the_jobs_behind_a_film_that_is_counted_and_not_read_stay_in_the_deck() -> None:
+    """As many cards as the film has were taken from them."""
+    cards = landmarks_again(two_frames())
+    for text in (cards, cards[:43] + cards[85:]):
+        assert read_head("\n".join(text).encode(), "deck").behind == cards[85:]
 
 
 def test_a_deck_that_cannot_be_read_on_is_named() -> None:

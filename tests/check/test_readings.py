@@ -78,6 +78,13 @@ def test_small_differences_are_never_questioned() -> None:
     assert spread_limit_in(still) == 0.010
 
 
+def test_a_reading_that_is_no_number_leaves_the_noise_of_the_others() -> None:
+    """The limit was .010 in then, whatever the film: 158 warnings in a noisy one."""
+    readings = random_film(1000, 0.02)
+    readings.fiducial_in[0, 0, 0, 0] = np.nan
+    assert_close("noise with bad readings", noise_in(readings), 0.02)
+
+
 def test_a_film_without_frames_has_the_usual_noise_and_the_limit_of_one_triple() -> None:
     """Three differences, each on two sides, at a chance of .001."""
     empty = film(np.zeros((0, 4, 3, 2)), np.zeros((0, 1, 3, 2)))

@@ -54,6 +54,15 @@ MM_PER_INCH = 0.713816400205
 
 
 @pytest.mark.parametrize("axis", [0, 1])
+def test_beside_a_reading_that_is_no_number_the_other_axis_is_named(axis: int) -> None:
+    """It said that readings differ by nan."""
+    read = JOB.readings.fiducial_in.copy()
+    read[1, 2, 0, axis], read[1, 2, 1, 1 - axis] = np.nan, read[1, 2, 0, 1 - axis] + 5.0
+    ((where, said),) = told(film_rules.reading_spread, changed("readings", JOB, fiducial_in=read))
+    assert where[2] == ("YSAVE", "XSAVE")[axis] and "differ by 5.0" in said
+
+
+@pytest.mark.parametrize("axis", [0, 1])
 def test_readings_just_at_the_limit_are_not_questioned(axis: int) -> None:
     """Whatever the binary fraction: of 0.037 and 0.017 the difference exceeds .020 in bits."""
     job = film(1)

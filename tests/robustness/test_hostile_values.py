@@ -164,6 +164,12 @@ FIELDS: dict[str, Callable[[], vopd.Job]] = {
     "points without their frames": lambda: replace(
         JOB, readings=replace(JOB.readings, points=JOB.readings.points.take(slice(1)))
     ),
+    "a title of other letters": lambda: replace(JOB, title="1 Überflug"),
+    "a title of two lines": lambda: replace(JOB, title="1 ONE\n2"),
+    "a title of 81 columns": lambda: replace(JOB, title="1" * 81),
+    "a return group in words": lambda: replace(JOB, return_group="13"),
+    "a return group of 0": lambda: replace(JOB, return_group=0),
+    "a return group of 14": lambda: replace(JOB, return_group=14),
     "frames without their points": lambda: replace(
         JOB, readings=replace(JOB.readings, frame=FRAMES[:1], fiducial_in=FIDUCIALS[:1])
     ),

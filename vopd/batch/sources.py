@@ -14,6 +14,7 @@ from pathlib import Path, PurePath
 from typing import NamedTuple
 
 from vopd.attitude.history import HistoryOptions
+from vopd.attitude.sigmas import Sigmas
 from vopd.export import FORMATS
 from vopd.files import A_VIDEO, ENDS, kind_by_first_bytes, not_utf8, size_and_ends
 from vopd.findings import VopdError
@@ -303,7 +304,12 @@ class BatchSettings:
     @cached_property
     def options(self) -> str:
         """State all that the outputs depend on besides input and version, as JSON."""
-        sigmas = {name: one for name, one in vars(self.history.sigmas).items() if one}
+        stated = Sigmas()
+        sigmas = {
+            name: one
+            for name, one in vars(self.history.sigmas).items()
+            if one != getattr(stated, name)
+        }
         given = {
             "fix": str(self.solve.fixes),
             **{name: one for name, one in vars(self.solve).items() if name != "fixes"},

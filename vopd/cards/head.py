@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.cards.deck import CardDeck, refuse_other_file
-from vopd.cards.format import GROUPS, format_items
+from vopd.cards.format import BASIC_DATA, GROUPS, format_items
+from vopd.cards.miscount import looks_like_basic_data
 from vopd.cards.numbers import read_few
 from vopd.cards.read import ControlCards
 from vopd.cards.text import CardText
@@ -47,8 +48,7 @@ def read_head(file: bytes, name: str) -> DeckHead:
     items = format_items(GROUPS[5].format)[:3]
     card = lines[first].ljust(80)
     counts = read_few([card[one.first - 1 : one.last].encode() for one in items], items).value
-    planned = counts[1] > 0
-    if not planned:  # to be read all the same: one frame
+    if not counts[1] > 0:  # to be read all the same: one frame
         lines[first] = f"{card[:5]}    1{card[10:15]}    1"
     control, deck = _control(lines, name)
     ends = list[int]()
@@ -56,7 +56,7 @@ def read_head(file: bytes, name: str) -> DeckHead:
         control.read(number)
         ends.append(deck.taken)
     behind = lines[ends[11] :]
-    if behind and planned:
+    if looks_like_basic_data(deck.next_card(BASIC_DATA.number).text).any():  # the film was read
         behind = behind[int((12 + 3 * control.frame_counts).sum()) :]
     return DeckHead(
         name,

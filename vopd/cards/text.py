@@ -45,7 +45,14 @@ class CardText:
 
     def read(self, size: int) -> bytes:
         """Read some bytes of the text; none at its end."""
-        block = self._file.read(size)
+        while True:
+            block = self._file.read(size)
+            text = self._text_of(block)
+            if text or not block:  # a few bytes at the end of a file may complete no record
+                return text
+
+    def _text_of(self, block: bytes) -> bytes:
+        """Make the text of the bytes that come next; none of them stand for the file's end."""
         if not self._started:
             self._started = True
             block = block.removeprefix(BYTE_ORDER_MARK)
@@ -94,14 +101,15 @@ class CardText:
 
     def _without_descriptors(self, data: bytes, *, ended: bool) -> bytes:
         """Cut data into records, each with an EBCDIC newline in place of its descriptor word."""
-        lines, begin = b"", 0
+        records, begin = list[bytes](), 0
         while length := _record_length(data, begin):
             if begin + length > len(data):
                 break
-            lines += data[begin + DESCRIPTOR : begin + length] + b"\x25"
+            records.append(data[begin + DESCRIPTOR : begin + length] + b"\x25")
             begin += length
         self._described = not ended and (length > 0 or len(data) - begin < DESCRIPTOR)
         self._rest = data[begin:] if self._described else b""
+        lines = b"".join(records)
         return lines if self._described else lines + data[begin:]  # what is no record is a bad card
 
 

@@ -13,7 +13,7 @@ from vopd.cards.format import BASIC_DATA, GROUPS, FormatItem, format_items
 from vopd.cards.numbers import nearest_that_fits, write_number
 from vopd.cards.read import read_jobs
 from vopd.cards.text import COLUMNS
-from vopd.findings import VopdError, group_text, refuse_other_kind
+from vopd.findings import InputError, VopdError, group_text, refuse_other_kind
 from vopd.job import Job, checked_fields
 
 Rows = Sequence[Sequence[float]]
@@ -34,7 +34,8 @@ def write_deck(jobs: Job | Sequence[Job]) -> str:
 
     Raises:
         VopdError: where a number does not fit its columns, with the nearest number that does;
-            or where a job differs from the one before it in what is not read again.
+            where a job differs from the one before it in what is not read again; or where the
+            last one's return group reads on.
 
     Source: TM X-3050, Appendix F.
     """
@@ -164,3 +165,10 @@ def _check(deck: str, jobs: Sequence[Job]) -> None:
                     f"job {number}: {part.name.replace('_', ' ')} cannot be written in a deck"
                     + (f" after return group {jobs[number - 2].return_group}" if number > 1 else "")
                 )
+    try:
+        next(read, None)
+    except InputError as error:
+        raise VopdError(
+            f"job {len(jobs)}: return group {jobs[-1].return_group} reads on, and no job comes "
+            "behind it: dataclasses.replace(job, return_group=13) ends the deck"
+        ) from error
