@@ -330,9 +330,10 @@ def test_names_of_grid_coordinates_with_units(tmp_path: Path) -> None:
 
 UNITS = {
     "landmarks": ["lat_deg,lon_deg,h_mm", "lat_rad,lon_rad,alt_km", "Lat[E7],lon_deg,z",
-                  "lat_deg,lon_deg,gps_alt (cm)", "lat_deg,lon_deg,reach_cm"],
+                  "lat_deg,lon_deg,gps_alt (cm)", "lat_deg,lon_deg,reach_cm",
+                  "lat_gon,lon_gon,h_m"],
     "track": ["t_us,lat_deg,lon_deg,h_m", "TimeUS,lat_deg,lon_deg,h_m", "time (min),lat,lon,h",
-              "time_us,p,q"],
+              "time_us,p,q", "time_days,lat,lon,h"],
     "wind": ["h_km,from_deg,speed_m_s,rh"],
 }  # fmt: skip
 

@@ -147,12 +147,15 @@ def test_markers_of_metashape_that_are_switched_off_are_left_out(no: str) -> Non
 def test_files_of_cirn_and_caltech(tmp_path: Path) -> None:
     """d3 is third in CIRN's intrinsics and fifth in Caltech's kc; cc from (1, 1) and (0, 0)."""
     calib = {"fc": [9.0, 8.0], "cc": [5.0, 4.0], "kc": [0.1, 0.2, 0.3, 0.4, 0.5], "nx": 11, "ny": 9}
-    savemat(tmp_path / "c.mat", calib)
+    savemat(tmp_path / "c.mat", calib | {"alpha_c": 0.5})
     savemat(tmp_path / "i.mat", {"intrinsics": [11, 9, 5, 4, 9, 8, 0.1, 0.2, 0.5, 0.3, 0.4]})
     (tmp_path / "i.json").write_text('{"intrinsics": [11, 9, 5, 4, 9, 8, 0.1, 0.2, 0.5, 0.3, 0.4]}')
-    for name, centre in (("c.mat", [5.0, 4.0]), ("i.mat", [4.0, 3.0]), ("i.json", [4.0, 3.0])):
+    for name, centre, skew in (
+        ("c.mat", [5.0, 4.0], 4.5), ("i.mat", [4.0, 3.0], 0.0), ("i.json", [4.0, 3.0], 0.0),
+    ):  # fmt: skip
         lens = read_by_content(LENS_FORMATS, open_input(name, tmp_path), LensQuestion()).lens
         assert (lens.size_px, lens.focal_px.tolist()) == ((11, 9), [9.0, 8.0])
+        assert lens.skew_px == skew  # alpha_c times the first focal length
         assert lens.centre_px.tolist() == centre and lens.k[:5].tolist() == [
             0.1,
             0.2,

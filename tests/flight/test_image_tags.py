@@ -276,6 +276,11 @@ def test_clocks_of_exif(
         time.tzset()
 
 
+def test_zones_go_to_14_hours() -> None:
+    """Of Tonga and the Line Islands."""
+    assert [zone_of_tags({ZONE: text}) for text in ("+13:00", "+14:00")] == [46_800.0, 50_400.0]
+
+
 @pytest.mark.parametrize("text", ["+2:00", "02:00", "+02:00:00", "+0200", "x+02:00", "", "+14:01",
                                   "-99:00", "+01:60"])  # fmt: skip
 def test_zones_that_are_none(text: str) -> None:

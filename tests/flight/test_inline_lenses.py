@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved
@@ -30,6 +31,21 @@ def refusal(folder: Path, inside: Any, **values: Any) -> str:
     with pytest.raises(VopdError) as told:
         lens(folder, inside, **values)
     return str(told.value).removeprefix("p.toml: [camera")
+
+
+def test_a_calibration_of_another_size_is_scaled_with_its_standard_deviations(
+    tmp_path: Path,
+) -> None:
+    """Of half the size; what is in pixels is halved, and the distortion is of angles."""
+    matrix = np.diag([16.0, 4.0, 9.0, 1e-4]).ravel()
+    (tmp_path / "m.xml").write_text(
+        "<calibration><width>200</width><height>100</height><f>400</f><b2>6</b2><covariance>"
+        f"<params>f cx cy k1</params><coeffs>{' '.join(map(str, matrix))}</coeffs></covariance>"
+        "</calibration>"
+    )
+    found = lens(tmp_path, "m.xml", image_size_px=[100, 50], lens_size_px=[200, 100])
+    assert (found.lens.focal_px.tolist(), found.lens.skew_px) == ([200.0, 200.0], 3.0)
+    assert found.sigma == {"focal": 2.0, "centre_u": 1.0, "centre_v": 1.5, "k1": 0.01}
 
 
 def test_what_the_project_says_of_a_file(tmp_path: Path) -> None:

@@ -895,6 +895,13 @@ def test_broken_json_and_yaml_say_where() -> None:
     assert_approved(no_lens(f"camera_matrix: {code}\n"), others_after="not valid YAML:")
 
 
+@pytest.mark.parametrize(("fy_px", "told"), [(2249.0, 0), (2251.0, 1), (1001.0, 0), (999.0, 1)])
+def test_pixels_one_and_a_half_times_as_wide_as_high_are_doubted(fy_px: float, told: int) -> None:
+    middle = np.array([959.5, 539.5])
+    lens = Lens(LensKind.BROWN, (1920, 1080), np.array([1500.0, fy_px]), middle, np.zeros(12))
+    assert len(list(doubts_of_lens(lens))) == told
+
+
 @pytest.mark.parametrize(
     ("centre_px", "told", "size"),
     [

@@ -64,6 +64,12 @@ def test_what_makes_velocities_agree_with_positions(columns: list[float]) -> Non
     assert_approved(doubts(columns))
 
 
+def test_what_no_mistake_explains_is_told_from_half_the_speed_on() -> None:
+    """Of 32.56 m/s: 16.2 and 16.4 m/s off, with no mistake that makes it a third."""
+    assert not doubts(np.add(TRUE_M_S, [0.0, 0.0, -16.2]))
+    assert doubts(np.add(TRUE_M_S, [0.0, 0.0, -16.4]))
+
+
 def test_an_error_of_the_vertical_is_told_where_it_is_more_than_what_is_stated() -> None:
     """The other sign of 4 m/s is 8 m/s: two sigmas of 4, and more than four of 1.9."""
     assert doubts([30.0, -12.0, 4.0], 1.9) and not doubts([30.0, -12.0, 4.0], 4.0)

@@ -298,7 +298,8 @@ def test_picks_of_a_rolling_shutter_are_shown_where_they_were_picked(tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("readout_ms", "said"), [(109.0, False), (111.0, True), (0.51, False), (0.016, True)]
+    ("readout_ms", "said"),
+    [(109.0, False), (111.0, True), (0.51, False), (0.016, True), (0.49, True)],
 )
 def test_a_readout_longer_than_a_frame_or_in_seconds_is_doubted(
     readout_ms: float, said: bool, tmp_path: Path

@@ -43,8 +43,24 @@ def about(
     terrain = read_terrain(project)
     assert terrain is not None
     marks = flight_of(project).landmarks
-    (line, *_), findings = terrain.about(marks, np.arange(len(marks.name)))
-    return line, findings
+    lines, findings = terrain.about(marks, np.arange(len(marks.name)))
+    return "\n".join(lines), findings
+
+
+@pytest.mark.parametrize(("lower_m", "told"), [(109.0, 0), (111.0, 1), (-109.0, 0), (-111.0, 1)])
+def test_a_terrain_farther_from_the_landmarks_than_any_geoid(
+    lower_m: float, told: int, tmp_path: Path
+) -> None:
+    assert len(about(tmp_path, "EPSG:4326", lower_m, '"ellipsoid"')[1]) == told
+
+
+@pytest.mark.parametrize(("high_m", "told"), [(14.9, False), (15.1, True), (-15.1, True)])
+def test_a_landmark_that_is_not_on_the_ground(
+    high_m: float, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Terrain, "_above_of", lambda *_: np.array([3.0] * 5 + [3.0 + high_m]))
+    said, _ = about(tmp_path, "EPSG:4326", 7.0, '"ellipsoid"')
+    assert ("not on the ground" in said) == told
 
 
 @pytest.mark.parametrize(

@@ -185,6 +185,10 @@ def test_a_position_that_the_track_leaps_to_is_named() -> None:
     noisy = position + 5.0 * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
     quick = replace(rows, time_s=np.arange(5.0) / 100.0)
     assert doubts_of_leaps(quick, noisy, None, "t.csv") == []
+    for aside_m, named in ((4.9, False), (5.1, True)):  # a leap there and back of 10 m
+        moved = position + aside_m * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
+        ten_a_second = replace(rows, time_s=np.arange(5.0) / 10.0)
+        assert bool(doubts_of_leaps(ten_a_second, moved, None, "t.csv")) == named
 
 
 def test_a_leap_is_more_than_the_errors_of_fixes_make() -> None:
@@ -419,6 +423,9 @@ def test_what_is_said_of_a_track_that_has_other_images_or_another_clock() -> Non
     said = why_nowhere(section, track_rows(clock="utc", time_s=since), when)
     assert_approved(said)
     assert_approved(why_nowhere(section, track_rows(clock="seconds", time_s=since), when))
+    for hours, is_zone in ((14.0, True), (15.0, False)):
+        late = track_rows(time_s=np.array([0.0, 1.0, 2.0]) + 3600.0 * hours)
+        assert ("a time zone?" in why_nowhere(section, late, times((5.0,)))) == is_zone
 
 
 def test_an_offset_covers_frames_that_are_a_little_beyond_a_track() -> None:

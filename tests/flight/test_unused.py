@@ -88,6 +88,8 @@ def test_a_sensor_of_nearly_the_shape_of_the_image(tmp_path: Path) -> None:
     """Sizes of sensors are rounded: 6.17 by 3.4 mm of 16 to 9."""
     sensor = "focal_mm = 5.0, sensor_mm = [6.17, 3.4]"
     assert not flight(tmp_path, ("fx_px = 1500.0, fy_px = 1490.0", sensor)).findings
+    off = sensor.replace("3.4", "3.61")  # 4 %
+    assert flight(tmp_path, ("fx_px = 1500.0, fy_px = 1490.0", off)).findings
 
 
 def test_a_place_in_degrees_and_metres(tmp_path: Path) -> None:

@@ -105,7 +105,8 @@ def test_numbers_that_are_missing_among_images(tmp_path: Path) -> None:
     for k, numbers in enumerate((
         [*range(7), *range(8, 20), *range(25, 60)],
         [*range(0, 200, 10), 230, 240],
-        range(0, 200, 10), [3, 17, 40, 41, 90], [5],
+        range(0, 200, 10), [3, 17, 40, 41, 90], [5], [*range(5), *range(6, 10), *range(11, 14)],
+        [0, 1, 3, 4, 6, 7, 8, 9],
     )):  # fmt: skip
         folder = tmp_path / str(k)
         folder.mkdir()

@@ -86,7 +86,9 @@ def test_gps5_is_spread_over_its_packets(tmp_path: Path) -> None:
 def test_what_is_no_place_of_gps5_is_left_out(tmp_path: Path) -> None:
     """Latitude and longitude 0 are; one of them, and the poles, are places."""
     places = [(0, 15.0, 1.0), (0, 0, 2.0), (47.0, 0, 3.0), (90.0, 9.0, 4.0), (90.1, 9.0, 5.0)]
-    rows = read(write_gpmf(tmp_path / "a.mp4", [(0, gps5([*places, (-90.0, 9.0, 6.0)]))]))
+    level = gps5([(48.0, 9.0, 7.0)], fix=2)  # of two dimensions: its height is a guess
+    packets = [(0, gps5([*places, (-90.0, 9.0, 6.0)])), (1000, level)]
+    rows = read(write_gpmf(tmp_path / "a.mp4", packets))
     assert rows.coordinate[:, 2].tolist() == [1.0, 3.0, 4.0, 6.0]
 
 
