@@ -213,6 +213,27 @@ def test_images_whose_names_go_back_in_time_are_on_cards_in_time(tmp_path: Path)
     assert angles_apart(deck.camera_deg, flight.camera_deg[::-1]) < within("angle by cards")
 
 
+STANDS = (
+    "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\n"
+    "height = 'ellipsoid'\nsigma_m = 5.0\n"
+)
+
+
+def test_images_without_times_are_on_cards_by_their_names(tmp_path: Path) -> None:
+    """Forty of them, of five pictures: so many that a sort may exchange what is alike."""
+    toml = re.sub("(?m)^(frame_rate_hz|first_frame).*\n", "", PLAIN)
+    toml = re.sub(r"(?s)\[track\].*?(?=\n\[|\Z)", STANDS, toml)
+    path = write_project(tmp_path, toml)
+    picks = tmp_path / "picks.csv"
+    rows = [row.split(",", 1) for row in picks.read_text().splitlines()[1:]]
+    named = [f"{8 * int(k) + n:02d}.jpg,{rest}" for n in range(8) for k, rest in rows]
+    picks.write_text("\n".join(["image,landmark,u_px,v_px", *named]))
+    numbers = tmp_path / "numbers.csv"
+    assert run("punch", path, "-o", tmp_path / "deck.dat", "--numbers", numbers).status == 0
+    listed = [one for one in numbers.read_text().splitlines() if one.startswith("frame,")]
+    assert listed == [f"frame,{k + 1},{k:02d}.jpg" for k in range(40)]
+
+
 def test_names_of_numbers_are_no_formulas(tmp_path: Path) -> None:
     """A spreadsheet opens this table."""
     path = write_project(tmp_path)

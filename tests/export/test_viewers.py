@@ -390,6 +390,12 @@ def test_placemarks_in_another_order_show_their_own_frames() -> None:
     ]  # fmt: skip
 
 
+def test_a_control_character_of_an_image_s_name_is_written_out() -> None:
+    """As in other formats: XML cannot hold it, and no reader took the file."""
+    text, _ = text_of("kml", level_flight(frame_names=["a\x01.jpg", "b.jpg"]))
+    assert "a\\x01.jpg" in {value for _, value in leaves(ET.fromstring(text))}
+
+
 def test_what_viewers_are_told_of_turns() -> None:
     (document, _), kml = json.loads(text_of("czml")[0]), text_of("kml")[0]
     assert (

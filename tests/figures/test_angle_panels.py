@@ -239,6 +239,9 @@ def test_one_frame_is_a_table() -> None:
         cells = {place: cell.get_text().get_text() for place, cell in table.get_celld().items()}
         assert max(cells) == (rows - 1, columns - 1)
         assert {"0.00 ± 0.50", "5.00 ± 0.50", "jump"} <= set(cells.values())
+    sharp = by_hand(1, angles_deg=angles, half_deg=np.full((1, 9), 1.23456e-4))
+    (table,) = panels([sharp], draw_attitude)[0].tables
+    assert "5.0000 ± 0.0001" in {one.get_text().get_text() for one in table.get_celld().values()}
 
 
 def test_a_camera_that_is_not_turned_has_no_panels_of_its_own() -> None:

@@ -373,6 +373,22 @@ def test_heights_are_not_drawn_smaller_than_distances() -> None:
     assert part.get_suptitle().endswith("to scale")
 
 
+def test_a_map_of_far_landmarks_is_in_kilometres_but_on_a_grid() -> None:
+    """Those of case 4 are 40 km away; a grid, here of Earth-centred x and y, is in metres."""
+    (history,) = histories("appendix_h/case4")
+    assert history.estimate.scene is not None
+    scene = history.estimate.scene()
+    on_grid = replace(scene, crs="EPSG:9", plane=lambda m: (m[:, :2], np.zeros(len(m))))
+    east_m = []
+    for own, unit, per_m in ((scene, "km", 1000.0), (on_grid, "m", 1.0)):
+        estimate = replace(history.estimate, scene=lambda own=own: own)
+        axis, side = draw("map", [replace(history, estimate=estimate)]).subfigs[0].axes
+        labels = axis.get_xlabel(), axis.get_ylabel(), side.get_xlabel(), side.get_ylabel()
+        assert all(one.endswith(f", {unit}") for one in labels)
+        east_m.append(np.ptp(axis.get_xlim()) * per_m)
+    assert 0.2 < east_m[0] / east_m[1] < 5.0
+
+
 def test_the_report_s_lines_of_sight_miss_as_those_of_the_figure_do() -> None:
     """Case 1: by 811 m at most, of landmark 65."""
     (history,) = histories("appendix_h/case1")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import sys
+from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -108,6 +109,34 @@ def test_stars_that_are_identified_keep_their_standard_deviations() -> None:
     assert np.array_equal(known.image, unknown.image[kept])
     assert known.magnitude is not None and unknown.magnitude is not None
     assert np.array_equal(known.magnitude, unknown.magnitude[kept])
+
+
+def test_identified_stars_are_those_of_the_year() -> None:
+    """Of the brightest some move by a tenth of a second of arc in 50 years, none by a minute."""
+    file = star_file(photograph(84.0, 0.0, 25.0))
+    skies = SkyRequest(), SkyRequest(utc=datetime(2050, 6, 1, tzinfo=UTC))
+    now, later = (identified(file, AXES, one, focal_known=True) for one in skies)
+    assert now.names == later.names
+    moved = np.abs(later.positions[:, 1] - now.positions[:, 1]).max() * 3600.0
+    assert 0.1 < moved < 60.0
+
+
+@pytest.mark.parametrize("column", ["mag", ""])
+def test_the_brightest_images_are_tried_first(column: str) -> None:
+    """Ten stars before fifty places without one, of which no magnitude is known, or none at all."""
+    _, *stars = photograph(84.0, 0.0, 25.0).splitlines()[:11]
+    rng = np.random.default_rng(5)
+    places = rng.uniform([0.0, 0.0], [WIDTH, HEIGHT], (50, 2))
+    rows = [*stars, *(f"{u:.2f},{v:.2f}," for u, v in places)]
+    if not column:
+        rows = [row.rpartition(",")[0] for row in rows]
+    (one,) = json.loads(
+        solved("\n".join(["x_px,y_px" + f",{column}" * bool(column), *rows])).stdout
+    )
+    assert {*range(1, 11)} >= {*one["stars"]} and len(one["stars"]) >= 8
+    found = [one["alpha_deg"], one["delta_deg"]]
+    sigmas = [one["sigma_alpha_deg"], one["sigma_delta_deg"]]
+    assert_close("sigmas of one draw", np.subtract(found, [84.0, 0.0]) / sigmas, 0.0)
 
 
 def test_a_photograph_without_a_principal_distance() -> None:

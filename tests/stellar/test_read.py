@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 import warnings
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -26,7 +27,13 @@ from tests.kit.stars import HEAD as HEAD_FILES
 from tests.kit.stars import photograph, written
 from tests.tolerances import assert_close
 from vopd.findings import Finding, InputError, VopdError
-from vopd.stellar.files.images import ImageAxes, MissingOption, centred_images, in_file_coordinates
+from vopd.stellar.files.images import (
+    ImageAxes,
+    MissingOption,
+    centred_images,
+    in_file_coordinates,
+    outside_image,
+)
 from vopd.stellar.files.photograph import read_photographs
 from vopd.stellar.files.plate_solvers import read_corr_fits, read_plate_solutions
 from vopd.stellar.files.read import (
@@ -1275,6 +1282,31 @@ def test_a_distortion_that_no_lens_has(k1: float) -> None:
     """All images were near the axis, and the advice was that very k1."""
     with refused(InputError):
         centred_images(star_file("mm"), ImageAxes(focal_mm=2000.0, k1=k1))
+
+
+@pytest.mark.parametrize(("k1", "taken"), [(0.99, True), (1.01, False)])
+def test_a_distortion_that_puts_an_image_twice_as_far_out(k1: float, taken: bool) -> None:
+    """At 45 degrees from the axis images lie 1 + k1 as far out."""
+    image = np.array([[500.0 * (1.0 + k1), 0.0]] * 2)
+    file, axes = StarFile("a.csv", (2, 3), ("", ""), image, "mm", "name", image), ImageAxes(500.0)
+    if taken:
+        found, _ = centred_images(file, replace(axes, k1=k1))
+        assert_close("flight pixel", found, [[500.0, 0.0]] * 2)
+        return
+    with refused(InputError):
+        centred_images(file, replace(axes, k1=k1))
+
+
+@pytest.mark.parametrize(("x", "y", "out"), [
+    (-0.5, -0.5, False), (99.5, 49.5, False), (-0.51, 3.0, True), (99.51, 3.0, True),
+    (3.0, -0.51, True), (3.0, 49.51, True),
+])  # fmt: skip
+def test_the_edges_of_an_image_are_half_a_pixel_beyond_its_pixels(
+    x: float, y: float, out: bool
+) -> None:
+    image = np.array([[x, y], [50.0, 20.0]])
+    file = StarFile("a.csv", (2, 3), ("", ""), image, "px", "name", image)
+    assert len(outside_image(file, ImageAxes(size_px=(100.0, 50.0)))) == out
 
 
 @pytest.mark.parametrize("k", [0.1, -0.05])

@@ -271,7 +271,7 @@ def _coordinates(position: Floats) -> str:
 
 
 def _leaf(parent: ET.Element, tag: str, text: str) -> None:
-    ET.SubElement(parent, tag).text = text
+    ET.SubElement(parent, tag).text = printable(text)  # XML has no control characters
 
 
 # CZML of a camera that stands at one place: its position and orientation on the Earth.
