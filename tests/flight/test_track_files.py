@@ -19,7 +19,12 @@ from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import InputFile, open_input
-from vopd.flight.formats.track import TRACK_FORMATS, photo_number, read_mrk
+from vopd.flight.formats.track import (
+    TRACK_FORMATS,
+    new_positions,
+    photo_number,
+    read_mrk,
+)
 from vopd.geometry.earth import geodetic
 
 
@@ -525,3 +530,11 @@ def test_an_offset_that_leaves_no_date(tmp_path: Path) -> None:
     project.write_text(text + "offset_s = 1e12\n")
     with refused(VopdError):
         vopd.solve_flight(project)
+
+
+def test_a_run_of_a_log_that_is_a_row_longer_is_one_position() -> None:
+    """Where the clocks of log and receiver beat; of a camera that stands each usual run is one."""
+    lengths = [10, 11, 9, 10, 14, 10, 20]
+    own = np.repeat(np.arange(len(lengths)), lengths)
+    kept = new_positions(np.stack([own, own, own], axis=1).astype(float))
+    assert np.flatnonzero(kept).tolist() == [0, 10, 21, 30, 40, 54, 64, 74]

@@ -196,7 +196,7 @@ def new_positions(coordinate: Floats) -> Bools:
     A log that is written more often than its receiver finds a position repeats the last one, and
     the path would be a staircase: at 200 m/s and one position a second a hundred metres behind in
     the mean. Most rows are so then; of a run that is longer than usual, as of a camera that
-    stands, there is one in each usual run.
+    stands, there is one in each usual run; some rows more, where two clocks beat, are none.
 
     Args:
         coordinate: (T, 3)
@@ -204,7 +204,9 @@ def new_positions(coordinate: Floats) -> Bools:
     first = np.flatnonzero((np.diff(coordinate, axis=0, prepend=np.nan) != 0.0).any(axis=1))
     length = np.diff(np.append(first, len(coordinate)))
     usual = int(np.median(length)) if len(length) >= LEAST_RUNS else 1
-    return np.asarray((np.arange(len(coordinate)) - np.repeat(first, length)) % usual == 0)
+    own = np.repeat(np.maximum((2 * length + usual) // (2 * usual), 1), length)  # of each run
+    after = np.arange(len(coordinate)) - np.repeat(first, length)
+    return np.asarray((after % usual == 0) & (after // usual < own))
 
 
 def no_fix_text(no_fix: Bools, noun: str) -> str:
