@@ -294,17 +294,24 @@ def too_few_landmarks(job: Job, locations: CardLocations) -> Iterator[Finding]:
 
 
 def lens_reach(job: Job, locations: CardLocations) -> Iterator[Finding]:
-    """Warn where the lens table does not reach the outermost landmark."""
+    """Warn where the lens table does not reach the outermost landmark, or the innermost."""
     centre, point = averages(job.readings)
     _, used = kept(job.readings, job.ignored)
     radius = np.linalg.norm((point - centre[job.readings.layout.frame]) * factor, axis=1)
     table = job.camera.lens_radius_mm
-    if used.any() and radius[used].max() > table.max():
-        message = (
-            f"a landmark is {decimal_text(radius[used].max(), 2)} mm from the centre: "
-            "the lens table is extrapolated"
-        )
-        yield locations.warning(1, int(table.argmax()), "XRR", message)
+    if not used.any():
+        return
+    nearest, farthest = radius[used].min(), radius[used].max()
+    for row, distance, beyond in (
+        (int(table.argmin()), nearest, nearest < table.min()),
+        (int(table.argmax()), farthest, farthest > table.max()),
+    ):
+        if beyond:
+            message = (
+                f"a landmark is {decimal_text(distance, 2)} mm from the centre: "
+                "the lens table is extrapolated"
+            )
+            yield locations.warning(1, row, "XRR", message)
 
 
 def first_rows(job: Job) -> Ints:

@@ -191,6 +191,19 @@ def test_the_outermost_landmark_that_takes_part() -> None:
     assert told(film_rules.lens_reach, without(job, 1)) == []
 
 
+@pytest.mark.parametrize(("first", "card"), [(2.99, None), (3.01, 0), (7.5, 1)])
+def test_the_innermost_landmark_is_in_the_lens_table_too(first: float, card: int | None) -> None:
+    """A run warns of either end; the nearest is 3 mm from the centre, the farthest 8."""
+    away = np.array([[8.0, 0.0], [0.0, 8.0], [-3.0, 0.0], [0.0, -3.0], [3.0, 3.0]]) / MM_PER_INCH
+    points = np.repeat((away + 7.0)[None, :, None], 3, axis=2)
+    job = changed("readings", film(1), fiducial_in=np.full((1, 4, 3, 2), 7.0), landmark_in=points)
+    table = np.array([first, 9.0] if card != 1 else [9.0, first])
+    job = changed("camera", job, lens_radius_mm=table, lens_distortion_um=np.zeros(2))
+    found = told(film_rules.lens_reach, job)
+    assert [where for where, _ in found] == ([] if card is None else [(1, card, "XRR")])
+    assert all("3.00 mm" in said for _, said in found)
+
+
 # Control cards
 
 

@@ -641,3 +641,12 @@ def test_an_output_is_refused_before_a_source_is_read(command: str, tmp_path: Pa
     ran = vopd(command, tmp_path / "none.toml", "-o", out)
     assert (ran.status, ran.stdout) == (1, "")
     assert_approved(ran.stderr, parts=[out])
+
+
+@pytest.mark.parametrize(("given", "roll"), [((), "-178"), (("--roll", "360"), "182")])
+def test_the_short_table_has_roll_as_it_is_asked_for(given: tuple[str, ...], roll: str) -> None:
+    """181.95 degrees of frame 60: the option was taken and not used."""
+    case_4 = DECKS / "appendix_h" / "case4.dat"
+    shown = vopd("attitude", case_4, "--format", "text", *given).stdout
+    (row,) = (line.split() for line in shown.splitlines() if line.startswith("   60"))
+    assert row[6] == roll

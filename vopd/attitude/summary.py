@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from html import escape
 from math import floor, isfinite, log10
 from typing import NamedTuple
@@ -55,6 +56,7 @@ class ShownFrames:
     )  # how many of these have an attitude
     details: dict[str, set[str]] = field(default_factory=dict)  # of each flag, all that there are
     summary: HistorySummary = field(default_factory=HistorySummary)
+    roll_180: bool = True  # whether roll is -180 to 180 in the table, and not 0 to 360
 
     def add(self, part: History, several: bool) -> None:
         """Count some more frames.
@@ -103,7 +105,7 @@ class ShownFrames:
         return f"{count_text(self.count - rows, 'more frame')}{none}"
 
 
-def frames_of(jobs: Iterable[HistoryParts]) -> list[ShownFrames]:
+def frames_of(jobs: Iterable[HistoryParts], roll_180: bool = True) -> list[ShownFrames]:
     """Count the frames of jobs, those of each kind of source by themselves."""
     kinds: dict[object, list[HistoryParts]] = {}
     for job in jobs:
@@ -111,7 +113,7 @@ def frames_of(jobs: Iterable[HistoryParts]) -> list[ShownFrames]:
         kinds.setdefault((estimate.units, job.about.words.source), []).append(job)
     made = []
     for some in kinds.values():
-        own = ShownFrames(some)
+        own = ShownFrames(some, roll_180=roll_180)
         for job in some:
             for part in job:
                 own.add(part, len(some) > 1)
@@ -162,6 +164,7 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
     numbers = [str(one.about.job) for one in e for _ in one.frame][:ROWS]
     status = [word for part in parts for word in part.status][:ROWS]
     found = []
+    angle = partial(_angle, has=has, digits=digits, roll_180=frames.roll_180)
     if len({job.about.source for job in frames.jobs}) > 1:
         found.append(ShownColumn(e[0].about.words.source, "", sources, left=True))
     if len(frames.jobs) > 1 and e[0].about.words.jobs:
@@ -172,14 +175,14 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
         found.append(ShownColumn("time", "s", _fixed(time_s, _decimals_of_times(time_s)), 2))
     for k, name in enumerate(ANGLES[3:6]):
         label = name.removeprefix("vehicle_")
-        found += _angle(label, vehicle[:, k], half[:, 3 + k], has, digits)
+        found += angle(label, vehicle[:, k], half[:, 3 + k])
     if frames.attack and e[0].about.words.attack:
         for k, name in enumerate(ANGLES[6:8]):
-            own = _angle(name, attack[:, k], half[:, 6 + k], has, digits)
+            own = angle(name, attack[:, k], half[:, 6 + k])
             found += [own[0]._replace(rank=3), own[1]._replace(rank=0)]
     if are_others(camera, vehicle):
         for k, name in enumerate(ANGLES[:3]):
-            own = _angle(name.replace("_", " "), camera[:, k], half[:, k], has, digits)
+            own = angle(name.replace("_", " "), camera[:, k], half[:, k])
             found.append(own[0]._replace(rank=1))
     rms, unit = rms * e[0].units.residuals_per_image, e[0].units.residual
     found.append(ShownColumn("land-", "marks", [str(n) for n in marks.tolist()]))
@@ -202,9 +205,9 @@ def columns(frames: ShownFrames, digits: int = 2) -> list[ShownColumn]:
 
 
 def _angle(
-    name: str, values: Floats, half: Floats, has: Bools, digits: int
+    name: str, values: Floats, half: Floats, has: Bools, digits: int, roll_180: bool = True
 ) -> tuple[ShownColumn, ShownColumn]:
-    """List the column of an angle, roll in -180 to 180, and that of its 95 % half-width."""
+    """List the column of an angle and that of its 95 % half-width."""
     decimals = decimals_for(half[has], digits)
     known = has & np.isfinite(values)
     widths = [
@@ -216,7 +219,7 @@ def _angle(
     texts = _fixed(np.where(known, values, np.nan), decimals)
     for k in np.flatnonzero(known).tolist():
         if angle == "roll" or (angle == "yaw" and 0.0 <= values[k] < 360.0):
-            texts[k] = angle_text(float(values[k]), decimals, angle == "roll")
+            texts[k] = angle_text(float(values[k]), decimals, angle == "roll" and roll_180)
     return ShownColumn(*head, texts), ShownColumn("+-", "", widths, close=True)
 
 
@@ -448,6 +451,7 @@ def text(
     findings: Sequence[str] = (),
     steps: Mapping[str, str] | None = None,
     printed: int = 0,
+    roll_180: bool = True,
 ) -> str:
     """Write the short table of jobs, and what is to be known about it.
 
@@ -458,10 +462,11 @@ def text(
         steps: how to get all columns (`table`) and what to do next (`next`); None: those of the
             library
         printed: warnings that have been printed before
+        roll_180: whether roll is -180 to 180 in the table, and not 0 to 360
     """
     steps = steps or {"table": ".to_dataframe() has all", "next": ".plot() draws it"}
     pages = []
-    for frames in frames_of(jobs):
+    for frames in frames_of(jobs, roll_180):
         lines, narrow = table_lines(frames, columns_wide)
         lines = [wrapped(heading(frames), columns_wide), "", *lines]
         if frames.more_text:

@@ -181,7 +181,8 @@ def command(
         if screen and mean:
             file.write(_means(jobs).encode(coding, ESCAPED))
         elif screen and columns in (None, "basic"):
-            file.write(_short(jobs, sources, found, options.quiet).encode(coding, ESCAPED))
+            short = _short(jobs, sources, found, options.quiet, roll != "360")
+            file.write(short.encode(coding, ESCAPED))
         elif screen:
             file.write(_listed(jobs, request, roll).encode(coding, ESCAPED))
         elif mean:
@@ -209,7 +210,11 @@ def _check_columns(found: Collected, request: FileRequest) -> None:
 
 
 def _short(
-    jobs: Sequence[HistoryParts], sources: Sequence[str], found: Collected, quiet: bool
+    jobs: Sequence[HistoryParts],
+    sources: Sequence[str],
+    found: Collected,
+    quiet: bool,
+    roll_180: bool,
 ) -> str:
     """Write the frames in short, and what to do next."""
     from vopd.attitude.summary import text
@@ -235,6 +240,7 @@ def _short(
         screen_columns(),
         steps={"table": table, "next": "; ".join(steps)},
         printed=0 if quiet else found.warnings,
+        roll_180=roll_180,
     )
 
 
