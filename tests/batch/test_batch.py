@@ -79,6 +79,18 @@ def test_errata_that_matter_are_counted_by_job(tmp_path: Path) -> None:
     assert rows(tmp_path / "out")["a"]["errata"] == 1
 
 
+def test_strict_asks_for_the_cards_behind_the_last_job(tmp_path: Path) -> None:
+    """As of `vopd attitude`: no frame of these has a flag, and errata are corrected."""
+    vopd("demo", "--earth", "wgs84", "-o", tmp_path / "a.dat")
+    given = "--fix", "all", "--strict"
+    assert vopd("batch", tmp_path / "a.dat", "-d", tmp_path / "all", *given).status == 0
+    with (tmp_path / "a.dat").open("a", encoding="ascii") as deck:
+        deck.write("       1.0\n")
+    for command in (("batch", "-d", tmp_path / "more"), ("attitude", "-o", tmp_path / "a.csv")):
+        assert vopd(*command, tmp_path / "a.dat", *given).status == 3
+    assert rows(tmp_path / "more")["a"]["unread"] == 1
+
+
 def test_the_summary_as_parquet(inputs: Path, undisturbed: dict[str, bytes]) -> None:
     table = pytest.importorskip("pyarrow.parquet").read_table(
         inputs.parent / "one" / "summary.parquet"

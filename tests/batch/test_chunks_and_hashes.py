@@ -50,7 +50,7 @@ from vopd.batch.workers import (
 )
 from vopd.errata import fixes
 from vopd.export import FORMATS
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError
 from vopd.flight.project.named import named_files
 from vopd.pipeline import SolveOptions
 from vopd.version import __version__
@@ -388,7 +388,7 @@ def test_a_record_counts_frames_of_all_jobs() -> None:
     """A frame with two flags is one flagged frame."""
     source = BatchSource("in/a.dat", "a", 0)
     jobs = [history([1], [1, 2], []), history([], [1, 3], [3])]
-    found: Any = ["one", "two"]
+    found = [Finding("one"), Finding("two")]
     now = SolvedSource(source, "digest", findings=found, histories=jobs)
     assert write_source(now, SETTINGS) == SourceRecord(
         "a", "in/a.dat", "not converged", "", "digest", __version__, SETTINGS.options, jobs=2,

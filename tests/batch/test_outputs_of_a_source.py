@@ -18,7 +18,7 @@ from vopd.batch.folder import FAILED, SOLVED, UNCONVERGED, SourceRecord, failed_
 from vopd.batch.solve import SolvedSource, write_source
 from vopd.batch.sources import BatchSource
 from vopd.files import OutputError, whole_file
-from vopd.findings import VopdError
+from vopd.findings import Finding, VopdError
 from vopd.version import __version__
 
 
@@ -49,7 +49,7 @@ def write(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
 
 
 def test_all_outputs_of_a_deck(write: Any) -> None:
-    found: Any = ["warning 1", "warning 2"]
+    found = [Finding("warning 1"), Finding("warning 2")]
     record, texts = write(
         source(findings=found), report="all", history=HistoryOptions(max_rate_deg_s=40.0)
     )

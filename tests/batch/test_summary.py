@@ -32,7 +32,8 @@ from vopd.version import __version__
 
 FULL = SourceRecord(
     "deep/ü", "in/ü.dat", UNCONVERGED, "", "hash", "9.9", "{}", jobs=1, frames=2, attitudes=3,
-    not_converged=4, flagged=5, warnings=6, mistaken=1, errata=2, flags={"jump": 7, "outlier": 8},
+    not_converged=4, flagged=5, warnings=6, mistaken=1, errata=2, unread=1,
+    flags={"jump": 7, "outlier": 8},
     outputs={"deep/ü.lst": "x", "deep/ü.html": "y"}, seconds=1.23456789,
 )  # fmt: skip
 BROKEN = SourceRecord("b", "b.dat", FAILED, "b.dat: breaks off", "", "9.9", "{}", seconds=0.5)
@@ -54,6 +55,7 @@ COLUMNS = [
     "warnings",
     "mistaken",
     "errata",
+    "unread",
 ]
 
 
@@ -80,7 +82,7 @@ def test_the_lines_of_the_summary_and_of_the_times(tmp_path: Path) -> None:
         '{"source": "deep/ü", "path": "in/ü.dat", "status": "not converged", "error": "", '
         '"input_sha256": "hash", "version": "9.9", "options": "{}", "jobs": 1, "frames": 2, '
         '"attitudes": 3, "not_converged": 4, "flagged": 5, "warnings": 6, '
-        '"mistaken": 1, "errata": 2, '
+        '"mistaken": 1, "errata": 2, "unread": 1, '
         '"flags": {"jump": 7, "outlier": 8}, "outputs": {"deep/ü.lst": "x", "deep/ü.html": "y"}}'
     )
     assert json.loads(lines[1])["error"] == "b.dat: breaks off" and len(lines) == 2

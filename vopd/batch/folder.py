@@ -156,6 +156,7 @@ class SourceRecord:
     warnings: int = 0  # number of warnings
     mistaken: int = 0  # 1 where residuals or track of a flight speak for an error of its inputs
     errata: int = 0  # jobs in which errata change an angle by more than its standard deviation
+    unread: int = 0  # 1 where a deck goes on behind its last job
     # frames that have each flag, of flags that any frame has
     flags: dict[str, int] = field(default_factory=dict)
     # the files that were written, in the output folder, and their hashes
@@ -486,6 +487,7 @@ COLUMNS = {
     "warnings": "number of warnings",
     "mistaken": "1 where residuals or track of a flight speak for an error of its inputs",
     "errata": "jobs in which errata change an angle by more than its standard deviation",
+    "unread": "1 where a deck goes on behind its last job",
 }
 """The columns of the Parquet file before those of the flags."""
 

@@ -206,7 +206,7 @@ def _status(records: Sequence[SourceRecord], options: SharedOptions) -> int:
         return 1
     doubtful = any(
         one.status in (UNCONVERGED, MISFITS)
-        or (options.strict and (one.flagged or one.mistaken or one.errata))
+        or (options.strict and (one.flagged or one.mistaken or one.errata or one.unread))
         for one in records
     )
     return 3 if failed or doubtful else 0
