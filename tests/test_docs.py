@@ -30,7 +30,7 @@ from tests.kit.appendix_a import solve_input
 from tests.kit.command import vopd
 from tests.kit.jobs import case
 from vopd.attitude.mean import MeanAttitude
-from vopd.attitude.rate import TurningRate
+from vopd.attitude.rate import Turn, TurningRate
 from vopd.attitude.sigmas import Sigmas
 from vopd.findings import Finding
 from vopd.flight.adjust.adjustment import Adjustment
@@ -210,6 +210,7 @@ PUBLIC = [Results, Adjustment, Sigmas, Finding, Job, Deck]
 OTHERS = {
     MeanAttitude: "history.mean()",
     TurningRate: "history.rate()",
+    Turn: "history.turn()",
     Direction: "FlightResult.direction()",
     **{
         one: f"Job.{one.__name__.lower()}"

@@ -79,6 +79,44 @@ def test_how_the_mean_moves_with_each_frame(size_deg: float) -> None:
             assert_close("mean by a turn", weight[frame, axis], moved)
 
 
+@pytest.mark.parametrize(("before", "after"), [([0], [3]), ([0, 1], [2, 3]), ([0, 1, 2], [2, 3])])
+def test_the_turn_from_frames_to_others_and_how_it_moves_with_each(
+    before: list[int], after: list[int]
+) -> None:
+    """By scipy, and by turns of one frame; a frame may be among both."""
+    one, taken = wandering(4), []
+
+    def of_sums(weight: Floats) -> Mapping[str, Floats]:
+        taken.append(weight)
+        return {"reading": 4.0 * np.eye(3)}
+
+    def turn(of: History) -> Floats:
+        first, last = (rotations(mean_attitude(of, some).vehicle_deg) for some in (before, after))
+        return np.asarray((first.inv() * last).as_rotvec())
+
+    found = replace(one, sum_errors=of_sums).turn(before, after)
+    assert_close("recovered angle", found.turn_deg, np.degrees(turn(one)))
+    assert_close("covariance of a mean", found.total, np.full(3, np.degrees(2.0)))
+    step, (weight,) = 1e-3, taken
+    for frame in range(4):
+        for axis in range(3):
+            ends = [turn(turned(one, frame, way * step * np.eye(3)[axis])) for way in (1.0, -1.0)]
+            assert_close("mean by a turn", weight[frame, axis], (ends[0] - ends[1]) / (2.0 * step))
+
+
+def test_what_turns_all_frames_alike_is_no_turn_from_one_to_the_other() -> None:
+    one = alike(4)
+
+    def of_sums(weight: Floats) -> Mapping[str, Floats]:
+        same = np.asarray(weight).sum(axis=0)
+        return {"reading": 0.0 * same, "position": same.T @ same}
+
+    found = replace(one, sum_errors=of_sums).turn([0, 1], [3])
+    assert_close("recovered angle", [found.turn_deg, found.total], np.zeros((2, 3)))
+    with refused():
+        one.turn([0], [1])
+
+
 def turned(one: History, frame: int, vector: Floats) -> History:
     """One frame's vehicle turned about its own axes."""
     vehicle = rotations(one.estimate.vehicle_deg).as_matrix()

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from vopd.attitude.mean import MeanAttitude
-    from vopd.attitude.rate import TurningRate
+    from vopd.attitude.rate import Turn, TurningRate
 
 ROUNDING_RAD = 1e-10
 """Corrections below this one, 2e-5 arc seconds, are rounding, which differs from one processor to
@@ -116,6 +116,21 @@ class History(Rows):
         from vopd.attitude.rate import turning_rate
 
         return turning_rate(self, frames)
+
+    def turn(self, before: ArrayLike | slice, after: ArrayLike | slice) -> Turn:
+        """Find how far the vehicle has turned from some frames of a flight to others.
+
+        Args:
+            before: the frames from which, as `mean` takes them
+            after: those to which
+
+        Raises:
+            VopdError: if none of one of them has an attitude, one is 90 degrees or more from the
+                mean of its own, or of a deck
+        """
+        from vopd.attitude.rate import turn_between
+
+        return turn_between(self, before, after)
 
     def _repr_html_(self) -> str:
         from vopd.attitude.long_history import one_part

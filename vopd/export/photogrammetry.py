@@ -314,7 +314,7 @@ HEAD_OMEGA_PHI_KAPPA = """\
 # Down is {down}.
 # x, y: {where}; h_m: metres {altitude}
 # azimuth of the optical axis, clockwise; grid azimuth is the true one less the convergence
-# sigma: one standard deviation, without Student's factor; none of decks and of frames that misfit
+# sigma: one standard deviation, without Student's factor; empty where it is not known
 """
 
 
