@@ -17,7 +17,7 @@ from made_page import between, write_or_check
 import vopd
 from vopd.attitude.flags import MEANING
 from vopd.attitude.mean import MeanAttitude
-from vopd.attitude.rate import TurningRate
+from vopd.attitude.rate import Turn, TurningRate
 from vopd.attitude.sigmas import COMPONENTS
 from vopd.attitude.table import (
     COVARIANCES,
@@ -89,10 +89,11 @@ def page() -> str:
         "Attributes of `FlightResult`": attributes(vopd.FlightResult),
         "Attributes of `FlightResult.direction()`": attributes(Direction),
         "Methods of a history, of `FlightResult.history()` and `Run.histories()`": names(
-            ("mean", "rate")
+            ("mean", "rate", "turn")
         ),
         "Attributes of `history.mean()`": attributes(MeanAttitude),
         "Attributes of `history.rate()`": attributes(TurningRate),
+        "Attributes of `history.turn()`": attributes(Turn),
         "Attributes of `Adjustment`": attributes(vopd.Adjustment),
         "Attributes of `Sigmas`": attributes(vopd.Sigmas),
         "Attributes of `Finding`": attributes(vopd.Finding),
