@@ -532,18 +532,22 @@ STRICT = replace(USUAL, strict=True)
 Said = pytest.CaptureFixture[str]
 
 
-def record(status: str, flagged: int = 0, error: str = "") -> Any:
-    return SimpleNamespace(status=status, flagged=flagged, error=error, mistaken=0, errata=0)
+def record(status: str, flagged: int = 0, error: str = "", unread: int = 0) -> Any:
+    return SimpleNamespace(
+        status=status, flagged=flagged, error=error, mistaken=0, errata=0, unread=unread
+    )
 
 
 GOOD, FLAGGED, LOST = record("solved"), record("solved", 1), record("not converged", 1)
-FAILED = record("failed", error="a: wrong")
+FAILED, UNREAD = record("failed", error="a: wrong"), record("solved", unread=2)
 BATCHES = [
     ([], False, 0),
     ([], True, 0),
     ([GOOD], True, 0),
     ([FLAGGED, GOOD], False, 0),
     ([FLAGGED, GOOD], True, 3),
+    ([GOOD, UNREAD], False, 0),
+    ([GOOD, UNREAD], True, 3),
     ([GOOD, LOST], False, 3),
     ([GOOD, FAILED], False, 3),
     ([LOST, FAILED], False, 3),
