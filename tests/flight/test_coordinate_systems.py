@@ -60,6 +60,13 @@ def test_metres_are_no_degrees() -> None:
     assert_approved(told([610850.0, 5277733.0, 540.0]))
 
 
+def test_a_single_place_near_a_grid_s_origin_is_metres_too() -> None:
+    """Where all are so near they are degrees, which are refused."""
+    near, far = [100.0, 100.0, 0.0], [500_000.0, 5_200_000.0, 30.0]
+    assert np.isfinite(positions(near, far, crs="EPSG:32633")).all()
+    assert "are degrees and no metres" in told(near, crs="EPSG:32633")
+
+
 def test_systems_with_heights_of_their_own() -> None:
     """EPSG:4979 is WGS 84 with a height; EPSG:4937 is ETRS89 with one."""
     for crs in ("EPSG:4979", "EPSG:4937"):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import t
 
 import vopd
 from tests.approved.texts import assert_approved, refused
@@ -119,7 +120,11 @@ def test_errors_of_picks(free: tuple[str, ...]) -> None:
     found = result.direction(0, *AT)
     ratio = found.components["reading"] / expected
     assert_close("direction by differences", ratio, np.ones(2))
+    # both are known by the residuals alone
+    student = found.half_width_95 / found.total
+    assert_close("direction by differences", student, np.full(2, t.ppf(0.975, reading.freedom)))
     stated = result.direction(0, *AT, sigma_px=2.0 * reading.sigma)
+    assert (stated.half_width_95 / stated.total < 0.99 * student).all()
     assert_close("direction by differences", stated.components["pick"] / found.components["pick"],
                  np.full(2, 2.0))  # fmt: skip
 

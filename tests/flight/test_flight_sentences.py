@@ -235,6 +235,16 @@ def test_nothing_is_said_of_a_camera_that_is_the_vehicle_itself(tmp_path: Path) 
 # Landmarks that take no part
 
 
+def test_of_landmarks_that_take_no_part_the_farthest_off_is_the_first(tmp_path: Path) -> None:
+    path = write_project(tmp_path, TOML + '[solve]\ncheck_landmarks = ["tower", "well"]\n')
+    rows = [row.split(",") for row in (tmp_path / "picks.csv").read_text().splitlines()]
+    for row in rows:
+        row[2:] = [str(float(row[2]) + 5.0), row[3]] if row[1] == "well" else row[2:]
+    (tmp_path / "picks.csv").write_text("\n".join(",".join(row) for row in rows))
+    told = vopd.solve_flight(str(path)).history().about.words.conventions["check landmarks"]
+    assert told.index("well 3.5 px rms") < told.index("tower ")
+
+
 def test_landmarks_that_take_no_part_say_how_far_off_they_are(tmp_path: Path) -> None:
     """3 and 4 px in each frame are 3.54 rms of u and v, 6 and 8 in one of five are 3.16."""
     path = write_project(tmp_path, TOML + '[solve]\ncheck_landmarks = ["tower", "well", "mast"]\n')

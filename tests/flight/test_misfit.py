@@ -311,6 +311,19 @@ def test_a_reading_sigma_that_is_stated_much_too_large(tmp_path: Path) -> None:
     assert not result.misfits and text.startswith("sigma_px = 3 is stated larger than the picks")
 
 
+def test_one_small_residual_does_not_say_that_a_sigma_is_too_large(tmp_path: Path) -> None:
+    """Two landmarks have one degree of freedom, whose residual may be small by chance."""
+    toml = TOML.replace("[landmarks]", "sigma_px = 3.0\n[landmarks]")
+    project = write_project(tmp_path, toml, noise_px=0.3)
+    picks = tmp_path / "picks.csv"
+    lines = picks.read_text(encoding="utf-8").splitlines(keepends=True)
+    picks.write_text("".join(lines[:3]), encoding="utf-8")
+    assert said(vopd.solve_flight(project)) == []
+    picks.write_text("".join(lines), encoding="utf-8")
+    (text,) = said(vopd.solve_flight(project))
+    assert "is stated larger than the picks" in text
+
+
 def test_stated_errors_explain_nothing_of_a_solution_that_did_not_settle(tmp_path: Path) -> None:
     """In a straight line a focal length of 20 % explains most of what it is off by, and less so of
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -227,6 +228,32 @@ def test_attitudes_with_sigmas_of_their_own(tmp_path: Path) -> None:
     assert_close("ratio", np.degrees(read.sigma_rad), [SENSOR_DEG, 0.03] * 10)
 
 
+def _with_rows(folder: Path, change: Callable[[int, str], str | None], more: str = "") -> float:
+    """Write other rows of attitudes by time: the standard deviation of the mount, degrees."""
+    folder.mkdir(exist_ok=True)
+    write(folder, [1.0, -2.0, 3.0], "row,t_s", np.random.default_rng(1))
+    file = folder / "ins.csv"
+    head, *lines = file.read_text(encoding="utf-8").splitlines()
+    rows = filter(None, (change(k, one) for k, one in enumerate(lines)))
+    file.write_text("\n".join([head + more, *rows, ""]), encoding="utf-8")
+    return adjust(folder / "flight.toml", ["mount"]).parameters[0].sigma_after
+
+
+def test_frames_in_a_gap_of_the_attitudes_have_none(tmp_path: Path) -> None:
+    """Of rows every .2 s: up to three such steps are interpolated over, a longer one is not."""
+    short = _with_rows(tmp_path / "a", lambda k, row: None if k in (9, 10) else row)
+    long = _with_rows(tmp_path / "b", lambda k, row: None if 7 < k < 14 else row)
+    frames = [(SENSOR_DEG / sigma_deg) ** 2 for sigma_deg in (short, long)]
+    assert 19.0 < frames[0] < 20.1 and 12.0 < frames[1] < 14.1
+
+
+def test_attitudes_count_by_the_sigmas_of_their_own_moments(tmp_path: Path) -> None:
+    sigma_deg = _with_rows(
+        tmp_path, lambda k, row: f"{row},{SENSOR_DEG if k % 2 else 10 * SENSOR_DEG}", ",sigma_deg"
+    )
+    assert_close("mount", sigma_deg, SENSOR_DEG / np.sqrt(10.0 + 10.0 / 100.0))
+
+
 def test_attitudes_are_in_order_of_their_times(tmp_path: Path) -> None:
     write(tmp_path, [1.0, -2.0, 3.0], "row,t_s", np.random.default_rng(1))
     rows = tmp_path / "ins.csv"
@@ -288,3 +315,15 @@ def test_what_is_upside_down(
     assert bool(doubted_angles(flight, np.append(angles, [[np.nan] * 3], axis=0))) == told
     angles[0, 2] = 0.0
     assert doubted_angles(flight, angles) == []
+
+
+@pytest.mark.parametrize(
+    ("speed_m_s", "mounted", "told"), [(3.1, True, True), (2.9, True, False), (3.1, False, False)]
+)
+def test_what_flies_backward(speed_m_s: float, mounted: bool, told: bool) -> None:
+    """Northward, its nose to the south; one that hovers drifts any way, and a camera looks so."""
+    flight = three_frames()
+    path = replace(flight.path, velocity_m_s=np.tile([speed_m_s, 0.0, 0.0], (3, 1)))
+    flight = replace(flight, path=path, mount=flight.mount[[1, 2, 0]] if mounted else flight.mount)
+    angles = np.tile([181.0, 0.0, 0.0], (3, 1))
+    assert bool(doubted_angles(flight, angles)) == told

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
@@ -108,6 +109,7 @@ def test_heights_beside_a_grid_in_feet() -> None:
     assert_approved(doubt_of_heights("landmarks", False, "EPSG:2229"))
     for named, crs in ((True, "EPSG:2229"), (False, "EPSG:32633"), (False, None)):
         assert doubt_of_heights("track", named, crs) == []
+    assert doubt_of_heights("track", False, "EPSG:2229+6360") == []  # it says that heights are feet
 
 
 @pytest.mark.parametrize(
@@ -146,6 +148,27 @@ def test_options_without_an_effect(tmp_path: Path) -> None:
     assert_approved([str(one) for one in unused_options(summits, OPTIONS)])
     standing = solve_flight(flight(tmp_path, STANDING))
     assert_approved([one.message for one in unused_options(standing, OPTIONS)])
+
+
+def test_one_frame_with_a_time_has_no_rate(tmp_path: Path) -> None:
+    project = write_project(tmp_path, TOML.replace(*STANDING))
+    picks = tmp_path / "picks.csv"
+    lines = picks.read_text(encoding="utf-8").splitlines(keepends=True)
+    picks.write_text("".join(lines[:7]), encoding="utf-8")
+    result = solve_flight(project)
+    assert np.isfinite(result.time_s).tolist() == [True]
+    (told,) = unused_options(result, HistoryOptions(max_rate_deg_s=3.0))
+    assert told.message.startswith("maximum rate: is not used")
+
+
+def test_a_track_of_a_camera_that_stands_has_no_use_for_errors_of_time(tmp_path: Path) -> None:
+    project = write_project(tmp_path)
+    head, row, *_ = (tmp_path / "track.csv").read_text(encoding="utf-8").splitlines()
+    place = row.partition(",")[2]
+    rows = "".join(f"{second},{place}\n" for second in (1, 2, 3, 4))
+    (tmp_path / "track.csv").write_text(f"{head}\n{rows}", encoding="utf-8")
+    (told,) = unused_options(solve_flight(project), HistoryOptions(Sigmas(time_s=1.0)))
+    assert told.message.startswith("time sigma: is not used")
 
 
 def test_options_that_have_one_or_are_not_given(tmp_path: Path) -> None:
