@@ -546,8 +546,6 @@ BATCHES = [
     ([GOOD], True, 0),
     ([FLAGGED, GOOD], False, 0),
     ([FLAGGED, GOOD], True, 3),
-    ([GOOD, UNREAD], False, 0),
-    ([GOOD, UNREAD], True, 3),
     ([GOOD, LOST], False, 3),
     ([GOOD, FAILED], False, 3),
     ([LOST, FAILED], False, 3),
@@ -555,6 +553,8 @@ BATCHES = [
     ([FAILED] * 20, False, 1),
     ([FAILED] * 21, True, 1),
     ([GOOD, *[FAILED] * 45], False, 3),
+    ([GOOD, UNREAD], False, 0),
+    ([GOOD, UNREAD], True, 3),
 ]
 
 
