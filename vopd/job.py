@@ -6,7 +6,7 @@ first, the landmark axis second with a mask, a pair x, y last.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from operator import attrgetter
 from typing import Any, overload
@@ -20,6 +20,11 @@ from vopd.records import ByLandmark, FrameRecord, Record, Rows
 
 GOES_ON = "the deck goes on after the job that stops the run"
 """Said where cards behind the last job are not read."""
+
+
+def goes_on(findings: Iterable[Finding]) -> bool:
+    """Tell whether findings say that cards behind the last job are not read."""
+    return any(one.message.startswith(GOES_ON) for one in findings)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

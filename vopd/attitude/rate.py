@@ -154,6 +154,7 @@ def turn_between(history: History, before: ArrayLike | slice, after: ArrayLike |
 
 
 def _refuse_deck(history: History, what: str) -> None:
+    """Refuse frames that were solved each by itself."""
     if history.sum_errors is None:
         raise VopdError(
             f"{history.about.label}: no {what}: the frames of a deck are solved each by "

@@ -35,7 +35,7 @@ from vopd.files import OutputError
 from vopd.findings import Finding, VopdError, findings_in
 from vopd.flight.result import FlightResult, unused_options
 from vopd.inputs import no_file
-from vopd.job import GOES_ON
+from vopd.job import goes_on
 from vopd.listing.pages import end_of_case, pages_of_jobs
 from vopd.pipeline import NAMES_ARE_PATHS, is_flight, solve_sources
 from vopd.results import SolvedJob
@@ -204,7 +204,7 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
         warnings=len(now.findings),
         mistaken=int(mistaken),
         errata=now.errata,
-        unread=int(any(one.message.startswith(GOES_ON) for one in now.findings)),
+        unread=int(goes_on(now.findings)),
         flags={flag: count for flag, count in raised.items() if count},
         outputs={file: hashlib.sha256(one).hexdigest() for file, one in contents.items()},
     )

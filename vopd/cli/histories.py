@@ -13,7 +13,7 @@ from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import SharedOptions
 from vopd.findings import VopdError, count_text, findings_in
-from vopd.job import GOES_ON
+from vopd.job import goes_on
 from vopd.pipeline import in_groups, is_flight, solve_sources
 from vopd.results import SolvedJob, SourceEnd
 from vopd.solved import histories_of_run
@@ -103,7 +103,7 @@ def collect_jobs(
         for one in some:
             for finding in one.findings:
                 messages(finding)
-            unread = any(finding.message.startswith(GOES_ON) for finding in one.findings)
+            unread = goes_on(one.findings)
             found = found._replace(unread=found.unread + unread)
             if isinstance(one, SourceEnd):
                 progress.close()

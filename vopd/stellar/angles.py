@@ -16,6 +16,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 
+ARCSEC = float(np.degrees(1.0)) * 3600.0  # in a radian
 POLE = 1e-8
 """Cosine of the middle angle below which only the sum of the outer two is known.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vopd.arrays import Floats
+from vopd.arrays import Bools, Floats
 from vopd.findings import Finding, VopdError, input_error, size_text
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.calibration import LensOfStars, without_lens
@@ -134,14 +134,23 @@ def centred_points(image: Floats, file: StarFile, axes: ImageAxes) -> tuple[Floa
 
 def outside_image(file: StarFile, axes: ImageAxes) -> list[Finding]:
     """Warn of stars that were read outside of an image of the size that is given."""
+    out = np.flatnonzero(beyond_edges(file.image, file, axes)).tolist()
+    return [file.finding(outside_text(axes), *out).warned()] if out else []
+
+
+def beyond_edges(image: Floats, file: StarFile, axes: ImageAxes) -> Bools:
+    """Mark points (n, 2) outside of the picture, where its size in pixels is given, (n,)."""
     if axes.size_px is None or file.unit != "px":
-        return []
+        return np.zeros(len(image), bool)
     low = file.pixels.first_centre - 0.5
-    far = (file.image < low) | (file.image > low + np.array(axes.size_px))
-    out = np.flatnonzero(far.any(axis=1)).tolist()
-    wide, high = (f"{one:g}" for one in axes.size_px)
-    text = f"outside the image of {wide} x {high} px"
-    return [file.finding(text, *out).warned()] if out else []
+    far = (image < low) | (image > low + np.array(axes.size_px))
+    return np.asarray(far.any(axis=1))
+
+
+def outside_text(axes: ImageAxes) -> str:
+    """Say of which picture something lies outside."""
+    wide, high = (f"{one:g}" for one in axes.size_px or ())
+    return f"outside the image of {wide} x {high} px"
 
 
 def in_file_coordinates(point: Floats, file: StarFile, axes: ImageAxes) -> Floats:

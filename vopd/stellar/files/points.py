@@ -10,9 +10,9 @@ from vopd.arrays import Floats
 from vopd.findings import Finding, input_error
 from vopd.geometry.linear import unit
 from vopd.geometry.rotations import nearest_rotation
-from vopd.stellar.angles import alpha_delta_swing_deg
+from vopd.stellar.angles import ARCSEC, alpha_delta_swing_deg
 from vopd.stellar.field import image_directions, image_points_mm
-from vopd.stellar.files.images import ImageAxes, centred_points
+from vopd.stellar.files.images import ImageAxes, beyond_edges, centred_points, outside_text
 from vopd.stellar.files.read import StarFile
 from vopd.stellar.methods.calibration import (
     Calibration,
@@ -24,7 +24,6 @@ from vopd.stellar.methods.run import SolvedStars
 from vopd.stellar.sky import SkyFrame, sky_pointing
 from vopd.stellar.uncertainty import angle_sigmas_rad
 
-ARCSEC = 3600.0 * np.degrees(1.0)  # in a radian
 ACROSS = ("alpha_deg", "delta_deg")  # in axes that are not those of the sky
 ROLL = ("camera_roll_deg", "sigma_camera_roll_deg")  # a point has none
 
@@ -66,14 +65,8 @@ def point_directions(
     found = []
     for point in points:
         where = f"{point[0]:g},{point[1]:g}"
-        if axes.size_px is not None and file.unit == "px":
-            low = file.pixels.first_centre - 0.5
-            if any(
-                not low <= at <= low + most for at, most in zip(point, axes.size_px, strict=True)
-            ):
-                wide, high = (f"{one:g}" for one in axes.size_px)
-                text = f"--point {where} is outside the image of {wide} x {high} px"
-                raise input_error(text, file.source)
+        if beyond_edges(np.array([point]), file, axes).any():
+            raise input_error(f"--point {where} is {outside_text(axes)}", file.source)
         as_read, _ = centred_points(np.array([point], dtype=float), file, axes)
         image = without_lens(as_read, lens) if calibration is not None else as_read
         if not np.isfinite(image).all():

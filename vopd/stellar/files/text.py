@@ -11,6 +11,7 @@ from scipy.special import stdtrit
 from vopd.findings import count_text, size_text
 from vopd.geometry.sexagesimal import format_dms
 from vopd.screen import aligned
+from vopd.stellar.angles import ARCSEC
 from vopd.stellar.files.images import image_edges
 from vopd.stellar.files.photograph import SolvedPhotograph
 from vopd.stellar.files.read import StarFile
@@ -65,7 +66,6 @@ def as_text(
 
 WHOLE_TURN = 360.0  # degrees
 HALF_WIDTHS = "+- is half of the 95 % interval"
-ARCSEC = math.degrees(1.0) * 3600.0
 
 
 def half_widths(sigmas_deg: Sequence[float] | None, freedom: float | None) -> list[float | None]:
