@@ -27,7 +27,7 @@ GROUPS = {
     },
     "Frames of a camera, decks, stars": {
         "new": "start a flight project, from your files or as an example",
-        "pick": "make a page on which landmarks are clicked in frames",
+        "pick": "make a page for clicking landmarks in frames",
         "track": "follow clicked landmarks through a video",
         "punch": "write a flight as a deck of 1974 cards",
         "check": "check flights and decks for errors and doubtful values",
@@ -36,7 +36,7 @@ GROUPS = {
         "plot": "draw attitude, angles of attack, residuals and a frame's image",
         "report": "write one HTML page: summary, pictures, frames, flags, landmarks",
         "batch": "solve many decks and flights into one folder",
-        "stars": "orientation of a camera that sees stars (Rae 1987)",
+        "stars": "solve the orientation of a camera that sees stars (Rae 1987)",
         "help": "show a page of the documentation",
     },
 }

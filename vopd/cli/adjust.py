@@ -43,12 +43,12 @@ if TYPE_CHECKING:
     help="What to solve for, by the names above; repeatable.  [default: [solve] free of the "
     "project]",
 )
-@click.option("--correlations", is_flag=True, help="Print the correlations of the parameters, too.")
+@click.option("--correlations", is_flag=True, help="Also print the correlations of the parameters.")
 @click.option(
     "--test",
     is_flag=True,
-    help="Leave out each landmark, frame, fix and pick in turn: name what does not fit, and say "
-    "how well picks are predicted with and without what is free.",
+    help="Leave out each landmark, frame, fix and pick in turn: name those that do not fit, and "
+    "show how well picks are predicted with and without the freed parameters.",
 )
 @click.option(
     "--format",
@@ -56,15 +56,15 @@ if TYPE_CHECKING:
     type=click.Choice(["text", "csv", "json"]),
     default="text",
     show_default=True,
-    help="Of the table; with --test the CSV is of the tests.",
+    help="Format of the table; with --test the CSV has the tests.",
 )
 @click.option(
     "-o",
     "--output",
     type=FOLDER_OR_FILE,
     metavar="DIR|DECK",
-    help="Of a flight: write a project with what was solved for, and its covariance. Of a deck: "
-    "write it with the landmark in group 9; with --trials the stacked deck.",
+    help="From a flight: write a project with the solved values and their covariance. From a "
+    "deck: write the deck with the landmark in group 9; with --trials the stacked deck.",
 )
 @click.option(
     "--figure",
@@ -75,14 +75,14 @@ if TYPE_CHECKING:
 @click.option(
     "--trials",
     is_flag=True,
-    help="Of a deck: locate the landmark by the report's stacked jobs of trial coordinates.",
+    help="In a deck: locate the landmark by the report's stacked jobs of trial coordinates.",
 )
 @click.option(
     "--landmark-sigma",
     type=NUMBER,
     metavar="FT",
     callback=above_zero,
-    help="Of a deck: standard deviation of the landmark's coordinates in group 9, along each "
+    help="In a deck: standard deviation of the landmark's coordinates in group 9, along each "
     "axis.  [default: none]",
 )
 @click.option("--job", type=WholeRange(min=1), metavar="N", help="Which job of a deck.")
@@ -106,40 +106,40 @@ def command(
 ) -> None:
     """Solve for lens, clock and landmarks with all frames of a flight together.
 
-    SOURCE is a flight project, whose name ends in .toml, or a deck. A frame alone knows its
-    three angles; all frames together know the focal length or the clock as well.
-    The table has each parameter before and after, with standard deviations, and says
-    which the picks hold. One that they do not hold is kept as it is stated, and said
-    with what it trades with. [solve] free = ["focal", "k1"] in a project does the
-    same in vopd attitude, plot and report.
+    SOURCE is a flight project, whose name ends in .toml, or a deck. One frame determines its
+    three angles; all frames together also determine the focal length or the clock. The table
+    shows each parameter before and after, with standard deviations, and whether the picks
+    hold it. A parameter that they do not hold keeps its stated value; the table names the
+    parameters that it trades with. [solve] free = ["focal", "k1"] in a project makes vopd
+    attitude, plot and report do the same.
 
     \b
     Names:
         focal aspect centre k1 k2 p1p2     the lens
         clock clock-rate track-offset      the track: s, parts per million, m
-        readout                            of a rolling shutter, ms
-        landmarks landmark:NAME            listed; those with a sigma_m are solved
-                                           for in any case
+        readout                            the rolling shutter, ms
+        landmarks landmark:NAME            listed in the table; landmarks with a
+                                           sigma_m are solved for in any case
 
-    Of a deck one landmark of group 9 is located, by --free landmark:NUMBER: by least
-    squares of all readings, or with --trials by the report's stacked jobs of trial
-    latitudes, longitudes and altitudes. All else that the cards state is exact.
-    Of several stacked jobs --job chooses one, and -o writes a deck of it alone.
+    In a deck, --free landmark:NUMBER locates one landmark of group 9: by least squares of
+    all readings or, with --trials, by the report's stacked jobs of trial latitudes,
+    longitudes and altitudes. Everything else on the cards counts as exact. If the deck has
+    several jobs, --job chooses one, and -o writes a deck of that job alone.
 
-    A parameter starts from the standard deviation that the project states, as
-    [uncertainty] focal_rel; without one it is known by the picks alone.
-    vopd help adjust says what may be freed when.
+    A standard deviation in the project, such as [uncertainty] focal_rel, constrains its
+    parameter. Without one, only the picks determine it. vopd help adjust explains which
+    parameters to free in which case.
 
-    -o DIR writes a project whose lens, landmarks and offsets are as solved. Its
-    covariance.json has their covariance: vopd attitude, plot and report hold them, and
-    propagate it, so that the same picks do not count twice.
+    -o DIR writes a project with the solved lens, landmarks and offsets, and their covariance
+    in covariance.json. vopd attitude, plot and report keep these values fixed and propagate
+    the covariance, so that the same picks do not count twice.
 
     \b
     Examples:
         vopd adjust flight.toml --free focal
         vopd adjust flight.toml --free focal,k1,clock --correlations
         vopd adjust flight.toml --free landmark:tower --format csv
-        vopd adjust flight.toml --test                   nothing free, tests alone
+        vopd adjust flight.toml --test                   free nothing, only test
         vopd adjust flight.toml --free focal -o adjusted
         vopd adjust flight.toml --free focal --figure adjusted.png
         vopd attitude adjusted/flight.toml
@@ -149,7 +149,7 @@ def command(
     Exit status: 0 the table is printed (also if a parameter is not held); 1 the
     source could not be read or solved, or the output not written; 2 wrong usage; 3
     the table is printed, but some frame did not converge, the flight misfits, or
-    trials do not stand.
+    the trials do not settle.
     """
     from vopd.flight.adjust.table import as_csv, as_json, as_text
     from vopd.flight.solve.free import names_of

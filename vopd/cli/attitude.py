@@ -51,17 +51,17 @@ def _formats() -> str:
 
 TEXT = "text"  # what a terminal shows; not the format of a file
 
-_HELP = """Show the attitude of every frame, how sure it is, and flags; write it to a file.
+_HELP = """Show the attitude of every frame with its uncertainty and flags, or write it to a file.
 
 SOURCE is a flight project, whose name ends in .toml (vopd help flight-project), or
-a deck of 80-column cards; - is a deck on standard input. The table has a row a
-frame: the angles of camera and vehicle, the angles of attack alpha, beta and eta,
-the position, the quaternion, standard deviations and flags. Every file states from
-which axes to which its angles turn, their ranges, and which fixes are in force.
+a deck of 80-column cards; - is a deck on standard input. The table has a row for
+each frame: the angles of camera and vehicle, the angles of attack alpha, beta and
+eta, the position, the quaternion, standard deviations and flags. Every file states
+its axes, the ranges of its angles, and the fixes in force.
 
-On a terminal the first 20 frames are shown, in short: the angles with half of
-their 95 % intervals, then how sure they are, what is doubtful and what to do
-next. A file, or a pipe, has all frames and all columns.
+A terminal shows the first 20 frames in short: the angles with half of their 95 %
+intervals. Below are a summary of the uncertainty, the doubtful frames, and what to
+do next. A file or a pipe gets all frames and all columns.
 
 \b
 Formats, by FILE's suffix or --format:
@@ -75,12 +75,12 @@ Examples:
     vopd attitude flight.dat -o flight.aem --epoch 1974-08-27T17:30:00Z
     vopd demo | vopd attitude - --format jsonl
 
-The table has all frames, also ignored ones, which have no angles; aem, acm, czml
-and kml have the frames with an attitude, in order of time.
-vopd help attitude-files explains the columns.
+The table includes ignored frames, without angles. aem, acm, czml and kml have only
+the frames with an attitude, in order of time. vopd help attitude-files explains the
+columns.
 
 Exit status: 0 the file is written; 1 a source could not be read or solved
-(what comes before that is written), no frame has an attitude, or FILE cannot
+(the sources before it are written), no frame has an attitude, or FILE cannot
 be written; 2 wrong usage; 3 the file is written, but some frame did not
 converge, a flight misfits, or with --strict some frame has a flag.
 """
@@ -98,8 +98,8 @@ converge, a flight misfits, or with --strict some frame has a flag.
 @click.option(
     "--columns",
     metavar="basic|all|LIST",
-    help="Columns of the table, LIST by their names in the CSV, with commas.  [default: all; basic "
-    "in text]",
+    help="Columns of the table; LIST has their names in the CSV, with commas.  [default: all; "
+    "basic in text]",
 )
 @click.option(
     "--roll",
@@ -133,8 +133,8 @@ converge, a flight misfits, or with --strict some frame has a flag.
 @click.option(
     "--mean",
     is_flag=True,
-    help="Write a row a job instead: the mean attitude of its frames, and how sure that is; "
-    "for text, csv, jsonl, npz and parquet.",
+    help="Write one row for each job instead: the mean attitude of its frames, with its "
+    "uncertainty; for text, csv, jsonl, npz and parquet.",
 )
 @history_options
 @click.pass_context

@@ -50,7 +50,7 @@ def _jobs(ctx: click.Context, option: click.Parameter, jobs: int) -> int:
     type=FOLDER_NAME,
     metavar="OUTDIR",
     required=True,
-    help="The folder for all outputs; it is made where it does not exist.",
+    help="The folder for all outputs; it is made if it does not exist.",
 )
 @click.option(
     "--manifest",
@@ -97,7 +97,7 @@ def _jobs(ctx: click.Context, option: click.Parameter, jobs: int) -> int:
     is_flag=True,
     help="With --dask: the workers see the sources and OUTDIR under the same paths.",
 )
-@click.option("--resume", is_flag=True, help="Go on with a batch that was ended early.")
+@click.option("--resume", is_flag=True, help="Continue a batch that ended early.")
 @history_options
 @click.pass_context
 def command(
@@ -116,12 +116,13 @@ def command(
     resume: bool,
     options: SharedOptions,
 ) -> None:
-    """Solve many decks and flights: of each its listing (decks) and attitude table.
+    """Solve many decks and flights, and write the attitude table of each.
 
     SOURCE is a deck, a flight project (.toml), a pattern in quotes such as
     'flights/*/flight.toml', or a folder, of which all .dat, .deck, .cards and
-    .toml files are taken. OUTDIR has the files of each source under its name, and
-    summary.jsonl (with pyarrow also summary.parquet) with a row for each.
+    .toml files are taken. OUTDIR gets the files of each source under its name: the
+    attitude table and, for a deck, the listing. It also gets summary.jsonl (with
+    pyarrow also summary.parquet), which has a row for each source.
 
     \b
     Examples:
@@ -129,8 +130,8 @@ def command(
         vopd batch 'flights/*/flight.toml' -d solved --jobs 4 --format parquet
         vopd batch --manifest list.txt -d solved --shard 2/10
 
-    A batch that was killed goes on with --resume: sources whose input, options and
-    outputs are unchanged are not solved again, those that failed are.
+    --resume continues a batch that was killed. It solves again the sources that
+    failed, and those whose input, options or outputs have changed.
 
     Exit status: 0 all well; 1 no source could be solved, or an output could not be
     written; 2 wrong usage; 3 some source failed, some frame did not converge, a

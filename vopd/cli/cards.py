@@ -40,8 +40,8 @@ def command(
     """Explain a deck card by card.
 
     Under each card are its fields: columns, FORTRAN name, the value that the
-    program reads, unit, meaning. Of the basic data only the first cards are
-    explained unless --group basic or --card asks for others.
+    program reads, unit, meaning. Of the basic data, only the first cards are
+    explained; --group basic explains all, --card those that you name.
 
     DECK is a file of 80-column cards, - is standard input.
 

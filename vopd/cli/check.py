@@ -62,14 +62,15 @@ def command(
     """Check flights and decks for errors and doubtful values.
 
     SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
-    cards; - is a deck on standard input. An error is what stops vopd attitude,
-    vopd track or vopd run. A warning is what may be a mistake: of a flight, a
-    landmark that is never picked, a track that ends before the frames do, heights
-    that differ by a geoid undulation, units or axes exchanged; of a deck, readings
-    of one point that differ too much, numbers that are not right-justified, tables
-    that end too early.
+    cards; - is a deck on standard input.
 
-    The first three findings of a kind are shown, and the others are counted.
+    An error stops vopd attitude, vopd track or vopd run. A warning names a possible
+    mistake. In a flight: a landmark that is never picked, a track that ends before
+    the frames do, heights that differ by a geoid undulation, units or axes
+    exchanged. In a deck: readings of one point that differ too much, numbers that
+    are not right-justified, tables that end too early.
+
+    The first three findings of each kind are shown; the others are counted.
 
     \b
     Examples:

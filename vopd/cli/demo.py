@@ -62,21 +62,21 @@ def _option(flag: str, part: str, about: str, metavar: str = "N") -> Callable[..
 def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any) -> None:
     """Make a deck of a synthetic flight whose attitude is known.
 
-    A vehicle under its parachute, 150,000 to 75,000 ft over New Mexico, swings
-    and cones; its 16-mm camera takes 32 frames a second. The deck goes to
-    standard output, or into the file of -o.
+    The vehicle swings and cones under its parachute, from 150,000 down to
+    75,000 ft over New Mexico; its 16-mm camera takes 32 frames per second. The
+    deck goes to standard output, or to the file of -o.
 
-    The truth is a CSV table with a line for each frame: frame, time_s, yaw,
-    pitch and roll of camera and vehicle in degrees, and the position east,
-    north, up in feet. The Earth, the lens and the camera are those of the 1974
-    program, so a run gives the truth back but for the noise of the readings.
-    With --noise 0 they are rounded to the reader's last digit (.001 in) only.
-    With --earth wgs84 a run with --fix all gives the truth back, and one without
-    is wrong by what the errata cost.
+    --truth writes a CSV table with a row for each frame: frame, time_s, yaw, pitch
+    and roll of camera and vehicle in degrees, and the position east, north, up in
+    feet. The Earth, the lens and the camera are those of the 1974 program. A run
+    therefore finds the truth, except for the noise of the readings; with --noise 0
+    readings are only rounded to the reader's last digit (.001 in). With --earth
+    wgs84 a run with --fix all finds the truth, and a run without shows what the
+    errata cost.
 
-    With --jobs several jobs are stacked: job 2 ignores landmark 1 in all frames,
-    job 3 does not, job 4 has another first estimate, job 5 has the film read
-    again, and so on in turn.
+    --jobs stacks several jobs of the same flight: job 2 ignores landmark 1 in all
+    frames, job 3 does not, job 4 has another first estimate, job 5 has the film
+    read again, and so on in turn.
 
     \b
     Examples:

@@ -72,8 +72,8 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
     "--within",
     metavar="TOLERANCES",
     callback=_within,
-    help="How far numbers may differ by their unit, besides, such as .01deg,1ft; the units are "
-    "deg, ft, in, mm and s.",
+    help="Besides, how far numbers of a unit may differ, such as .01deg,1ft; the units are deg, "
+    "ft, in, mm and s.",
 )
 @click.option(
     "--tolerances",
@@ -88,8 +88,8 @@ def _show_tolerances(ctx: click.Context, param: click.Parameter, wanted: bool) -
     metavar="LOW HIGH",
     type=FILE_NAME,
     nargs=2,
-    help="Two listings of the same deck between which its numbers lie, such as those of two "
-    "computers: a difference within them is named and counted, and is no failure.",
+    help="Two listings of the same deck that bracket its numbers, such as those of two "
+    "computers. A difference within them is named and counted, but is no failure.",
 )
 @output_option("Write the differences to this file.")
 @text_or_json_option("How the differences are written.")
@@ -110,12 +110,12 @@ def command(
 
     One of the two may be - for standard input. Text must be equal, except for
     blanks at the end of a line. Numbers may differ by one unit of their last
-    printed digit, or by --units, or by --within. Angles are compared around the circle; numbers
-    of landmarks and frames must be equal. Fields are found by the columns of
-    the listing's FORMATs, so they may touch (112.175-158.836). A line or page
-    that only one listing has is one difference, and the comparison continues
-    after it. These are written first, then numbers unit by unit (deg, ft, s, mm,
-    in), the largest difference of each first.
+    printed digit; --units and --within set other limits. Angles are compared around
+    the circle; numbers of landmarks and frames must be equal. Fields are found by
+    the columns of the listing's FORMATs, so they may touch (112.175-158.836). A
+    line or page that only one listing has counts as one difference, and the
+    comparison continues after it. The output begins with these differences; numbers
+    follow by unit (deg, ft, s, mm, in), the largest difference of each first.
 
     \b
     Example:
@@ -126,9 +126,9 @@ def command(
       1 difference; 82 fields on 2 pages compared, 0 illegible
 
     Pages are counted from 1, lines from the start of EXPECTED. EXPECTED may be
-    the transcript of a damaged print: in it a field of nothing but ? is
-    illegible and not compared, and a line that is a single ? stands for any one
-    line, even a blank one or the first of a page. In ACTUAL a ? is text.
+    the transcript of a damaged print: in it a field that has only ? is illegible
+    and not compared, and a line that is a single ? stands for any one line, even a
+    blank line or the first line of a page. In ACTUAL a ? is text.
 
     A digit next to the boundary between two decimals depends on the last bits of
     the computer's sines. --undetermined says which digits these are.

@@ -45,8 +45,8 @@ def command(page: str | None) -> None:
         vopd help flight-project
         vopd help track
 
-    The name of a command is that of its page, too; its options are shown by the
-    command: vopd attitude --help.
+    PAGE may also be a command: its page is shown. Options are listed by the command
+    itself: vopd attitude --help.
 
     Exit status: 0; 2 there is no such page.
     """

@@ -35,18 +35,23 @@ _FILES = (
     (
         "--images",
         "images",
-        "Images, a folder or one: positions or, with --track, times of their tags; or a video's "
-        "frames by number.",
+        "One image or a folder of them: their tags give the positions or, with --track, the times; "
+        "or the numbered frames of a video.",
     ),
     ("--wind", "wind", "The wind: CSV, University of Wyoming."),
 )
 
 _ANSWERS = (
-    ("--height", "NAME", "ellipsoid, egm96, egm2008, navd88, same, or metres of the geoid."),
-    ("--ground", "METRES", "Height of the ground or pad, of a track whose heights count from it."),
+    (
+        "--height",
+        "NAME",
+        "Zero of heights: ellipsoid, egm96, egm2008, navd88, same, or the height of the geoid in "
+        "metres.",
+    ),
+    ("--ground", "METRES", "Height of the ground or pad, if the track's heights count from it."),
     ("--crs", "CODE", "Coordinate reference system of x and y, such as EPSG:32633."),
     ("--clock", "NAME", "Clock of the track's dates: utc or gps."),
-    ("--fps", "HZ", "Frames a second; with --epoch, the moment of frame 0."),
+    ("--fps", "HZ", "Frames per second; --epoch is then the moment of frame 0."),
     ("--epoch", "TIME", "The moment of t = 0, such as 2026-05-01T11:58:42Z."),
     ("--first-frame", "SECONDS", "Time of frame 0, after the epoch."),
     ("--pixel-grid", "NAME", "Where picks count from: centre, corner, one-based."),
@@ -54,8 +59,8 @@ _ANSWERS = (
     (
         "--sigma-position",
         "METRES",
-        "Standard deviation of track or position: 3, or 2,2,4. Of a track, from .3 on, it is "
-        "sigma_bias_m, and sigma_m half of it.",
+        "Standard deviation of track or position: 3, or 2,2,4. A track's value of .3 or more "
+        "becomes sigma_bias_m, and half of it sigma_m.",
     ),
     ("--sigma-landmarks", "METRES", "Standard deviation of the landmarks."),
     ("--sigma-time", "SECONDS", "Standard deviation of the frames' times."),
@@ -70,9 +75,9 @@ _ANSWERS = (
     multiple=True,
     type=FILE_NAME,
     metavar="FILE",
-    help="The video that is picked in; again for each next file of a camera that wrote several.",
+    help="The video to pick in; repeat it if the camera wrote several files.",
 )
-@click.option("--deck", type=FILE_NAME, metavar="DECK", help="A card deck, to be made a project.")
+@click.option("--deck", type=FILE_NAME, metavar="DECK", help="A card deck to write as a project.")
 @click.option("--job", type=WholeRange(min=1), metavar="N", help="Which job of the deck.")
 @click.option(
     "--position",
@@ -83,7 +88,7 @@ _ANSWERS = (
     "--columns",
     multiple=True,
     metavar="FILE:NAMES",
-    help="Columns of a CSV: track:h_m=alt,lat_deg=y; all of one without header: picks:frame,...",
+    help="Columns of a CSV: track:h_m=alt,lat_deg=y; of a CSV without header, all: picks:frame,...",
 )
 @click.option(
     "--set",
@@ -107,20 +112,22 @@ def command(
 ) -> None:
     """Write a new flight project: DIR/flight.toml, with its keys explained.
 
-    Given files, it finds out what each of them is, says so, and names them in the
-    project; they stay where they are. What no file says and the project must
-    know (what heights are counted from, the pixel grid of a CSV, ...) the options
-    from --height on say; on a terminal it is asked. What is open still is marked
-    NEEDED in flight.toml and listed.
+    From your files: the command recognises the format of each file, reports it,
+    and names the file in the project. The files stay where they are. A project
+    also needs values that no file holds, such as the zero of heights or the pixel
+    grid of a CSV. Give them by the options from --height on; on a terminal the
+    command asks for them. Values still missing are marked NEEDED in flight.toml,
+    and listed.
 
-    A video gives the frames' times and size, and perhaps the track: GoPro's GPMF
-    inside it, or DJI's .SRT beside it. Without picks vopd pick is next.
+    From a video: it gives the times and the size of the frames. It may also give
+    the track: GoPro's GPMF inside it, or DJI's .SRT beside it. Without picks, the
+    next step is vopd pick.
 
-    With --deck it writes the project that is the same problem as one job of a card
-    deck, and warns as vopd check does; vopd punch goes the other way.
+    From a deck: --deck writes one job of a card deck as a project, with the
+    warnings of vopd check. vopd punch does the reverse.
 
-    Given none, it writes an example that runs at once, with a short video, six
-    clicks, landmarks, track, lens, wind, and the true angles.
+    From nothing: without files, the command writes an example that runs at once,
+    with a short video, six clicks, landmarks, track, lens, wind and true angles.
 
     \b
     Examples:
@@ -132,11 +139,11 @@ def command(
         vopd new flight --video flight.mp4 --landmarks l.csv --track t.gpx --lens lens.yml
         vopd new case1 --deck decks/appendix_h/case1.dat
 
-    A flight.toml that vopd new has written and nobody has edited is completed by
-    further options: its other values stay. Any other is not touched: an error.
+    Run again with further options, the command completes a flight.toml that it
+    wrote and that nobody has edited. It refuses to touch any other flight.toml.
 
-    Exit status: 0 the project is written; 1 a file could not be read, or one that
-    would be written is there already; 2 wrong usage.
+    Exit status: 0 the project is written; 1 a file could not be read, or a file to
+    be written exists already; 2 wrong usage.
     """
     from vopd.flight.project.earlier import earlier_project
     from vopd.flight.project.inspect import lens_of_numbers

@@ -178,14 +178,14 @@ _SIGMAS = (
     (
         "--landmark-sigma",
         "landmark",
-        "of a landmark's position, along each axis, ft or m; a flight is solved with it, and its "
-        "angles move.",
+        "of a landmark's position, along each axis, ft or m; it takes part in the solve of a "
+        "flight, and moves its angles.",
     ),
     (
         "--position-sigma",
         "position",
-        "of the camera's position, along each axis, ft or m; a flight is solved with it, and its "
-        "angles move.",
+        "of the camera's position, along each axis, ft or m; it takes part in the solve of a "
+        "flight, and moves its angles.",
     ),
     ("--focal-sigma", "focal_length", "of the focal length, mm or px."),
     ("--time-sigma", "time_s", "of the times of the frames, s."),
@@ -215,8 +215,8 @@ _OF_HISTORY = {
     "vertical": click.option(
         "--vertical",
         type=click.Choice(["geodetic", "geocentric"]),
-        help="Vertical of the local axes that angles and quaternion refer to.  [default: that "
-        "of the solve: geocentric for a deck, geodetic with --fix earth and for a flight]",
+        help="Vertical of the local axes of angles and quaternion.  [default: geocentric for a "
+        "deck; geodetic for a flight and with --fix earth]",
     ),
 }
 """The options of a history besides its sigmas, by the fields of `HistoryOptions`."""
@@ -331,8 +331,8 @@ def history_options(function: AnyCommand) -> AnyCommand:
         click.option(
             "--strict",
             is_flag=True,
-            help="Exit with status 3 if any frame has a flag, the residuals of a flight speak for "
-            "an error of its inputs, or errata of a deck turn an angle by more than a sigma.",
+            help="Exit with status 3 if any frame has a flag, if the residuals of a flight show an "
+            "error in its inputs, or if errata of a deck turn an angle by more than a sigma.",
         ),
         quiet_option,
         click.option(

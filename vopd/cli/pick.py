@@ -30,44 +30,46 @@ MOST_PLACES = 3  # where to click next
 @click.command("pick")
 @click.argument("frames", type=FILE_NAME, metavar="FRAMES...", nargs=-1, required=True)
 @output_option("The page: .html; - is standard output.", required=True)
-@click.option("--at", metavar="N,N,...", help="Which frames, counted from 0; images, too.")
-@click.option("--landmarks", type=FILE_NAME, metavar="FILE", help="Landmarks: names to offer.")
-@click.option("--clicks", type=FILE_NAME, metavar="FILE", help="Picks that there are already.")
+@click.option("--at", metavar="N,N,...", help="Frames or images to show, counted from 0.")
+@click.option("--landmarks", type=FILE_NAME, metavar="FILE", help="Landmark names to offer.")
+@click.option("--clicks", type=FILE_NAME, metavar="FILE", help="Picks to begin with.")
 @click.option("--cards", type=FILE_NAME, metavar="DECK", help="Read a film for this deck.")
 @click.option(
     "--dpi",
     type=NumberRange(1, 100_000),
     metavar="N",
-    help="With --cards: pixels an inch of film.",
+    help="With --cards: pixels per inch of film.",
 )
 @click.pass_context
 def command(
     ctx: click.Context, /, frames: tuple[str, ...], output: str, at: str | None,
     landmarks: str | None, clicks: str | None, cards: str | None, dpi: float | None,
 ) -> None:  # fmt: skip
-    """Make a page on which landmarks are picked: one HTML file, for any browser.
+    """Make a page for picking landmarks: one HTML file, for any browser.
 
-    FRAMES is a video, or its files in their order, a folder of images, images, or a
-    flight project, or its folder, whose [picks] video names a video or a folder of
-    images. Of a video the page has 12 frames that are spread over it, or those of
-    --at; of images all, up to 60. They are inside the page: it loads nothing, and
-    nothing leaves the browser. It zooms to 16 times, moves a pick by a tenth of a
-    pixel with the arrow keys, keeps each change, and saves clicks.csv, which a
-    flight project reads without a further key: [picks] file = "clicks.csv".
+    FRAMES is a video (or its files, in order), images or a folder of them, or a
+    flight project or its folder, if [picks] video names a video or images. The
+    page shows 12 frames spread over a video, or all images up to 60; --at chooses
+    others. The frames are inside the page: it loads nothing, and nothing leaves
+    the browser.
 
-    A project that knows lens and camera positions lets the page predict: two picks
-    of a frame show where its other landmarks are, the third shows residuals, and two
-    exchanged labels are named. The page fits the rotation alone, as [solve] position
-    = "fixed" does. The project's own picks are there, and after vopd track the page
-    opens where a click tells the most.
+    The page zooms up to 16 times. The arrow keys move a pick by a tenth of a pixel.
+    Each change is kept. The page saves clicks.csv, which a flight project reads by
+    [picks] file = "clicks.csv" alone.
 
-    --cards makes it the film reader of 1974: FRAMES are scans of a film, whose file
-    names end in frame numbers. Four fiducials and the landmarks of group 9 are read
-    three times each, and the page saves the deck with group 5 and its basic data, for
-    vopd run. DECK needs groups 1 to 12 alone.
+    From a project with lens and camera positions, the page predicts. After two
+    picks in a frame it shows where the other landmarks are; from the third on it
+    shows residuals, and names two exchanged labels. It solves the rotation alone,
+    as [solve] position = "fixed" does. It begins with the project's own picks, and
+    after vopd track it opens at the frames where a click helps most.
 
-    Frames count from 0 in the order in which they are shown. Images that a tag
-    says are turned are shown upright, and pixels are those of the upright image.
+    With --cards the page is the film reader of 1974. FRAMES are scans of a film,
+    whose file names end in frame numbers. You read the four fiducials and the
+    landmarks of group 9 three times each. The page saves a deck for vopd run: DECK,
+    which needs groups 1 to 12 only, with group 5 and the basic data filled in.
+
+    Frames count from 0, in the order shown. An image whose tag says that it is
+    turned is shown upright, and its picks are pixels of the upright image.
 
     It needs jinja2 and Pillow, and for a video PyAV (pip install jinja2 pillow av)
     or the program ffmpeg.

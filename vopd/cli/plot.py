@@ -184,14 +184,14 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
     default=("all",),
     multiple=True,
     show_default=True,
-    help="Which figure; may be repeated. A .pdf has a page for each, other files have them "
+    help="Which figure; may be repeated. A .pdf has a page for each; in other files they stand "
     "one below the other.",
 )
 @click.option(
     "--frame",
     metavar="N",
-    help="The frame of image and map; by default the one with the most landmarks, of a tracked "
-    "video the one of them that fits worst.",
+    help="The frame of image and map. By default the one with the most landmarks; if several "
+    "have as many, in a tracked video the one that fits worst.",
 )
 @click.option(
     "--images",
@@ -203,8 +203,8 @@ LARGEST_IN, LARGEST_DOTS = 100.0, 20_000
     "--job",
     type=WholeRange(min=1),
     metavar="N",
-    help="Only this job of each deck, from 1; without it, of more than "
-    f"{MOST_DRAWN} jobs the worst are drawn.",
+    help="Draw only this job of each deck, counted from 1. Without it, the worst "
+    f"{MOST_DRAWN} of more than {MOST_DRAWN} jobs are drawn.",
 )
 @click.option("--size", metavar="WxH", help="Width and height in inches, for instance 9x6.")
 @click.option(
@@ -231,10 +231,9 @@ def command(
     """Draw the image of a frame, the map, the attitude against time, and the residuals.
 
     SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
-    cards; - is a deck on standard input. It can also be the solutions of star
-    photographs, written by vopd stars solve -o FILE.json; --frame then names the
-    photograph that is drawn, and --images the file or folder where it is, if it
-    is not beside the star file.
+    cards; - is a deck on standard input. It can also be a file of star solutions,
+    written by vopd stars solve -o FILE.json. Then --frame names the photograph to
+    draw, and --images its file or folder, if it is not beside the star file.
 
     \b
     The figures, and the question that each answers:
@@ -245,11 +244,11 @@ def command(
       map        where are camera and landmarks, and do the lines of sight meet them?
       patches    did each landmark stay the same through the video? Only after vopd track
 
-    The photograph is that of the project: images that the picks name, in the
-    project's folder or one within it, or a frame of [picks] video; else --images
-    names it. The film of a deck is drawn as the program of 1974 has it, in mm.
-    A source of one frame has a table in the place of curves. Figures need
-    matplotlib; photographs Pillow, videos PyAV.
+    The photograph comes from the project: an image that the picks name, in the
+    project's folder or a folder within it, or a frame of [picks] video. Otherwise
+    --images names it. The film of a deck is drawn in mm, in the axes of the 1974
+    program. If a source has only one frame, a table takes the place of the curves.
+    Figures need matplotlib, photographs Pillow, videos PyAV.
 
     \b
     Examples:

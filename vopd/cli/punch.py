@@ -23,20 +23,20 @@ SHOWN = 12  # rows of the table of numbers
     "--numbers",
     type=FILE_NAME,
     metavar="FILE",
-    help="Also write what the numbers of landmarks and frames stand for, CSV.",
+    help="Also write the table of new numbers of landmarks and frames, CSV.",
 )
 @quiet_option
 def command(project: str, output: str, numbers: str | None, quiet: bool) -> None:
     """Write a flight project as a deck of 1974 cards: the same frames and landmarks.
 
-    PROJECT is a flight project, .toml. vopd run --fix all of the deck has the
-    flight's angles within what the cards' columns hold, .0005 degree, but for
-    robust losses and picks of different weight. What cards do not hold is said
-    on standard error; landmarks and frames whose names or numbers do not fit the
-    cards are numbered anew, and the table of the numbers is shown there, or
-    written with --numbers.
+    PROJECT is a flight project, .toml. vopd run --fix all of the deck gives the
+    angles of the flight within .0005 degree, which is what the columns of the
+    cards can hold. Robust losses and picks of different weight are exceptions.
+    What does not fit on cards is listed on standard error. Landmarks and frames
+    whose names or numbers do not fit get new numbers; their table is shown there,
+    or written to the file of --numbers.
 
-    vopd new --deck goes the other way.
+    vopd new --deck does the reverse.
 
     \b
     Examples:

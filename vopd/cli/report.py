@@ -38,14 +38,15 @@ def command(
     """Write a report: one HTML page that needs no other file.
 
     SOURCE is a flight project, whose name ends in .toml, or a deck of 80-column
-    cards; - is a deck on standard input. The page begins with the answer: the
-    angles, how sure they are, what is doubtful. A slider, the curves or the arrow
-    keys choose a frame; its image with the residuals, a map and its row of the
-    table follow. Frames can be filtered by flag and by range. Statistics of every
-    landmark, the warnings, the conventions and the fixes in force come below. It
-    opens from disk, loads nothing from a network, and can be printed. Its numbers
-    are those of vopd attitude. It needs jinja2, and for the figure of all residuals
-    matplotlib.
+    cards; - is a deck on standard input. The page begins with the angles, their
+    uncertainty and the doubtful frames. A slider, the curves or the arrow keys
+    choose a frame: its image with the residuals, a map and its row of the table
+    follow. Frames can be filtered by flag and by range. Below are statistics of
+    every landmark, the warnings, the conventions and the fixes in force.
+
+    The page opens from disk, loads nothing from a network, and can be printed. Its
+    numbers are those of vopd attitude. The command needs jinja2, and matplotlib for
+    the figure of all residuals.
 
     \b
     Examples:

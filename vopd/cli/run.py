@@ -23,7 +23,7 @@ from vopd.results import SolvedJob, SourceEnd
     "--tape10",
     type=FILE_NAME,
     metavar="FILE",
-    help="Also write tape 10: seven numbers a frame.",
+    help="Also write tape 10: seven numbers for each frame.",
 )
 @solve_options
 @click.option("--strict", is_flag=True, help="Exit status 3 where there is any warning.")
@@ -41,8 +41,8 @@ def command(
     """Run card decks of program VOPD and print its listing.
 
     DECK is a file of 80-column cards, - is standard input. Several decks run
-    one after the other. The listing goes to standard output, or whole into the
-    file of -o; everything else goes to standard error.
+    one after the other. The listing goes to standard output or, when it is
+    complete, to the file of -o; everything else goes to standard error.
 
     \b
     Example:

@@ -26,7 +26,7 @@ GOES_ON = "the same command goes on"
     default=70,
     show_default=True,
     metavar="N",
-    help="Frames from a click in which it is matched beside nearer ones.",
+    help="Match with every click up to N frames away, else with the nearest.",
 )
 @click.option(
     "--patch",
@@ -43,7 +43,7 @@ GOES_ON = "the same command goes on"
     default=0.6,
     show_default=True,
     metavar="R",
-    help="Correlation with its click from which a patch is found.",
+    help="Smallest correlation with the click at which a patch counts as found.",
 )
 @click.option(
     "--residual",
@@ -52,7 +52,7 @@ GOES_ON = "the same command goes on"
     default=0.8,
     show_default=True,
     metavar="PX",
-    help="How far a patch may be from where the other landmarks have it, pixels.",
+    help="Largest distance of a patch from where the other landmarks predict it, pixels.",
 )
 @quiet_option
 @click.pass_context
@@ -62,9 +62,9 @@ def command(
 ) -> None:  # fmt: skip
     """Follow clicked landmarks through a video, for vopd attitude.
 
-    PROJECT is a flight project. Its [picks] names three files: file, your clicks,
-    as vopd pick saves them; video, which they are clicked in, or a folder of
-    numbered images; and tracked, which this command writes:
+    PROJECT is a flight project. Its [picks] names three files: your clicks, as
+    vopd pick saves them (file); the video or the folder of numbered images in
+    which you clicked (video); and the file that this command writes (tracked):
 
     \b
         [picks]
@@ -73,18 +73,18 @@ def command(
         times = "video"
         tracked = "tracked.csv"
 
-    Two landmarks clicked in one frame are enough to begin; six to thirty clicks
-    serve a minute. Position and lens are known, so that the look of a landmark
-    in any frame follows from its click: the patch around the click is laid on the
-    ground, seen from where the camera is now, and found to a tenth of a pixel.
-    The match is always with a click, never with the frame before: errors do not
-    add up. A landmark that is hidden, at the edge or elsewhere has that as its
-    status and no pixel; nothing is guessed.
+    Two landmarks clicked in one frame are enough to begin; a minute of video needs
+    six to thirty clicks. Because position and lens are known, a click determines
+    how its landmark looks in every frame. The command lays the patch around the
+    click on the ground, views it from the camera's position in the frame, and
+    finds it to a tenth of a pixel. It always matches with a click, never with the
+    frame before, so that errors do not add up. It guesses nothing: a landmark that
+    is hidden, at the edge or not found gets a status that says so, and no pixel.
 
-    A plume over a third of the picture, and cuts, are survived; after a cut
-    tracking begins anew at the next frame with two clicks. Masts need a small
-    patch: a column patch_px in the landmarks, 13. Ctrl-C loses nothing: the same
-    command goes on. Needs PyAV for videos, Pillow for images: pip install av.
+    Tracking continues behind a plume that covers a third of the picture. After a
+    cut it begins anew at the next frame with two clicks. Masts need a small patch:
+    write 13 in a column patch_px of the landmarks. Ctrl-C loses nothing: run the
+    same command again. Videos need PyAV (pip install av), images Pillow.
 
     \b
     Examples:
@@ -92,7 +92,8 @@ def command(
         vopd track flight.toml --from 10 --to 25
         vopd attitude flight.toml
 
-    Exit status: 0 written; 1 failed; 2 wrong usage; 3 written, and doubtful.
+    Exit status: 0 the file is written; 1 failed; 2 wrong usage; 3 the file is
+    written, but there are warnings.
     """
     from vopd.flight.project.keys import read_project
     from vopd.tracking.follow import TrackOptions, follow

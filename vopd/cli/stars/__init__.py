@@ -12,11 +12,11 @@ from vopd.cli.stars.tables import tables
 
 @click.group("stars", cls=GroupOfCommands)
 def command() -> None:
-    """Orientation of a camera whose position is known, by stars or ground points.
+    """Solve the orientation of a camera at a known position from stars or ground points.
 
-    Methods and tables of S. M. Rae, Alternative Methods of Determining the
-    Orientation of a Stellar Camera (1987). Angles are degrees, image coordinates
-    mm from the principal point of a positive.
+    The methods and tables are those of S. M. Rae, Alternative Methods of Determining
+    the Orientation of a Stellar Camera (1987). Angles are in degrees; image
+    coordinates are mm from the principal point of a positive.
 
     \b
     Example:

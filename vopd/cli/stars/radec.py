@@ -25,7 +25,7 @@ from vopd.findings import Finding
     callback=numbers(2),
     help="Coordinates of an image, mm; repeatable.",
 )
-@click.option("--typed", is_flag=True, help="FILE has what was typed to RADEC2, a number a line.")
+@click.option("--typed", is_flag=True, help="FILE has the numbers typed to RADEC2, one per line.")
 @click.option(
     "--format",
     "form",
@@ -44,11 +44,11 @@ def radec(
     form: str,
     output: str,
 ) -> None:
-    """Make fictitious stars: the directions of stars that are imaged at x, y (RADEC2).
+    """Make fictitious stars: the directions of stars whose images are at x, y (RADEC2).
 
     The images are those of FILE (CSV with columns x_mm,y_mm; - is standard
     input) or those of --image, which may be repeated. With --typed, FILE holds
-    the answers to RADEC2's prompts, a number a line in format F15.6: focal
+    the answers to RADEC2's prompts, one number per line in format F15.6: focal
     length, omega, phi, kappa, then x and y of each image, and 9999.9. In this
     format a number without a point counts millionths.
 

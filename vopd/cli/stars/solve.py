@@ -94,8 +94,8 @@ def render(
     "--images",
     type=FILE_NAME,
     metavar="DIR|IMAGE",
-    help="The photograph, or a folder of several: its size, and from its tags a first principal "
-    "distance, which is solved for (--free focal).",
+    help="The photograph, or a folder of several. It gives its size and, from its tags, a first "
+    "principal distance, which is then solved for (--free focal).",
 )
 @click.option(
     "--format",
@@ -109,29 +109,29 @@ def render(
 def solve(ctx: click.Context, /, files: tuple[str, ...], output: str, **given: Any) -> None:
     """Solve the attitude of one photograph, or of several.
 
-    FILE is CSV with a header: x_mm,y_mm or x_px,y_px, and one of ra_deg,dec_deg;
-    ra_hours,dec_deg; u,v,w; x_m,y_m,z_m (with --camera); or only name, for stars
-    of the Hipparcos catalogue; or none of these: then the stars are identified by
-    their pattern. It may have the columns name, image and utc (which
-    photograph, and when), sigma, mag. Angles may be sexagesimal (-4 25 49.68,
-    5h12m3s). Lines that begin with # are comments, - is standard input. FILE may
-    also be corr.fits of astrometry.net, or what tetra3 or cedar-solve return, as
-    JSON.
+    FILE is CSV with a header. Its columns are x_mm,y_mm or x_px,y_px, and one of
+    ra_deg,dec_deg; ra_hours,dec_deg; u,v,w; or x_m,y_m,z_m (with --camera). With a
+    column name alone, the stars are looked up in the Hipparcos catalogue; with none
+    of these, they are identified by their pattern. Further columns may be name,
+    image (which photograph), utc (when), sigma and mag. Angles may be sexagesimal
+    (-4 25 49.68, 5h12m3s). Lines that begin with # are comments; - is standard
+    input. FILE may also be corr.fits of astrometry.net, or the result of tetra3 or
+    cedar-solve as JSON.
 
-    Pixels need their scale (--focal with --pitch-um, or --focal-px) and the
-    principal point (--centre, or --size whose middle it is); --images takes both
-    from the photograph. All results are then in pixels.
+    Pixels need a scale (--focal with --pitch-um, or --focal-px) and the principal
+    point (--centre, or the middle of --size); --images takes both from the
+    photograph. All results are then in pixels.
 
-    omega, phi, kappa turn the camera's axes about x, y, z in this order; alpha,
-    delta are where the optical axis points; --point gives the direction of another
-    point. Without --pair, two-star and
-    single-rotation solve stars 1 and 2, as their programs do.
+    omega, phi, kappa turn the camera's axes about x, y, z in this order. alpha,
+    delta are the direction of the optical axis; --point gives the direction of
+    another point. Without --pair, two-star and single-rotation solve stars 1 and 2,
+    as their programs do.
 
-    The residuals are compared with --reading-sigma or with the interstar angles.
-    Where they are implausible common mistakes are tried, also two at once: right
-    ascension in hours, exchanged or mirrored coordinates, a wrong principal
-    distance or point, a lens with distortion, misidentified stars. What explains
-    them is named.
+    The residuals are tested against --reading-sigma or the interstar angles. If they
+    are implausible, the command tries common mistakes, also two at once, and names
+    those that explain the residuals: right ascension in hours, exchanged or mirrored
+    coordinates, a wrong principal distance or point, a lens with distortion,
+    misidentified stars.
 
     \b
     Examples:

@@ -19,10 +19,10 @@ FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 def tables(output: str) -> None:
     """Print the report's tables 6.1 to 6.5 and the values of figures 6.1 to 6.3.
 
-    Each is computed from the sample data, with what the report printed beneath
-    it where that is legible; * and + mark where the two differ, and the notes
-    under a table say why. The figures and table 6.5 are lost in the scan: what
-    stands here is recomputed, for all six pairs of stars.
+    Each is computed from the sample data, with the report's number beneath it
+    where that is legible. * and + mark differences; the notes under a table explain
+    them. The scan lost the figures and table 6.5: these are recomputed, for all six
+    pairs of stars.
 
     With -o FILE.png, .svg or .pdf the figures are drawn instead, by matplotlib.
 
