@@ -274,6 +274,20 @@ def test_times_since_1970_have_no_other_zero(tmp_path: Path) -> None:
     assert "START_TIME = 2026-05-01T11:58:44.000000" in aem
 
 
+def test_frames_with_dates_on_a_track_in_seconds_need_the_date_of_its_zero(tmp_path: Path) -> None:
+    """Or that of the frames' own first second would be taken for it, 2 s after the track's."""
+    text = "frame,t_utc\n" + "".join(f"{k},2026-05-01T11:58:44.{k}Z\n" for k in range(5))
+    (tmp_path / "times.csv").write_text(text)
+    rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0\n"
+    toml = TOML.replace(rate, 'times = "times.csv"\n')
+    found = solve_flight(write_project(tmp_path, toml)).camera_deg
+    assert_close("flight angle", found, truth_deg() % 360.0 - [0, 360, 0])
+    path = write_project(tmp_path, toml.replace("epoch = 2026-05-01T11:58:42Z\n", ""))
+    ran = run("attitude", path)
+    assert ran.status == 1
+    assert_approved(ran.stderr, parts=[path])
+
+
 def test_projects_without_one_epoch_have_no_dates(tmp_path: Path) -> None:
     dated = write_project(tmp_path / "dated")
     toml = TOML.replace("epoch = 2026-05-01T11:58:42Z\n", "")

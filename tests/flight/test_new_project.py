@@ -372,6 +372,10 @@ def test_images_of_a_new_project(tmp_path: Path) -> None:
     tagged_image(folder / "c.jpg", (47, 0, 0.0), taken="2026:05:01 12:00:00")
     new = project_of_files(tmp_path, given)
     assert_approved(new.needed["picks", "utc_offset_h"])
+    assert ("flight", "epoch") not in new.needed
+    (tmp_path / "s.csv").write_text("t_s,lat_deg,lon_deg,h_m\n0,47,16,9\n5,47,16,9\n")
+    on_seconds = project_of_files(tmp_path, given | {"track": str(tmp_path / "s.csv")})
+    assert_approved(on_seconds.needed["flight", "epoch"])
     del given["track"]
     new = project_of_files(tmp_path, given)
     assert_approved([one for one in new.said if "zone" in one or "use" in one], parts=[folder])

@@ -100,8 +100,9 @@ class Key(NamedTuple):
 KEYS: tuple[Key, ...] = (
     Key("flight", "name", "text", '"my flight"', "a title", default=""),
     Key("flight", "epoch", "date", "2026-05-01T11:58:42Z", "the moment of t = 0",
-        "the moment of t = 0, with its zone. Needed where frames are in seconds and the track is "
-        "in UTC; 1970-01-01T00:00:00Z where those seconds count from there", option="--epoch"),
+        "the moment of t = 0, with its zone. Needed where of frames and track one is in seconds, "
+        "the other in UTC; 1970-01-01T00:00:00Z where those seconds count from there",
+        option="--epoch"),
     Key("camera", "lens", "file", '"lens.yml"',
         'or a table: { model = "brown", fx_px = 1500.0 }', "the calibration, or a table: "
         '`{ model = "brown", fx_px = 1500, fy_px = 1490, cx_px = 959.5, cy_px = 539.5, '

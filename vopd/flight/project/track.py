@@ -351,6 +351,10 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         path = path_by_image(section, rows, position, times, time_s, notes)
         doubts += unused_by_image(project, rows)
     else:
+        flight = project.section("flight")
+        if rows.clock == "seconds" and times.epoch != flight.date("epoch"):  # it is the frames' own
+            message = "is needed: the frames have dates, and the track is in seconds after it"
+            raise flight.error("epoch", message)
         path = path_by_time(section, rows, position, times, notes, file.name)
         doubts += doubts_of_rounded_times(section, times, path)
         doubts += doubts_of_holes(times.time_s, path.row_s, file.name)
