@@ -30,6 +30,7 @@ MOST_NOISE = 1.5  # root mean squares of the third differences; the noise cannot
 NOISE_STEPS = 120
 ALLOWED = 0.5  # of a logarithm of likelihood: one standard deviation
 NOISE_RANGE = 1e-4
+NUMBERS_AT_ONCE = 50_000  # likelihoods that are formed together: they fit a cache
 PASSES = 30  # of the frequencies of the ratios
 SAME = 1e-8  # of a variance, by which third differences differ of which another is as good as one
 FIXES_AT_ONCE = 30_000  # of a long track, about 2 kB each
@@ -95,16 +96,19 @@ def _of_one_axis(
     grid = upper * NOISE_RANGE ** np.linspace(1.0, 0.0, NOISE_STEPS)
     blocks = slice(NEIGHBOURS, None, 2 * NEIGHBOURS + 1) if len(z) > 2 * NEIGHBOURS else slice(1)
 
-    def likelihood(noise: float) -> Floats:
+    def likelihood(noise: Floats) -> Floats:
         squares, logs = near_squares[:, blocks], near_logs[:, blocks]
+        noise = noise[..., None, None]
         return np.asarray(-0.5 * (squares / noise**2 + logs + 2.0 * np.log(noise) * count[blocks]))
 
     # the largest noise that the differences allow: what it cannot be told from is curvature
-    each = np.array([_log_mean(likelihood(noise)).sum() for noise in grid])
+    parts = near_logs[:, blocks].size * NOISE_STEPS // NUMBERS_AT_ONCE + 1
+    tried = (_log_mean(likelihood(some)).sum(axis=1) for some in np.array_split(grid, parts))
+    each = np.concatenate(list(tried))
     noise = float(grid[np.flatnonzero(each >= each.max() - ALLOWED)[-1]])
     # ratios that the rest of the track has are likelier than others
     prior = np.full((len(RATIOS), 1), 1.0 / len(RATIOS))
-    found = likelihood(noise)
+    found = likelihood(np.array(noise))
     for _ in range(PASSES * (found.shape[1] > 1)):
         share = np.exp(found - found.max(axis=0)) * prior
         together = (share / share.sum(axis=0)).sum(axis=1, keepdims=True)
@@ -117,9 +121,9 @@ def _of_one_axis(
 
 
 def _log_mean(each: Floats) -> Floats:
-    """Average likelihoods over the ratios, as logarithms (blocks,)."""
-    most = each.max(axis=0)
-    return np.asarray(most + np.log(np.exp(each - most).mean(axis=0)))
+    """Average likelihoods (noises, ratios, blocks) over the ratios, as logarithms."""
+    most = each.max(axis=1)
+    return np.asarray(most + np.log(np.exp(each - most[:, None]).mean(axis=1)))
 
 
 def _third_differences(time_s: Floats, sigma: Floats) -> Floats:
@@ -173,9 +177,8 @@ def _innovations(z: Floats, by_noise: Floats, by_jerk: Floats) -> tuple[Floats, 
     squares, logs = np.empty((len(RATIOS), len(z))), np.empty((len(RATIOS), len(z)))
     for k, ratio in enumerate(RATIOS.tolist()):
         total = by_noise + ratio * by_jerk
-        try:
-            factor = cholesky_banded(total, lower=True)
-        except np.linalg.LinAlgError:  # differences of fixes of nearly one time are the same
+        factor, fails = lapack.dpbtrf(total, lower=1)
+        if fails:  # differences of fixes of nearly one time are the same
             total[0] *= 1.0 + SAME
             factor = cholesky_banded(total, lower=True)
         squares[k] = lapack.dtbtrs(factor, z[:, None], uplo="L")[0][:, 0] ** 2
