@@ -478,6 +478,20 @@ def test_a_lens_with_a_skew_is_written_as_a_table(tmp_path: Path) -> None:
     assert_alike(both)
 
 
+def test_the_lens_of_a_table_of_images_is_the_one_solved_for(tmp_path: Path) -> None:
+    """Images of one camera: the new project names the new lens, and the table no more."""
+    file = written(tmp_path, EXACT, {})
+    flight, table = flight_of(read_project(str(file))), file.with_name("lenses.csv")
+    file.with_name("old.json").write_text(opencv_text(flight.lens), encoding="utf-8")
+    rows = [f"{frame},old.json" for frame in flight.frame.tolist()]
+    table.write_text("\n".join(["frame,lens", *rows]), encoding="utf-8")
+    text = file.read_text(encoding="utf-8")
+    file.write_text(text.replace("[camera]", '[camera]\nof_images = "lenses.csv"'))
+    both = again(tmp_path, file, "focal", "k1")
+    assert both.again.flight.lens.focal_px[0] != flight.lens.focal_px[0]
+    assert_alike(both)
+
+
 def test_another_offset_of_the_clock_is_refused(copied: Path) -> None:
     file = copied / "flight.toml"
     text = file.read_text(encoding="utf-8")

@@ -142,7 +142,7 @@ def toml_value(value: Any) -> str:
 
 
 def _write_lens(new: NewProject, changes: Changes, lens: Lens) -> None:
-    for key in ("model", "camera", "pixel_grid", "lens_size_px"):
+    for key in ("model", "camera", "of_images", "pixel_grid", "lens_size_px"):
         changes["camera", key] = None
     changes["camera", "image_size_px"] = toml_value(list(lens.size_px))
     if lens.table is None and not lens.skew_px:
@@ -319,14 +319,13 @@ def _digests(project: Project, new: NewProject, changes: Changes) -> dict[str, s
     files: dict[str, bytes | Path] = {
         key: file.path for key, file in files_spoken_of(project).items()
     }
-    if ("camera", "lens") in changes and LENS in new.contents:
-        files["[camera] lens"] = new.contents[LENS]
-    elif not (changes.get(("camera", "lens")) or "").startswith('"'):
-        files.pop("[camera] lens", None)
-    if LANDMARKS in new.contents:
-        files["[landmarks] file"] = new.contents[LANDMARKS]
+    for written, named in ((LENS, "[camera] lens"), (LANDMARKS, "[landmarks] file")):
+        if written in new.contents:
+            files[named] = new.contents[written]
     sections: dict[str, dict[str, Any]] = {}
     for (section, key), value in changes.items():
+        if value is None or not value.startswith('"'):  # it names no file any more
+            files.pop(f"[{section}] {key}", None)
         if value is not None:
             sections.setdefault(section, {})[key] = tomllib.loads(f"x = {value}")["x"]
     return digests(files) | digests_of_keys(sections)
