@@ -340,6 +340,8 @@ def test_wrong_usage(tmp_path: Path) -> None:
     Image.new("L", (8, 6)).save("x.png")
     Path("only").mkdir()
     write_project(tmp_path / "only", TOML)
+    control = {"id": "a", "observations": [{"shot_id": "1.png", "projection": [0.1, 0.2]}]}
+    Path("gcp.json").write_text(json.dumps({"points": [control]}))
     Path("many").mkdir()
     for k in range(61):
         Path("many", f"{k}.png").touch()
@@ -348,6 +350,7 @@ def test_wrong_usage(tmp_path: Path) -> None:
         "flight.toml -o p.html", "flight.toml a.mp4 -o p.html", "only a.mp4 -o p.html",
         "many -o p.html", "none.mp4 -o p.html", "a.mp4 -o p.html --landmarks none.csv",
         "a.mp4 -o p.html --clicks picks.csv", "a.mp4 -o a.mp4/p.html",
+        "a.mp4 -o p.html --clicks gcp.json",
         "a.mp4 -o p.html --cards picks.csv", "flight.toml -o p.html --cards x --dpi 9",
         "a.mp4 -o p.html --cards picks.csv --dpi 9", "a.mp4 -o p.html --cards none.dat --dpi 9",
         "x.png -o p.html --cards short.dat --dpi 9", "x.png -o p.html --cards head.dat --dpi 9",

@@ -523,9 +523,14 @@ def read_clicks(file: InputFile) -> list[Click]:
     """Read picks that `vopd pick` goes on with.
 
     Raises:
-        VopdError: where the file does not say how pixels are counted
+        VopdError: where the file does not say how pixels are counted, or in parts of images
     """
     rows = read_by_content(PICK_FORMATS, file)
+    if rows.by_size:
+        raise file.error(
+            "it counts in parts of the images' longer side: name it in [picks] file of a project, "
+            "which says how large they are, and give that as FRAMES"
+        )
     if rows.grid is None:
         raise file.error(
             "it does not say from where pixels are counted; if u and v are 0 at the centre of the "
