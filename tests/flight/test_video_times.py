@@ -102,6 +102,10 @@ def test_an_adjusted_project_goes_on_with_the_video(tmp_path: Path) -> None:
     assert 'times = "video"' in text and 'video = "../a.mp4"' in text
     found = vopd.solve_flight(new / "flight.toml").time_s
     assert_close("presentation time", found, vopd.solve_flight(project).time_s)
+    (tmp_path / "a.mp4").unlink()
+    write_video(tmp_path / "a.mp4", [2 * ms for ms in EVEN_MS])  # and the frames have other times
+    with refused(VopdError):
+        vopd.solve_flight(new / "flight.toml")
 
 
 def test_saved_clicks_need_no_grid(tmp_path: Path) -> None:

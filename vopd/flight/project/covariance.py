@@ -20,12 +20,12 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.reading_sigma import SOURCES
-from vopd.files import reason
+from vopd.files import reason, size_and_ends
 from vopd.findings import count_text, did_you_mean, shown
 from vopd.flight.flight import CameraPath, Flight, HeldParameters
-from vopd.flight.formats.files import InputFile
+from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.image_lenses import lens_files
-from vopd.flight.project.keys import ROWS, Project, Section, mount_moves
+from vopd.flight.project.keys import ROWS, VIDEO, Project, Section, mount_moves
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
@@ -107,13 +107,17 @@ def digests(files: dict[str, bytes | Path]) -> dict[str, str]:
 
     Args:
         files: their contents, or where they are; of the images of a folder their names, sizes and
-            tags count
+            tags count, of a video its size and both ends
     """
     found = {}
     for key, one in files.items():
         content = one
         if isinstance(one, Path):
-            content = _folder(one) if one.is_dir() else one.read_bytes()
+            if one.is_dir():
+                content = _folder(one)
+            else:
+                large = InputFile(one.name, one).is_video
+                content = b"".join(size_and_ends(one)) if large else one.read_bytes()
             if key == "[camera] of_images":
                 content += b"".join(lens.read_bytes() for _, lens in lens_files(one))
         found[key] = sha256(content).hexdigest()  # type: ignore[arg-type]
@@ -160,11 +164,16 @@ def files_spoken_of(project: Project) -> dict[str, InputFile]:
     """List the files of a project that its covariance speaks of, by the keys that name them."""
     if project.awaits_tracks():
         project = project.without("picks", "tracked")
-    return {
+    found = {
         f"[{section}] {key}": project.open(section, key)
         for section, key in SPEAKS_OF
         if project.names_file(section, key)
     }
+    picks = project.section("picks")
+    if picks.values.get("times") == VIDEO:
+        for k, name in enumerate(picks.files("video"), 1):
+            found[f"[picks] video{f' {k}' * (k > 1)}"] = open_input(name, project.folder)
+    return found
 
 
 # Read and check it
