@@ -238,6 +238,9 @@ def test_frames_half_a_second_apart_say_nothing_of_their_turning() -> None:
     assert np.isnan(turning_rates(named, rotation)[0]).all()
     unknown = replace(flight, time_s=np.full(3, np.nan))
     assert np.isnan(turning_rates(unknown, rotation)[0]).all()
+    tenth = replace(flight, frame=10 * np.arange(3), time_s=np.arange(3) / 3.0, frame_rate_hz=30.0)
+    for name in ((), ("f00.png", "f10.png", "f20.png")):  # ten frames apart, by either name
+        assert np.isnan(turning_rates(replace(tenth, image_name=name), rotation)[0]).all()
     shifted = picks_at_frame_times(named, solve(named))
     assert shifted.path.turning_rad_s is not None
     assert np.isnan(shifted.path.turning_rad_s).all()

@@ -327,7 +327,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
     if camera_lens.table is None:
         doubts += doubts_of_lens(lens.lens)
-    shutter, rate_hz = shutter_of(project.section("camera")), _frame_rate_hz(project, times)
+    shutter, section = shutter_of(project.section("camera")), project.section("picks")
+    rate_hz = section.number("frame_rate_hz") if section.has("frame_rate_hz") else None
     if shutter is not None and rate_hz and shutter.readout_s * rate_hz > LONGEST_READOUT:
         frame = f"a frame of {1e3 / rate_hz:.4g} ms"
         doubts.append(
@@ -398,14 +399,6 @@ def _join_clicks(
 
     joined, findings = join_picks(replace(rows, frame=index), label, landmarks, project.name)
     return joined.unused | {*joined.landmark.tolist()}, findings
-
-
-def _frame_rate_hz(project: Project, times: FrameTimes) -> float | None:
-    """Look up the rate by which numbered frames have times."""
-    section = project.section("picks")
-    if not section.has("frame_rate_hz"):
-        return None
-    return section.number("frame_rate_hz")
 
 
 def _video(project: Project) -> tuple[Path, ...]:

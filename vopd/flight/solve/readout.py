@@ -154,8 +154,8 @@ def _even_on_both_sides(even: Bools) -> Ints:
 
 
 def _interval_s(flight: Flight, known: Ints, apart: Floats) -> float:
-    """Find the time between frames: from number to number, or the usual one of named images."""
-    if flight.image_name:
+    """Find the time between frames: by their numbers, of images that have none the usual one."""
+    if flight.image_name and flight.frame_rate_hz is None:
         return float(np.median(apart))
     numbers = np.diff(flight.frame[known])
     return float(np.median(apart[numbers > 0] / numbers[numbers > 0]))
