@@ -122,6 +122,34 @@ def test_an_exchange_is_named_and_the_status_is_3(mistake: str, words: str, tmp_
         assert done.status == 3 and "warning: " in done.stderr and words in done.stderr
 
 
+@pytest.mark.parametrize("stated", ["brown", "fisheye"])
+def test_four_coefficients_of_the_other_model_are_named(stated: str, tmp_path: Path) -> None:
+    """A k1 far from the stated one was named, which mends most of it and not all."""
+    true = "fisheye" if stated == "brown" else "brown"
+    plan = MistakeRow("", 0.02).plan._replace(fisheye=true == "fisheye", distortion=(-0.05, 0.01))
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    project = tmp_path / "flight.toml"
+    right = project.read_text()
+    assert said(vopd.solve_flight(project)) == []
+    project.write_text(right.replace(f'model = "{true}"', f'model = "{stated}"'))
+    _, text = said(vopd.solve_flight(project))
+    assert_approved(re.sub(r"\d+\.\d px", "N px", text), parts=[f'model = "{true}"'])
+
+
+def test_another_frame_rate_of_a_path_that_weaves_is_named(tmp_path: Path) -> None:
+    """By usual rates, and not by a fitted one, which on a circle was 29.52 +- .01."""
+    plan = MistakeRow("", 0.02).plan._replace(frames=30, fix_hz=10.0, weave_m=40.0, weave_s=20.0)
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    project, picks = tmp_path / "flight.toml", tmp_path / "picks.csv"
+    head, *rows = (line.partition(",") for line in picks.read_text().splitlines())
+    lines = ["".join(head), *(f"{6 * int(frame)},{rest}" for frame, _, rest in rows)]
+    picks.write_text("\n".join([*lines, ""]))  # 5 in a second are 30
+    stated = f"frame_rate_hz = {plan.frame_hz}"
+    project.write_text(project.read_text().replace(stated, "frame_rate_hz = 25.0"))
+    _, text = said(vopd.solve_flight(project))
+    assert_approved(re.sub(r"\d+\.\d px", "N px", text), parts=["25"])
+
+
 def test_rows_that_are_read_the_other_way_are_named_with_a_way(tmp_path: Path) -> None:
     """A readout of less than nothing, which no project takes, is one of the other way."""
     plan = ROLLING._replace(errors=ROLLING.errors._replace(readout_ms=0.0))

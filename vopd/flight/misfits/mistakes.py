@@ -26,6 +26,7 @@ from vopd.flight.project.read import flight_of
 from vopd.flight.project.track import height_datum
 from vopd.flight.solve.rotations import FlightBlocks, solve
 from vopd.geometry.earth import earth_centred_m, geodetic
+from vopd.geometry.lenses import MODELS, Lenses, LensKind
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 
 DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
@@ -43,6 +44,7 @@ FRAME_RATES_HZ = (10.0, 15.0, 23.976, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 59.94
 MOST_RATIO, SAME = 3.0, 1e-4  # of frame rates that are tried, and of those that are the same
 LEAST_LEVEL_M = 150.0  # of the landmarks' heights: a smaller error of the level is estimated
 NEAR_PAD_M = 100.0  # by which the pad may be above or below the landmarks
+OTHER_MODEL = {LensKind.BROWN: LensKind.FISHEYE, LensKind.FISHEYE: LensKind.BROWN}
 LENS_SIZES = 2.0, 0.5, 1.5, 2.0 / 3.0  # of a calibration, in the size of the images
 MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
 GPS_AHEAD_S = 18.0
@@ -363,6 +365,16 @@ def _picked_in_smaller_pictures(project: Project, flight: Flight, estimate: Esti
             yield scaled, (*np.rint(size_px / times).astype(int).tolist(), times)
 
 
+def _of_the_other_model(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
+    """Take four coefficients of a lens for those of the other model that has as many."""
+    kind = OTHER_MODEL.get(flight.lens.kind)
+    if kind is None or isinstance(flight.lens, Lenses) or flight.lens.k[4:].any():
+        return
+    k = np.zeros(max(MODELS[kind].counts))
+    k[:4] = flight.lens.k[:4]
+    yield replace(flight, lens=replace(flight.lens, kind=kind, k=k)), (kind.value,)
+
+
 def _exchanged_labels(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
     """Exchange the labels of each two of the worst landmarks in all frames."""
     squares = np.zeros(len(flight.landmarks.name) + 1)
@@ -494,16 +506,21 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
         "with picks in pictures of {0} x {1} px: were they clicked in these? Multiply u and v by "
         "{2:.4g}",
     ),
-)
-"""Units, clocks and sizes that a fitted number may stand for."""
-
-USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
-    *UNIT_MISTAKES,
+    Mistake(
+        "a lens of the other model",
+        _of_the_other_model,
+        'with a lens of model = "{}" and the same coefficients: was it calibrated as one?',
+    ),
     Mistake(
         RATE,
         _at_another_rate,
         RATE_ADVICE,
     ),
+)
+"""Units, clocks and sizes that a fitted number may stand for."""
+
+USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
+    *UNIT_MISTAKES,
     *LABEL_MISTAKES,
     Mistake(
         "a wrong landmark",
