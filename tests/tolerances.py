@@ -281,6 +281,9 @@ TOLERANCES = {
     "four decimals": Tolerance("1", 6e-5, "half of the last of four published decimals"),
     "unit rotation": Tolerance("1", 1e-12, "elements of a rotation by angles and back"),
     "convergence of a sphere": Tolerance("deg", 1e-3, "a sphere's for the ellipsoid's, e2 / 4"),
+    "convergence of a datum": Tolerance("deg", 4e-3, "a datum is turned by some seconds of arc"),
+    "map on a grid": Tolerance("m", 1.0, "a scale of 1 in 2,500, and the curve of a kilometre"),
+    "scale of a grid": Tolerance("m", 0.6, "of 50: a polar grid is true 4 degrees away, 1 %"),
     "angle of an example": Tolerance(
         "deg", 0.15, "picks of .3 to .5 px; yaw and roll near straight down, four deviations"
     ),

@@ -127,14 +127,15 @@ class Position(Rows):
 class MapGrid(Rows):
     """Where the camera is in each of F frames on the grid of a projected coordinate system.
 
-    `convergence_deg` is true azimuth less grid azimuth. Easting and northing are in the
-    unit of the system.
+    `convergence_deg` is true azimuth less grid azimuth. Easting and northing are x and y in the
+    unit of the system, toward west or south where its axes count so, as `counted` says.
     """
 
     crs: str
     easting: Floats
     northing: Floats
     convergence_deg: Floats
+    counted: str = "easting and northing"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -103,7 +103,7 @@ class JobScene:
     """Clicks that were followed through a video: frames, landmarks, pixels (C, 2), and which of
     them do not fit and are not used; None: each pick stands for itself."""
     plane: Callable[[Floats], tuple[Floats, Floats]] | None = None
-    """Easting and northing in `crs`, and the convergence of its grid, degrees, of positions."""
+    """Metres east and north in `crs`, and the convergence of its grid, degrees, of positions."""
     adjusted: Callable[[], Adjusted] | None = None
     """Parameters that were solved for, and names of M landmarks with the root mean square of a
     residual's coordinates before and after, of each and of all, pixels, (M + 1, 2)."""

@@ -440,6 +440,8 @@ def test_columns_of_angles_against_the_grid() -> None:
         "longitude_deg": [7.44, 7.441, 7.442],
     }.items():  # fmt: skip
         assert_close("ratio", [float(row[name]) for row in rows], expected)
+    counted = replace(GRID, crs="EPSG:2048", counted="westing and southing")
+    assert "# x, y: westing and southing, EPSG:2048;" in text_of_ranges("opk", grid=counted)
 
 
 def test_columns_of_angles_without_a_grid() -> None:

@@ -308,6 +308,18 @@ def test_what_the_estimate_is_of(estimate: Estimate) -> None:
     assert estimate.focal_length == 1495.0  # of 1500 and 1490
 
 
+def test_the_plane_of_figures_is_in_metres_on_a_grid_in_feet(estimate: Estimate) -> None:
+    """A landmark 600 m north of another is not 2000 m north of it; UTM shrinks 4 in 10,000."""
+    grid = MapGrid("+proj=utm +zone=33 +datum=WGS84 +units=us-ft", *np.zeros((3, 3)))
+    scene = flight_estimate(solve(replace(three_frames(), grid=grid))).scene
+    assert scene is not None
+    plane, places = scene().plane, scene().landmark_m
+    assert plane is not None
+    on_grid_m = np.linalg.norm(np.diff(plane(places)[0], axis=0), axis=1)
+    flat_m = (places - places[0]) @ local_axes(places[:1])[0].T
+    assert_close("map on a grid", on_grid_m, np.linalg.norm(np.diff(flat_m[:, :2], axis=0), axis=1))
+
+
 def test_a_frame_that_has_not_converged_is_not_said_to_have(solved: SolvedFlight) -> None:
     attitudes = solved.attitudes
     left = attitudes._replace(converged=np.array([False, True, False]))

@@ -327,10 +327,11 @@ def render_omega_phi_kappa(
         VopdError: where the jobs have different grids
     """
     found = poses_of(histories, report)
-    systems = {_system(one) for one in found}
+    grids = [one.history.estimate.grid for one in found]
+    systems = {("", "") if one is None else (one.crs, one.counted) for one in grids}
     if len(systems) > 1:
         raise VopdError("the sources have different coordinate systems: write a file for each")
-    crs = systems.pop()
+    crs, counted = systems.pop()
     altitude = histories[0].about.words.altitude
     page = io.StringIO()
     page.write(
@@ -339,7 +340,7 @@ def render_omega_phi_kappa(
             altitude=altitude + " of WGS 84" * (altitude == Words.altitude),
             source=source_text(histories),
             axes=f"grid east, grid north, up of {crs}" if crs else "true east, north, up",
-            where=f"easting and northing, {crs}" if crs else "longitude and latitude, degrees",
+            where=f"{counted}, {crs}" if crs else "longitude and latitude, degrees",
         )
     )
     rows = csv.writer(page, lineterminator="\n")
@@ -347,11 +348,6 @@ def render_omega_phi_kappa(
     for poses in found:
         rows.writerows(_rows(poses))
     return page.getvalue().encode()
-
-
-def _system(poses: CameraPoses) -> str:
-    grid = poses.history.estimate.grid
-    return grid.crs if grid is not None else ""
 
 
 def _rows(poses: CameraPoses) -> list[list[str]]:

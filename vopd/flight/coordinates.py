@@ -20,7 +20,7 @@ from vopd.arrays import Floats
 from vopd.estimate import MapGrid
 from vopd.files import optional_package
 from vopd.findings import NeededError, VopdError
-from vopd.geometry.earth import earth_centred_m, geodetic
+from vopd.geometry.earth import Geodetic, axes_at, earth_centred_m, geodetic
 from vopd.inputs import MOST_NUMBER
 
 M_PER_FT = 0.3048
@@ -288,25 +288,72 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     """
     if name in WGS84_NAMES or not _crs(name, "crs").is_projected:
         return None
-    pyproj = optional_package("pyproj", "geo", f"the CRS {name}")
-    known = np.isfinite(position_m[:, 0])
+    plane, known = _plane(name), np.isfinite(position_m[:, 0])
     where = geodetic(position_m[known])
-    plane, from_grid = _projection(pyproj, name)
     here = where.longitude_deg.tolist(), where.latitude_deg.tolist(), where.height_m.tolist()
-    columns = np.full((3, len(position_m)), np.nan)
     # a projection alone takes WGS 84 for the CRS's own datum, hundreds of metres from it
-    columns[:2, known] = from_grid.transform(*here, direction="INVERSE")[:2]
-    columns[:2, ~np.isfinite(columns[0])] = np.nan  # outside the area of the transformation
-    factors = plane.get_factors(where.longitude_deg, where.latitude_deg)
-    columns[2, known] = factors.meridian_convergence
-    return MapGrid(name, *columns)
+    x_y = np.array(plane.to_wgs84.transform(*here, direction="INVERSE")[:2]).T
+    x_y[~np.isfinite(x_y[:, 0])] = np.nan  # outside the area of the transformation
+    easting, northing, convergence_deg = columns = np.full((3, len(position_m)), np.nan)
+    columns[:, known] = *x_y.T, _convergence_deg(plane, x_y, where)
+    return MapGrid(name, easting, northing, convergence_deg, plane.counted)
+
+
+def east_north_m(name: str, position_m: Floats) -> tuple[Floats, Floats]:
+    """Project positions on a grid: metres toward its east and north (F, 2), and its convergence.
+
+    Args:
+        name: of a projected CRS, whatever its unit, and the way in which its axes count
+        position_m: Earth-centred, (F, 3); NaN where not known
+    """
+    grid = map_grid(name, position_m)
+    assert grid is not None
+    return np.stack([grid.easting, grid.northing], axis=1) @ _plane(name).level_m, (
+        grid.convergence_deg
+    )
+
+
+@np.errstate(all="ignore")
+def _convergence_deg(plane: _Plane, x_y: Floats, where: Geodetic) -> Floats:
+    """Find the azimuth of a grid's north from true north at places of it, degrees (F,).
+
+    By places on either side: what a projection's formulas say holds on the grid's own datum, which
+    may be turned against WGS 84, and from its own meridian, which may be that of Paris.
+    """
+    aside = np.array([0.0, ASIDE_M]) @ np.linalg.inv(plane.level_m)
+    ends = [plane.to_wgs84.transform(*(x_y + side).T.tolist()) for side in (aside, -aside)]
+    ahead, behind = (earth_centred_m(end[1], end[0], 0.0) for end in ends)
+    east, north, _ = np.einsum("fij,fj->if", axes_at(where), ahead - behind)
+    return np.asarray(np.degrees(np.arctan2(east, north)))
+
+
+ASIDE_M = 100.0  # of a place, over which the north of a grid is found
+TOWARD = {"east": (1.0, 0.0), "west": (-1.0, 0.0), "north": (0.0, 1.0), "south": (0.0, -1.0)}
+"""Metres east and north by one metre along an axis of a grid, by its direction."""
+
+
+class _Plane(NamedTuple):
+    """How x and y of a projected CRS count."""
+
+    to_wgs84: Any  # the transformation, x before y
+    level_m: Floats  # (2, 2) metres east and north, as columns, by x and y
+    counted: str  # what x and y are called, with their unit unless it is the metre
 
 
 @cache
-def _projection(pyproj: Any, name: str) -> tuple[Any, Any]:
-    """Make the projection of a CRS, and its transformation to WGS 84, which take milliseconds."""
-    crs = _crs(name, "crs")
-    return pyproj.Proj(crs), _transformer(pyproj, crs.to_2d(), "EPSG:4326")
+def _plane(name: str) -> _Plane:
+    """Look up how x and y of a projected CRS count: its transformation takes milliseconds."""
+    pyproj = optional_package("pyproj", "geo", f"the CRS {name}")
+    crs, (unit, *_) = _crs(name, "crs").to_2d(), units_of_grid(name, "crs")
+    sides = [one.direction for one in crs.axis_info]
+    if sides == ["north", "east"] or not {*sides} & {"east", "west"}:  # or about a pole
+        sides = ["east", "north"]
+    counted = " and ".join(f"{one}ing" for one in sides)
+    return _Plane(
+        _transformer(pyproj, crs, "EPSG:4326"),
+        unit.metres * np.array([TOWARD[one] for one in sides]),
+        counted if unit.is_metre else f"{counted} in {unit.name}",
+    )
 
 
 def _transform(

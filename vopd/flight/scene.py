@@ -158,12 +158,10 @@ class FlightScene:
         return row_shifts_px(flight, solved.attitudes.rotation, solved.lines.distance_m)
 
     def _on_grid(self, position_m: Floats) -> tuple[Floats, Floats]:
-        from vopd.flight.coordinates import map_grid
+        from vopd.flight.coordinates import east_north_m
 
         assert self._flight.grid is not None
-        found = map_grid(self._flight.grid.crs, position_m)
-        assert found is not None
-        return np.stack([found.easting, found.northing], axis=1), found.convergence_deg
+        return east_north_m(self._flight.grid.crs, position_m)
 
     def photograph(self, number: int, name: str) -> Image:
         """Read the photograph of a frame, upright.
