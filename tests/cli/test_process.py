@@ -109,6 +109,7 @@ CLOSED = [  # a script, its status and what it says
         "",
     ),
     ("vopd run $deck --fix all 2> >(true) | grep -c 'END OF'; exit ${PIPESTATUS[0]}", 0, ""),
+    ('cd "$(mktemp -d)"; rmdir "$PWD"; vopd run film.dat', 1, "the current folder: ..."),
 ]
 
 

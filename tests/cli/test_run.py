@@ -471,6 +471,7 @@ def test_the_status_of_a_run(
         (click.UsageError("no such option"), 2),
         (click.ClickException("wrong"), 1),
         (click.Abort(), 130),
+        (FileNotFoundError(2, "No such file or directory"), 1),
     ],
 )
 def test_what_each_exception_becomes(

@@ -179,10 +179,12 @@ def at_the_boundary(command: Callable[[], object]) -> int:
         discard_output()
     except OSError as error:  # a full disk, noticed while writing or while flushing
         discard_output()
-        where = error.filename or "standard output"
+        where, why = error.filename or "standard output", error.strerror
         if error.errno in (errno.EMFILE, errno.ENFILE):
             where = "the system's limit (ulimit -n)"
-        click.echo(f"{where}: {error.strerror}", err=True)
+        elif error.errno == errno.ENOENT and not error.filename:  # os.getcwd says no name
+            where, why = "the current folder", "it has been removed: go to another, and repeat"
+        click.echo(f"{where}: {why}", err=True)
         return 1
     except MemoryError:
         click.echo("there is not enough memory for this input", err=True)
