@@ -286,7 +286,7 @@ def _tests_of(made: Adjustment, form: str) -> Any:
     free = [one.name for one in made.parameters if one.held and one.after != one.before]
     if free:
         options = replace(flight.options, free=(), kept=())
-        stated = solve_flight_read(replace(flight, options=options))
+        stated = solve_flight_read(replace(flight, options=options), doubted=False)
         prediction = predicted(tested_flight(stated), tested)
     if form == "json":
         return tested_table.as_dict(tested, prediction)

@@ -362,7 +362,7 @@ NAME = "flight.toml"  # the project in a folder
 @np.errstate(all="ignore")
 def solve_flight_read(
     flight: Flight, tell: Callable[[], object] = lambda: None,
-    project: Callable[[], Project] | None = None,
+    project: Callable[[], Project] | None = None, doubted: bool = True,
 ) -> FlightResult:  # fmt: skip
     """Find the attitude of every frame of a flight whose project has been read.
 
@@ -371,6 +371,7 @@ def solve_flight_read(
         tell: is called before each solve of all frames
         project: gives the project, for mistakes that take another reading of its files, if the
             flight misfits; None: these are not tried
+        doubted: whether it is said what is doubtful, which takes as long as the solve, or longer
 
     Raises:
         VopdError: where no frame has two landmarks
@@ -389,7 +390,7 @@ def solve_flight_read(
     swapped = swaps.marked(len(gross))
     lost[flight.picks.frame[swapped]] = False
     if lost.any() and 2 * lost.sum() < len(lost):  # of most it is a mistake of the flight
-        rest = solve_flight_read(without_places(stated, lost), tell, project)
+        rest = solve_flight_read(without_places(stated, lost), tell, project, doubted)
         return replace(rest, misfits=True)
     out = gross | swapped
     robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
@@ -414,14 +415,16 @@ def solve_flight_read(
     more = least_held(without.joint)
     if more is not None:
         stated = replace(stated, options=read.options)
-        return solve_flight_read(without_parameter(stated, more), tell, project)
+        return solve_flight_read(without_parameter(stated, more), tell, project, doubted)
     if MOUNT in read.options.free and read.vehicle is not None:
         from vopd.flight.mounting import mounted  # of few flights
 
         estimates = mounted(estimates)
     named = (found.pick | swapped) & estimates.solved.used
     estimates.mark_outliers(named, swaps.chances(len(swapped)))
-    findings, misfits = _findings_of(flight, estimates, without, search, apart, project)
+    findings, misfits = list[Finding](), False
+    if doubted:
+        findings, misfits = _findings_of(flight, estimates, without, search, apart, project)
     if read.options.free:
         from vopd.flight.parameters import before_and_after  # of few flights
 
