@@ -262,7 +262,7 @@ OPENCV = {
     f"<data>{' '.join(map(str, PINHOLE))}</data></camera_matrix>\n"
     '<distortion_coefficients type_id="opencv-matrix"><rows>1</rows><cols>4</cols><dt>d</dt>\n'
     "<data>0. 0. 0. 0.</data></distortion_coefficients></opencv_storage>\n",
-    "json": json.dumps(
+    "json": spread(
         {
             "notes": [*EVERY] * 4, "image_width": 90, "image_height": 70,
             "camera_matrix": {"rows": 3, "cols": 3, "dt": "d", "data": PINHOLE},
