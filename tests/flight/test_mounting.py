@@ -63,6 +63,19 @@ def test_the_mount_is_within_its_standard_deviations(tmp_path: Path, keys: str) 
     assert (np.abs(off) < 4.0 * sigma).all()
 
 
+@pytest.mark.parametrize("first", [1, 3])
+def test_a_gap_of_three_steps_is_interpolated_however_it_is_rounded(
+    tmp_path: Path, first: int
+) -> None:
+    """Of the rows at k / 5 s two are missing: 3 steps are .8 - .2 s or 1.2 - .6."""
+    write(tmp_path, [1.0, -2.0, 3.0], "row,t_s", np.random.default_rng(1))
+    lines = (tmp_path / "ins.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    text = "".join(lines[: first + 1] + lines[first + 3 :])
+    (tmp_path / "ins.csv").write_text(text, encoding="utf-8")
+    found = adjust(tmp_path / "flight.toml", ["mount"]).parameters
+    assert_close("mount", [one.sigma_after for one in found], SENSOR_DEG / np.sqrt(20.0))
+
+
 def test_the_vehicle_has_the_error_of_the_mount_that_was_solved_for(tmp_path: Path) -> None:
     """About each axis .3 degree of twenty readings, beside hundredths of the camera's own."""
     made = solved(tmp_path, 1)

@@ -313,6 +313,29 @@ def test_a_readout_longer_than_a_frame_or_in_seconds_is_doubted(
     assert_approved(found)
 
 
+def test_every_third_frame_says_how_the_camera_turns() -> None:
+    """Whatever the times are rounded by: 3 / 60 s are more from frame 9 to frame 12 than before."""
+    flight, _ = seen_by_rows(RATE, np.zeros(3), Shutter(0.016, "down", False), 5)
+    rotation = solve(flight).attitudes.rotation
+    for start_s in (2.0, 7.1, 1e3):
+        number = 3 * np.arange(5)
+        third = replace(flight, frame=number, time_s=start_s + number / 60.0)
+        for rate_hz in (60.0, None):
+            assert np.isfinite(
+                turning_rates(replace(third, frame_rate_hz=rate_hz), rotation)[0]
+            ).all()
+
+
+def test_a_readout_longer_than_a_frame_of_a_table_of_times_is_doubted(tmp_path: Path) -> None:
+    keys = 'readout_ms = 111\nreadout = "down"\nframe_time = "middle"\n[picks]\nfile'
+    rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0\n"
+    toml = TOML.replace("[picks]\nfile", keys, 1).replace(rate, 'times = "times.csv"\n')
+    rows = "".join(f"{k},{2 + k / 10}\n" for k in range(5))
+    (tmp_path / "times.csv").write_text(f"frame,t_s\n{rows}")
+    found = solve_flight(write_project(tmp_path, toml)).findings
+    assert_approved([one.message for one in found if one.message.startswith("[camera] readout")])
+
+
 def test_a_frame_by_itself_has_no_turning_rate(tmp_path: Path) -> None:
     keys = 'readout_ms = 16\nreadout = "down"\nframe_time = "middle"\n[picks]\nfile'
     path = write_project(tmp_path, TOML.replace("[picks]\nfile", keys, 1))

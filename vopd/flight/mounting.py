@@ -20,7 +20,7 @@ from vopd.video import find_images
 
 PASSES = 5  # of a mean of rotations: each squares what is left
 MOST_APART = 3.0  # times what is expected: more are told
-LARGEST_GAP = 3.0  # usual steps of an attitude's rows: a longer one is not interpolated over
+LARGEST_GAP = 3.1  # usual steps of an attitude's rows: over three, as rounded, is interpolated
 
 
 def mounted(estimates: FlightEstimates) -> FlightEstimates:

@@ -61,6 +61,7 @@ from vopd.flight.project.times import FrameTimes, frames_of, number_frames
 from vopd.flight.project.track import covering_text, height_datum, read_path
 from vopd.flight.project.unused import unused_keys
 from vopd.flight.solve.free import check_free
+from vopd.flight.solve.readout import frame_interval_s
 from vopd.geometry.earth import geodetic
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 from vopd.inputs import LONGEST_NAME, MOST_NUMBER, beyond_sigmas
@@ -329,12 +330,13 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         doubts += doubts_of_lens(lens.lens)
     shutter, section = shutter_of(project.section("camera")), project.section("picks")
     rate_hz = section.number("frame_rate_hz") if section.has("frame_rate_hz") else None
-    if shutter is not None and rate_hz and shutter.readout_s * rate_hz > LONGEST_READOUT:
-        frame = f"a frame of {1e3 / rate_hz:.4g} ms"
+    interval_s = frame_interval_s(number, times.time_s, times.image, rate_hz)
+    if shutter is not None and shutter.readout_s > LONGEST_READOUT * interval_s:
+        frame = f"a frame of {1e3 * interval_s:.4g} ms"
         doubts.append(
             f"[camera] readout_ms: {1e3 * shutter.readout_s:g} is longer than {frame}: write the "
             "milliseconds from the first row to the last, 10 to 30 of most cameras, or the frames' "
-            "own [picks] frame_rate_hz"
+            f"own [picks] {'frame_rate_hz' if rate_hz else 'times'}"
         )
     if shutter is not None and shutter.readout_s < SHORTEST_READOUT_S:
         doubts.append(

@@ -17,8 +17,8 @@ from vopd.geometry.rotations import rotation_matrices
 if TYPE_CHECKING:
     from vopd.flight.solve.rotations import SolvedFlight
 
-NEAR_FRAMES = 3.0  # frame intervals: a frame farther away does not say how the camera turns
-NEAR_S = 0.5  # nor does one farther away than this, whatever the interval of the frames
+# three frame intervals and half a second, and what times are rounded by: a frame farther away than
+NEAR_FRAMES, NEAR_S = 3.1, 0.51  # either does not say how the camera turns
 BESIDE = 8  # frames on each side that say how a tracked flight turns; fewer do not follow shake
 LONG_READOUT = 0.7  # of the time between frames: from there on shake is not seen well enough
 LEAST_READOUT = 0.01  # of the same, over which rates are taken
@@ -75,7 +75,10 @@ def _rates_and_sums(flight: Flight, rotation: Floats) -> tuple[Floats, Floats | 
         return rates, changes, None
     time_s = flight.time_s[known]
     apart = np.diff(time_s)
-    near = (apart > 0.0) & (apart <= min(NEAR_FRAMES * _interval_s(flight, known, apart), NEAR_S))
+    named, rate_hz = flight.image_name, flight.frame_rate_hz
+    interval_s = frame_interval_s(flight.frame, flight.time_s, named, rate_hz)
+    interval_s = interval_s if np.isfinite(interval_s) else float(np.median(apart))
+    near = (apart > 0.0) & (apart <= min(NEAR_FRAMES * interval_s, NEAR_S))
     at = np.arange(len(known))
     before = np.where(np.append(False, near), at - 1, at)
     after = np.where(np.append(near, False), at + 1, at)
@@ -153,12 +156,23 @@ def _even_on_both_sides(even: Bools) -> Ints:
     return np.minimum(np.minimum(before, after), BESIDE)
 
 
-def _interval_s(flight: Flight, known: Ints, apart: Floats) -> float:
-    """Find the time between frames: by their numbers, of images that have none the usual one."""
-    if flight.image_name and flight.frame_rate_hz is None:
-        return float(np.median(apart))
-    numbers = np.diff(flight.frame[known])
-    return float(np.median(apart[numbers > 0] / numbers[numbers > 0]))
+def frame_interval_s(
+    frame: Ints, time_s: Floats, image: tuple[str, ...], rate_hz: float | None
+) -> float:
+    """Find the time between frames by their numbers; NaN of images that have none, or no times.
+
+    Args:
+        frame: numbers, (F,)
+        time_s: of the frames, (F,)
+        image: their names, (F,) or none
+        rate_hz: by which they have times; None: these are given
+    """
+    if rate_hz is not None:
+        return 1.0 / rate_hz
+    known = np.isfinite(time_s)
+    if image or known.sum() < 2:
+        return np.nan
+    return float(np.median(np.diff(time_s[known]) / np.diff(frame[known])))
 
 
 def _rotation_vectors(matrices: Floats) -> Floats:
