@@ -208,18 +208,21 @@ def test_sources_by_file_pattern_and_manifest(tmp_path: Path, monkeypatch: Any) 
     for name in ("a/one.txt", "a/b/two.txt", "three"):
         shutil.copy(CASE_1, tmp_path / name)
     (tmp_path / "list.txt").write_text("# decks\n\na/b/two.txt\nthree\n")
+    hill = ROOT / "examples" / "hill"
     monkeypatch.chdir(tmp_path)
 
     def names(*arguments: str) -> list[str]:
         shutil.rmtree("out", ignore_errors=True)
-        ran = vopd("batch", *arguments, "-d", "out")
-        assert ran.status == 0, ran.stderr
+        ran = vopd("batch", *arguments, "-d", "out", "--fix", "all")
+        unused = "--fix: not used: it is for decks\n" * (arguments == (str(hill),))
+        assert (ran.status, ran.stderr) == (0, unused)
         return list(rows(Path("out")))
 
     assert names("a/b/two.txt", "three") == ["three", "two"]
     assert names("a/**/*.txt") == ["b/two", "one"]
     assert names("--manifest", "list.txt") == ["a/b/two", "three"]
     assert names("three", "three", "./three") == ["three"]
+    assert names(str(hill)) == ["flight"]
 
 
 def test_a_missing_source_fails_alone(tmp_path: Path) -> None:

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING
 import click
 
 from vopd.cli.console import Progress
-from vopd.cli.options import FILE_NAME, FOLDER_NAME, SharedOptions, WholeRange, history_options
+from vopd.cli.options import (
+    FILE_NAME,
+    FOLDER_NAME,
+    SharedOptions,
+    WholeRange,
+    history_options,
+    tell_unused,
+)
 from vopd.export import FORMATS
 from vopd.findings import count_text
 
@@ -165,6 +172,7 @@ def command(
         report="all" if report_all else "flagged" if report else "",
     )
     plan = find_sources(sources, manifest, folder, settings.suffixes)
+    tell_unused([one.path for one in plan], options.quiet)
     mine = plan[number - 1 :: count]
     if not mine:
         if not options.quiet:

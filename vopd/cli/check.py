@@ -84,7 +84,7 @@ def command(
     """
     if quiet and output != "-":
         raise click.UsageError("-q writes nothing: leave out -q or -o.")
-    tell_unused(sources, ("--spread", "--limits-1974"), quiet)
+    tell_unused(sources, quiet)
     refuse_to_overwrite(sources, output)
     reports = {deck: _check(deck, spread, limits_1974) for deck in sources}
     if not quiet:

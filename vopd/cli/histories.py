@@ -11,7 +11,7 @@ from vopd.attitude.findings import findings_of
 from vopd.attitude.history import History
 from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
-from vopd.cli.options import SharedOptions
+from vopd.cli.options import SharedOptions, tell_unused
 from vopd.findings import VopdError, count_text, findings_in
 from vopd.job import goes_on
 from vopd.pipeline import in_groups, is_flight, solve_sources
@@ -91,6 +91,7 @@ def collect_jobs(
     Raises:
         VopdError: where no frame of any deck has an attitude
     """
+    tell_unused(decks, options.quiet)
     if options.solve.fixes and not options.quiet and not all(map(is_flight, decks)):
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
     found = Collected([], [], False, False, 0)

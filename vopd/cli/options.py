@@ -272,8 +272,6 @@ def solve_options(function: AnyCommand, hidden: bool = False) -> AnyCommand:
         chosen = _chosen_fixes(fix, ellipsoid)
         if compare_initial and initial == "deck":
             raise click.UsageError("--compare-initial is only for --initial closed-form.")
-        own = (*_SOLVE_OPTIONS, "--fiducial-sigma")
-        tell_unused(others.get("sources", ("deck",)), own, others.get("quiet", False))
         return function(**others, solve=SolveOptions(chosen, initial, compare_initial, limits_1974))
 
     return _with(_of_decks(_SOLVE_OPTIONS, hidden), with_solve)
@@ -347,12 +345,15 @@ def history_options(function: AnyCommand) -> AnyCommand:
     return _with(options, solve_options(with_options, hidden=True))
 
 
-def tell_unused(sources: Iterable[str], names: Iterable[str], quiet: bool) -> None:
+OF_DECKS = (*_SOLVE_OPTIONS, "--fiducial-sigma", "--spread")
+"""The options that only decks have a use for, in commands that take flights, too."""
+
+
+def tell_unused(sources: Iterable[str], quiet: bool) -> None:
     """Say which options of decks are given where all sources are flights, and so have no use.
 
     Args:
-        sources: what the command is given
-        names: of the options
+        sources: the decks and flights that the command is given or has found
         quiet: whether nothing is said
     """
     from vopd.pipeline import is_flight
@@ -362,7 +363,7 @@ def tell_unused(sources: Iterable[str], names: Iterable[str], quiet: bool) -> No
     ctx = click.get_current_context()
     for option in ctx.command.params:
         source = ctx.get_parameter_source(option.name or "")
-        if option.opts[0] in names and source is click.core.ParameterSource.COMMANDLINE:
+        if option.opts[0] in OF_DECKS and source is click.core.ParameterSource.COMMANDLINE:
             click.echo(f"{option.opts[0]}: not used: it is for decks", err=True)
 
 
