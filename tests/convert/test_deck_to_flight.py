@@ -102,7 +102,6 @@ def test_a_flight_in_memory_is_that_of_the_project(tmp_path: Path, case: str) ->
     assert flight.frame.tolist() == read.frame.tolist()
     assert flight.picks.landmark.tolist() == read.picks.landmark.tolist()
     assert set(flight.options.exact) == set(read.options.exact)
-    assert flight.options.not_stated == read.options.not_stated
     assert_close("flight position", flight.landmarks.position_m, read.landmarks.position_m)
     assert_close("flight position", flight.path.position_m, read.path.position_m)
     assert_close("four decimals", flight.picks.pixel, read.picks.pixel)

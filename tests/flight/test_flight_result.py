@@ -141,7 +141,7 @@ NONE = np.zeros(0)
 
 def test_what_is_usual() -> None:
     """Documented in docs/flight-project.md: least squares, blunders kept, k = .13 that decays."""
-    assert FlightOptions() == FlightOptions("least-squares", False, True, {}, (), ())
+    assert FlightOptions() == FlightOptions("least-squares", False, True, {}, ())
     assert Refraction() == Refraction(0.13, True)
     picks = Picks(NONE, NONE, NONE, NONE)
     assert np.isnan(picks.repeatability_px)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,8 @@ from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.project.keys import Section
 from vopd.flight.project.read import read_flight
 from vopd.flight.project.stated import Notes, RowSigmas, row_sigmas
+from vopd.flight.solve.rotations import solve
+from vopd.flight.words import flight_words
 
 NAN = float("nan")
 OWN = np.array([[0.1, 0.2, 0.3], [NAN, NAN, NAN], [0.0, 0.0, 0.0]])
@@ -198,17 +201,51 @@ def test_frames_have_their_parts_in_the_fixes_about_them(tmp_path: Path) -> None
 def test_what_is_exact_and_what_is_not_stated(tmp_path: Path) -> None:
     options = flight(tmp_path, more='[uncertainty]\nfocal_rel = "exact"\nk1 = 0.01\n').options
     assert options.exact == ("position", "landmark", "focal", "time")
-    assert {"principal_point", "wind", "mount", "bias"} <= {*options.not_stated}
     assert options.parameter_sigma == {"focal": 0.0, "k1": 0.01, "clock": 0.0, "refraction": 0.065}
     with refused(VopdError):  # without a rolling shutter
         flight(tmp_path, more="[uncertainty]\nreadout_ms = 2\n")
     more = "[uncertainty]\np1p2 = 0.1\nclock_rate_ppm = 20\n[atmosphere]\n"
     options = flight(tmp_path, more=f'{more}refraction = "off"\n').options
-    assert "refraction" in options.not_stated and "refraction" not in options.exact
+    assert "refraction" not in options.exact
     options = flight(tmp_path, more=f'{more}refraction = "off"\nsigma_k = 0.5\n').options
     expected = {"p1": 0.1, "p2": 0.1, "clock_rate": 2e-5, "refraction": 0.5}
     expected["clock"] = 0.0
     assert {name: round(one, 12) for name, one in options.parameter_sigma.items()} == expected
+
+
+@pytest.mark.parametrize(
+    ("more", "gone", "left"),
+    [
+        ('[uncertainty]\nk1 = "exact"\n', "", "distortion"),
+        ('[uncertainty]\nk1 = "exact"\nk2 = 0\np1p2 = "exact"\n', "distortion", "mount"),
+        ('[uncertainty]\nk1 = "exact"\nk2 = 0\np1p2 = 1e-5\n', "", "mount"),
+        ('[vehicle]\nmount_sigma_deg = "exact"\n', "mount", "wind"),
+        ("[vehicle]\nmount_sigma_deg = 0.1\n", "", "wind"),
+    ],
+)
+def test_errors_that_are_exact_are_not_left_out(
+    more: str, gone: str, left: str, tmp_path: Path
+) -> None:
+    """A lens is so if all coefficients are that a key states."""
+    named = left_out(flight(tmp_path, more=more))
+    assert left in named and (gone not in named or not gone)
+
+
+@pytest.mark.parametrize(("model", "of"), [
+    ("fisheye\", fx_px = 1500, k = [0.01]", "k1, k2"),
+    ("radial-table\", fx_px = 1500, table_px = [[9, 0], [2000, 9]]", ""),
+])  # fmt: skip
+def test_the_keys_of_coefficients_are_those_that_the_lens_has(
+    model: str, of: str, tmp_path: Path
+) -> None:
+    lens = next(line for line in TOML.splitlines() if line.startswith("lens = "))
+    named = left_out(flight(tmp_path, (lens, f'lens = {{ model = "{model} }}')))
+    assert named.get("distortion", "") == (f"[uncertainty] {of}" if of else "")
+
+
+def left_out(one: Flight) -> Mapping[str, str]:
+    """The errors that could be stated, and where."""
+    return flight_words(solve(one)).sigma_keys
 
 
 def test_exact_velocities_are_exact_where_the_track_ends_before_the_frames(tmp_path: Path) -> None:

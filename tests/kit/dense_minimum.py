@@ -94,7 +94,7 @@ def drawn(
         flight,
         picks=replace(flight.picks, stated=True),
         path=replace(flight.path, bias_sigma_m=np.zeros(3)),
-        options=FlightOptions(free=free, parameter_sigma=stated, not_stated=("bias",)),
+        options=FlightOptions(free=free, parameter_sigma=stated),
     )
 
 

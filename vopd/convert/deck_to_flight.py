@@ -290,9 +290,6 @@ def _wind(job: Job) -> str:
 # A flight in memory
 
 SAID_EXACT = ("position", "landmark", "time", "velocity")
-NOT_SAID = (
-    "focal", "principal_point", "distortion", "readout", "refraction", "wind", "mount", "bias",
-)  # fmt: skip
 
 
 def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
@@ -342,7 +339,7 @@ def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
         ),
         mount=mount_by_angles([0.0, 0.0, turn]) if turn else FORWARD,
         refraction=Refraction(0.0, False),
-        options=FlightOptions(exact=SAID_EXACT, not_stated=NOT_SAID, may_misfit=False),
+        options=FlightOptions(exact=SAID_EXACT, may_misfit=False),
         findings=tuple(findings),
     )
 

@@ -434,11 +434,8 @@ class FlightOptions:
     # coefficient k; 0: it is exact
     parameter_sigma: Mapping[str, float] = field(default_factory=dict)
     # components of the uncertainty that the project calls exact, as
-    # `vopd.attitude.sigmas.COMPONENTS` names them
+    # `vopd.attitude.sigmas.COMPONENTS` names them; `bias` is what a track's fixes have in common
     exact: tuple[str, ...] = ()
-    # those of which the project and its files say nothing; `bias` among them if nothing says how
-    # much of a track's error is common to its fixes
-    not_stated: tuple[str, ...] = ()
     # standard deviations that the user gives in the place of stated ones, or besides them; 0, and
     # None of the readings, gives none
     given: Sigmas = field(default_factory=Sigmas)

@@ -13,8 +13,9 @@ from vopd.findings import count_text, first_of, size_text
 from vopd.flight.angles import camera_angles
 from vopd.flight.flight import Flight, Refraction
 from vopd.flight.solve.clicks import ClickEquations
+from vopd.flight.solve.equations import LENS_COEFFICIENTS
 from vopd.flight.solve.errors import covariance_of_common
-from vopd.flight.solve.free import free_text
+from vopd.flight.solve.free import COMMON, free_text
 from vopd.flight.solve.joint import JointSolution
 from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.flight.solve.rotations import SolvedFlight, pick_errors_px
@@ -127,7 +128,6 @@ SIGMA_KEYS = {
     "landmark": "[landmarks] sigma_m",
     "focal": "[uncertainty] focal_rel",
     "principal_point": "[uncertainty] principal_px",
-    "distortion": "[uncertainty] k1, k2, p1p2",
     "refraction": "[atmosphere] sigma_k",
     "time": "[track] sigma_t_s",
     "readout": "[uncertainty] readout_ms",
@@ -136,7 +136,10 @@ SIGMA_KEYS = {
     "wind": "[wind] sigma_m_s",
     "click": "[picks] tracked_from: tracks of another program share those of their clicks",
 }
-"""Where the standard deviation of each component of a flight's uncertainty is stated."""
+"""Where the standard deviation of each component of a flight's uncertainty is stated.
+
+That of the distortion depends on the lens.
+"""
 
 
 def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Words:
@@ -231,7 +234,10 @@ def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
     Refraction that is left out is one of them where it would raise lines of sight enough.
     """
     flight = solved.flight
-    keys = {name: key for name, key in SIGMA_KEYS.items() if name not in flight.options.exact}
+    coefficients = LENS_COEFFICIENTS[flight.lens.kind]
+    own = [key for (_, key), names in COMMON.items() if names[0] in coefficients]
+    keys = SIGMA_KEYS | {"distortion": f"[uncertainty] {', '.join(own)}"}
+    keys = {name: key for name, key in keys.items() if name not in flight.options.exact}
     if flight.shutter is None:
         keys.pop("readout", None)
     if flight.picks.followed is None or not flight.picks.followed.any():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -108,6 +109,11 @@ def key_sigma(section: Section, key: str, why: str, notes: Notes) -> tuple[float
 
 UNITS = {"clock_rate_ppm": 1e-6, "readout_ms": 1e-3}  # of such keys; 1 for the others
 HALF = 0.5  # of the coefficient of refraction is its standard deviation if none is stated
+ALONE = (
+    ("wind", "wind", "sigma_m_s"), ("mount", "vehicle", "mount_sigma_deg"),
+    ("bias", "track", "sigma_bias_m"),
+)  # fmt: skip
+"""Errors besides those of parameters that a key alone states: name, section and key."""
 
 
 def flight_options(
@@ -144,29 +150,28 @@ def flight_options(
             if value > 0.0 and COMPONENT[name] == "distortion":
                 _check_coefficient(section, key, name, read.lens.kind)
             found[name] = value * unit
-    sizes: dict[str, float | None] = {
+    own = {one for names in COMMON.values() for one in names} & {*LENS_COEFFICIENTS[read.lens.kind]}
+    sizes = {
         "position": float(path.bias_sigma_m.max())
         if path.fixes is None or path.fixes.exact
         else 1.0,
         "landmark": float(landmarks.sigma_m.max(initial=0.0)),
-        **dict.fromkeys(COMPONENT[name] for names in COMMON.values() for name in names),
-        "velocity": None
-        if path.velocity_sigma_m_s is None
-        else float(np.fmax.reduce(path.velocity_sigma_m_s, axis=None)),
-        "wind": path.wind_sigma_m_s if project.section("wind").has("sigma_m_s") else None,
-        "mount": None,
     }
     for name, sigma in found.items():
-        sizes[COMPONENT[name]] = max(sigma, sizes[COMPONENT[name]] or 0.0)
-    if project.has("track") and not project.section("track").has("sigma_bias_m"):
-        sizes["bias"] = None
+        sizes[COMPONENT[name]] = max(sigma, sizes.get(COMPONENT[name], 0.0))
+    sizes["distortion"] = max((found.get(one, inf) for one in own), default=0.0)
+    if path.velocity_sigma_m_s is not None:
+        sizes["velocity"] = float(np.fmax.reduce(path.velocity_sigma_m_s, axis=None))
+    for name, where, key in ALONE:
+        stated = project.section(where).sigma(key)
+        if stated is not None:
+            sizes[name] = max(stated)
     return FlightOptions(
         loss=solve.text("loss"),
         drop_blunders=solve.text("blunders") == "drop",
         solve_position=solve.text("position") == "solve",
         parameter_sigma=found,
         exact=tuple(name for name, size in sizes.items() if size == 0.0),
-        not_stated=tuple(name for name, size in sizes.items() if size is None),
         free=tuple(dict.fromkeys(solve.texts("free"))),
     )
 

@@ -155,7 +155,7 @@ def _refused(flight: Flight, name: str) -> str:
         )
     exact = any(prior_sigma(flight, parameter) == 0.0 for parameter in parameters)
     if name == "track-offset":
-        exact = not path.bias_sigma_m.any() and "bias" not in flight.options.not_stated
+        exact = not path.bias_sigma_m.any() and "bias" in flight.options.exact
     if exact:
         rather = "" if name == "clock" else ", or leave the key out where nothing is known"
         return (
