@@ -243,6 +243,9 @@ def test_a_photograph_brings_size_and_principal_distance(
     half = ("--size", "3000,2600", "--focal-px", "15200")  # of a file whose pixels are of another
     own = vopd("stars", "solve", "stars.csv", "--images", "orion.jpg", *half)
     assert own.stdout == vopd("stars", "solve", "stars.csv", *half).stdout != known.stdout
+    Path("few.csv").write_text("\n".join(Path("stars.csv").read_text().splitlines()[:4]))
+    few = vopd("stars", "solve", "few.csv", "--images", "orion.jpg", "--free", "k1,centre")
+    assert "--free k1,centre,focal takes" in few.stderr  # in this order, in each run
     tagged_image(Path("narrow.jpg"), size_px=(600, 520))
     for images in (".", "stars.csv", "none"):
         refused_one = vopd("stars", "solve", "stars.csv", "--images", images)

@@ -212,7 +212,7 @@ def _take_from_tags(given: dict[str, Any], ctx: click.Context) -> str:
             given["focal_px"] = focal_px
             said += f" {focal_px:.5g} px by {by}"
         if not any(stated(ctx, name) for name in ALONE["free"]):
-            given["free"] = tuple({*given["free"], "focal"})
+            given["free"] = (*given["free"], *{"focal"} - {*given["free"]})
             said += ", to be solved for with the attitude"
     return said
 
