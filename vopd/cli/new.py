@@ -60,7 +60,7 @@ _ANSWERS = (
         "--sigma-position",
         "METRES",
         "Standard deviation of track or position: 3, or 2,2,4. A track's value of .3 or more "
-        "becomes sigma_bias_m, and half of it sigma_m.",
+        "becomes sigma_bias_m, and half of it, or the positions' scatter, sigma_m.",
     ),
     ("--sigma-landmarks", "METRES", "Standard deviation of the landmarks."),
     ("--sigma-time", "SECONDS", "Standard deviation of the frames' times."),
