@@ -154,7 +154,7 @@ def command(
     from vopd.flight.adjust.table import as_csv, as_json, as_text
     from vopd.flight.solve.free import names_of
 
-    suffix = "" if figure is None else figure_suffix(figure, source)
+    suffix = "" if figure is None else figure_suffix(figure)
     names = names_of(",".join(free))
     if free and not names:
         raise click.UsageError("--free: name what is to be solved for, as --free focal,k1.")
@@ -162,9 +162,15 @@ def command(
     if deck and source != "-" and not Path(source).is_fifo():
         with open_deck(source) as file:  # what is no deck, as a video, before options of decks
             refuse_other_file(file.read(4096), source)
-    _check_options(deck, test, trials, landmark_sigma, fixes, job)
-    if trials and figure is not None:
-        raise click.UsageError("--figure is not for --trials, which have a table alone.")
+    given: dict[str, object] = {"--job": job is not None, "--fix": fixes, "--test": test}
+    given |= {"--trials": trials, "--landmark-sigma": landmark_sigma is not None}
+    given |= {"--figure": figure is not None, "--correlations": correlations}
+    _check_options(deck, given)
+    if correlations and test and form == "csv":
+        raise click.UsageError("--correlations: the CSV of --test has none; JSON has both.")
+    if output == "-" and not deck:
+        raise click.UsageError("-o -: a project is a folder of files: name one.")
+    refuse_to_overwrite((source,), "-", output if deck else None, figure)  # - has the table
     if trials:
         ctx.exit(searched_deck(source, job, names, fixes, output, form, quiet))
     if deck:
@@ -172,8 +178,6 @@ def command(
             raise click.UsageError("name the landmark to be located: --free landmark:NUMBER.")
         made = adjusted_deck(source, job, names, fixes, landmark_sigma, output, quiet)
     else:
-        if output == "-":
-            raise click.UsageError("-o -: a project is a folder of files: name one.")
         if output is not None:
             from vopd.flight.adjust.project import COVARIANCE
             from vopd.flight.project.new import NAME
@@ -200,22 +204,28 @@ def command(
     ctx.exit(0 if converged.all() and not made.result.misfits else 3)
 
 
-def _check_options(
-    deck: bool, test: bool, trials: bool, sigma: float | None, fixes: Fixes, job: int | None
-) -> None:
+FOR_DECKS = {
+    "--trials": "trials are a search of decks; --free solves for all that is free at once",
+    "--landmark-sigma": "state sigma_m in [landmarks] or in the landmark's row",
+    "--job": "leave it out",
+    "--fix": "leave it out",
+}
+NOT_FOR_TRIALS = {
+    "--landmark-sigma": ", which weigh no prior",
+    "--test": ": test the deck by itself",
+    "--figure": ", which have a table alone",
+    "--correlations": ", which have a table alone",
+}
+
+
+def _check_options(deck: bool, given: dict[str, object]) -> None:
     """Refuse options that a flight does not have, and those that do not go together."""
-    given: dict[str, object] = {"--trials": trials, "--landmark-sigma": sigma is not None}
-    given |= {"--job": job is not None, "--fix": fixes}
-    for name in () if deck else (one for one, there in given.items() if there):
-        why = {
-            "--trials": "trials are a search of decks; --free solves for all that is free at once",
-            "--landmark-sigma": "state sigma_m in [landmarks] or in the landmark's row",
-        }
-        raise click.UsageError(f"{name} is for decks: {why.get(name, 'leave it out')}.")
-    if trials and sigma is not None:
-        raise click.UsageError("--landmark-sigma is not for --trials, which weigh no prior.")
-    if trials and test:
-        raise click.UsageError("--test is not for --trials: test the deck by itself.")
+    for name, why in FOR_DECKS.items():
+        if given[name] and not deck:
+            raise click.UsageError(f"{name} is for decks: {why}.")
+    for name, why in NOT_FOR_TRIALS.items():
+        if given[name] and given["--trials"]:
+            raise click.UsageError(f"{name} is not for --trials{why}.")
 
 
 def _adjusted(source: str, names: Sequence[str], test: bool) -> tuple[Adjustment, Project]:
@@ -242,8 +252,8 @@ def _write_project(project: Project, made: Adjustment, folder: Path, quiet: bool
     write_project(folder, adjusted_project(project, made, folder), to_errors=True, quiet=quiet)
 
 
-def figure_suffix(figure: str, source: str) -> str:
-    """Check where the figure goes, before anything is solved.
+def figure_suffix(figure: str) -> str:
+    """Check what kind of figure it is, before anything is solved.
 
     Raises:
         click.UsageError: if its name is that of no figure
@@ -254,7 +264,6 @@ def figure_suffix(figure: str, source: str) -> str:
     suffix = Path(figure).suffix.lower()
     if suffix not in SUFFIXES:
         raise click.UsageError(f"--figure {figure}: name the file .png, .svg or .pdf.")
-    refuse_to_overwrite((source,), figure)
     ready()
     return suffix
 

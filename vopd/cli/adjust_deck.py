@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import click
 
 from vopd.cli.console import Progress
-from vopd.cli.output import refuse_to_overwrite
 from vopd.errata import Fixes
 from vopd.files import whole_file
 from vopd.findings import count_text
@@ -91,9 +90,10 @@ def adjusted_deck(
     number = landmark_number(names) if names else 0
     if output is not None and not names:
         raise click.UsageError("-o: nothing is located that could be written: give --free.")
+    if sigma_ft is not None and not names:
+        raise click.UsageError("--landmark-sigma: no landmark is located: give --free.")
     if output is not None and source == "-":
         raise click.UsageError("-o: name the file of the deck, of which one card is changed.")
-    refuse_to_overwrite((source,), output)
     deck = read_deck(source)
     job = deck.chosen(job_number)
     if not names:
@@ -135,7 +135,6 @@ def searched_deck(
     from vopd.pipeline import read_deck
 
     number = landmark_number(names)
-    refuse_to_overwrite((source,), output)
     job = read_deck(source).chosen(job_number)
     progress, run = Progress("jobs"), [0]
 
