@@ -12,11 +12,13 @@ from io import StringIO
 from itertools import chain
 from pathlib import Path
 from typing import Any, TextIO
+from xml.etree import ElementTree
 
 from vopd.files import (
     A_VIDEO,
     kind_by_first_bytes,
     not_utf8,
+    reason,
 )
 from vopd.findings import VopdError
 from vopd.inputs import (
@@ -24,6 +26,8 @@ from vopd.inputs import (
     MOST_BYTES,
     MOST_SETTINGS,
     no_file,
+    parse_json,
+    parse_xml,
     too_many_bytes,
 )
 
@@ -144,6 +148,31 @@ class InputFile:
             return read_variables(data, names)
         except (*UNEXPECTED, zlib.error) as error:
             raise self.error("a file of MATLAB's that is damaged: save it again") from error
+
+    def json(self, advice: str = "") -> Any:
+        """Parse its text as JSON.
+
+        Args:
+            advice: the end of the message where it is none
+
+        Raises:
+            VopdError: where it is none
+        """
+        try:
+            return parse_json(self.text)
+        except (ValueError, RecursionError) as error:
+            raise self.error(f"not valid JSON: {reason(error)}{advice}") from error
+
+    def xml(self) -> ElementTree.Element:
+        """Parse its text as XML.
+
+        Raises:
+            VopdError: where it is none
+        """
+        try:
+            return parse_xml(self.text)
+        except (ElementTree.ParseError, ValueError) as error:
+            raise self.error(f"not valid XML: {reason(error)}") from error
 
     def _open(self) -> TextIO:
         return self.path.open(encoding=ENCODING) if self.given is None else StringIO(self.given)

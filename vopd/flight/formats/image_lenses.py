@@ -6,12 +6,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from vopd.files import reason
 from vopd.findings import VopdError
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.tables import frames_of_column, has_columns, read_csv
-from vopd.inputs import parse_json
 
 
 class ImageLenses(NamedTuple):
@@ -72,10 +70,7 @@ def read_shots(file: InputFile) -> list[dict[str, Any]]:
     Raises:
         VopdError: where it is no JSON of that kind
     """
-    try:
-        found = parse_json(file.text)
-    except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error)}") from error
+    found = file.json()
     if not all(isinstance(one, dict) and isinstance(one.get("shots"), dict) for one in found):
         raise file.error("not a list of reconstructions with shots")
     return list(found)

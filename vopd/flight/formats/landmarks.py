@@ -26,7 +26,7 @@ from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.columns import GEODETIC, HEIGHTS, PLANE, coordinate_columns
 from vopd.flight.formats.files import UNEXPECTED, InputFile
 from vopd.flight.formats.tables import UNKNOWN, CsvTable, has_columns, read_csv
-from vopd.inputs import is_number, parse_json, parse_xml, plain_number
+from vopd.inputs import is_number, parse_xml, plain_number
 
 # Landmarks as read
 
@@ -268,10 +268,7 @@ def geojson_crs(file: InputFile, root: dict[str, Any], features: list[Any]) -> s
 
 def read_geojson(file: InputFile) -> LandmarkRows:
     """Read the points of a GeoJSON file."""
-    try:
-        root = parse_json(file.text)
-    except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error)}") from error
+    root = file.json()
     root = root if isinstance(root, dict) else {"features": []}
     features = root.get("features", [root])
     crs = geojson_crs(file, root, features)
@@ -343,10 +340,7 @@ def recognises_kml(file: InputFile) -> bool:
 
 def read_kml(file: InputFile) -> LandmarkRows:
     """Read the placemarks of a KML file that are points."""
-    try:
-        root = parse_xml(file.text)
-    except (ElementTree.ParseError, ValueError) as error:
-        raise file.error(f"not valid XML: {reason(error)}") from error
+    root = file.xml()
     points = []
     for place in root.iterfind(".//{*}Placemark"):
         for point in place.iterfind(".//{*}Point"):
@@ -443,10 +437,7 @@ def control_points(file: InputFile) -> list[dict[str, Any]]:
     Raises:
         VopdError: where it is not such a file
     """
-    try:
-        found = parse_json(file.text)["points"]
-    except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error)}") from error
+    found = file.json()["points"]
     if not found:
         raise file.error("no point is in the file")
     return list(found)
@@ -485,10 +476,7 @@ def marker_tree(file: InputFile) -> tuple[ElementTree.Element, dict[str, str]]:
     Raises:
         VopdError: where it is no XML, or has no marker
     """
-    try:
-        root = parse_xml(file.text)
-    except (ElementTree.ParseError, ValueError) as error:
-        raise file.error(f"not valid XML: {reason(error)}") from error
+    root = file.xml()
     every = root.findall(".//marker[@label]")
     names = {one.get("id", ""): one.get("label", "") for one in every}
     if not names:

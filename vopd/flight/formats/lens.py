@@ -19,8 +19,6 @@ from vopd.inputs import (
     MOST_SETTINGS,
     MOST_SIGMA,
     check_yaml,
-    parse_json,
-    parse_xml,
     plain_number,
     too_many_bytes,
     twice,
@@ -194,10 +192,7 @@ def recognises_metashape(file: InputFile) -> bool:
 
 def read_metashape(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens; of two calibrations of a sensor the adjusted one."""
-    try:
-        root = parse_xml(file.text)
-    except (ElementTree.ParseError, ValueError) as error:
-        raise file.error(f"not valid XML: {reason(error)}") from error
+    root = file.xml()
     sensors = root.findall(".//sensor")
     if question.camera is not None:
         sensors = [one for one in sensors if question.camera in (one.get("id"), one.get("label"))]
@@ -310,10 +305,7 @@ def recognises_opensfm(file: InputFile) -> bool:
 
 def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens of a cameras.json, or of the cameras in a reconstruction.json."""
-    try:
-        found = parse_json(file.text)
-    except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error)}") from error
+    found = file.json()
     parts = every = found if isinstance(found, list) else [found]
     if question.camera is None:
         parts = parts[:1]
@@ -581,23 +573,14 @@ def _mapping(file: InputFile) -> dict[str, Any]:
     text = file.text.lstrip()
     if text.startswith("<"):
         return _xml(file)
-    if text.startswith("{"):
-        try:
-            found = parse_json(text)
-        except (ValueError, RecursionError) as error:
-            raise file.error(f"not valid JSON: {reason(error)}") from error
-    else:
-        found = _yaml(file)
+    found = file.json() if text.startswith("{") else _yaml(file)
     if not isinstance(found, dict):
         raise file.error("no keys are in the file")
     return found
 
 
 def _xml(file: InputFile) -> dict[str, Any]:
-    try:
-        root = parse_xml(file.text)
-    except (ElementTree.ParseError, ValueError) as error:
-        raise file.error(f"not valid XML: {reason(error)}") from error
+    root = file.xml()
     if message := twice(one.tag for one in root):
         raise file.error(message)
     found: dict[str, Any] = {}
@@ -791,10 +774,7 @@ def recognises_json_intrinsics(file: InputFile) -> bool:
 
 def read_json_intrinsics(file: InputFile, question: LensQuestion) -> LensRead:
     """Read CIRN's 11 intrinsics, as its MATLAB file has them, from JSON."""
-    try:
-        found = parse_json(file.text)
-    except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error)}") from error
+    found = file.json()
     values = found.get(CIRN) if isinstance(found, dict) else None
     numbers = isinstance(values, list) and all(type(one) in (int, float) for one in values)
     if not numbers:

@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -39,7 +38,7 @@ from vopd.flight.formats.tables import (
     read_csv,
     whole_numbers,
 )
-from vopd.inputs import is_number, parse_json, parse_xml, plain_number, whole_number
+from vopd.inputs import is_number, parse_json, plain_number, whole_number
 
 if TYPE_CHECKING:
     from vopd.flight.formats.tracked import TrackedRows
@@ -278,10 +277,7 @@ def read_cvat(file: InputFile) -> PickRows:
     A label with one point is a landmark; of several points in one shape each is a
     pick of it.
     """
-    try:
-        root = parse_xml(file.text)
-    except (ElementTree.ParseError, ValueError) as error:
-        raise file.error(f"not valid XML: {reason(error)}") from error
+    root = file.xml()
     found: list[tuple[int | str, str, float, float]] = []
     between: list[bool] = []
     others: list[str] = []

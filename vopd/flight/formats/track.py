@@ -44,7 +44,7 @@ from vopd.flight.formats.landmarks import (
 from vopd.flight.formats.tables import CsvTable, has_columns, read_csv
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices
-from vopd.inputs import LEAP_SECOND, leap_second, parse_json, plain_number, whole_number
+from vopd.inputs import LEAP_SECOND, leap_second, plain_number, whole_number
 
 # Positions of a receiver, of which nothing better is known: 3 m, and upward 5 m, each times
 # the dilution of precision if the file has it
@@ -441,11 +441,8 @@ def recognises_shots(file: InputFile) -> bool:
 
 def read_shots_geojson(file: InputFile) -> TrackRows:
     """Read the places of a shots.geojson: longitude, latitude, height, or x, y, z of a `crs`."""
-    try:
-        root = parse_json(file.text)
-        features = root["features"]
-    except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error)}") from error
+    root = file.json()
+    features = root["features"]
     images = [str(one["properties"]["filename"]) for one in features]
     places = [one["geometry"]["coordinates"] for one in features]
     for image, place in zip(images, places, strict=True):

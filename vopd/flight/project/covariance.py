@@ -20,7 +20,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.reading_sigma import SOURCES
-from vopd.files import reason, size_and_ends
+from vopd.files import size_and_ends
 from vopd.findings import count_text, did_you_mean, shown
 from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.formats.files import InputFile, open_input
@@ -29,7 +29,7 @@ from vopd.flight.project.keys import ROWS, VIDEO, Project, Section, mount_moves
 from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS, SHIFT
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
-from vopd.inputs import MOST_NUMBER, beyond_sigmas, parse_json
+from vopd.inputs import MOST_NUMBER, beyond_sigmas
 
 # The file
 
@@ -239,10 +239,7 @@ def with_stated_offset(project: Project) -> Project:
 def _fields(file: InputFile) -> dict[str, Any]:
     """Read the JSON, with all fields."""
     file.refuse_folder()
-    try:
-        values = parse_json(file.text)
-    except (ValueError, RecursionError) as error:
-        raise file.error(f"not valid JSON: {reason(error)}{AGAIN}") from error
+    values = file.json(AGAIN)
     if not isinstance(values, dict):
         raise file.error(f"is not what vopd adjust -o writes: no fields are in it{AGAIN}")
     for field in FIELDS:
