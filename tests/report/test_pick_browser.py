@@ -25,7 +25,7 @@ from tests.tolerances import assert_close
 from vopd.cards.head import read_head
 from vopd.cards.read import read_jobs
 from vopd.findings import VopdError
-from vopd.flight.project.directions import FrameDirections
+from vopd.flight.project.directions import plain_lenses
 from vopd.flight.solve.rotations import solve_rotations
 from vopd.geometry.lenses import Lenses, project
 from vopd.report import pick
@@ -386,8 +386,8 @@ def test_the_rotation_is_that_of_a_solve_with_the_position_fixed(
         Image.new("L", SIZE, 90).save(tmp_path / f"{k}.png")
     frames = open_frames([str(tmp_path)])
     lens = Lenses.join(each, np.arange(len(each)))
-    lines = FrameDirections(SIX, np.array([one.direction for one in seen]), lens, 1.0, "")
-    by = Predicted(SIX, lines.direction, *lines.lenses(), 1.0, "")
+    direction = np.array([one.direction for one in seen])
+    by = Predicted(SIX, direction, *plain_lenses(lens, len(each)), 1.0, "")
     clicks = [
         (f"{k}.png", name, *one.pixel[m].tolist())
         for k, one in enumerate(seen)

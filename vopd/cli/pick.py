@@ -144,12 +144,9 @@ def command(
     content, said = content._replace(name=names_of(found, known, project)), ""
     if project is not None:
         try:
-            lines = directions_of(project, found, chosen, content.name)
-            said = f"{project.name}: {count_text(len(lines.landmark), 'landmark')}, predicted "
+            by = Predicted(*directions_of(project, found, chosen, content.name))
+            said = f"{project.name}: {count_text(len(by.landmark), 'landmark')}, predicted "
             said += "after two picks in a frame"
-            by = Predicted(
-                lines.landmark, lines.direction, *lines.lenses(), lines.sigma_px, lines.left_out
-            )
             content = content._replace(predicted=by)
         except VopdError as error:
             said = f"nothing is predicted on the page: {error}"

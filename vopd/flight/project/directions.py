@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,34 +16,25 @@ from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.lenses import Lens, Lenses
 from vopd.video import VideoFrames, image_numbers
 
+PlainLenses = list[dict[str, Any]]
 
-class FrameDirections(NamedTuple):
-    """The directions of N landmarks in the F frames of a page, from the camera's stated places."""
 
-    landmark: tuple[str, ...]  # names, (N,)
-    direction: Floats  # (F, N, 3) unit vectors east, north, up, raised by refraction
-    lens: Lens | Lenses  # of all frames, or of each
-    sigma_px: float  # of one pick
-    left_out: str  # what a solve has besides, for a sentence; empty for nothing
-
-    def lenses(self) -> tuple[list[dict[str, Any]], list[int]]:
-        """Write the lenses as plain values, and which of them each frame has."""
-        each: tuple[Lens, ...] = (self.lens,)
-        which = [0] * len(self.direction)
-        if isinstance(self.lens, Lenses):
-            each, which = self.lens.each, self.lens.which.tolist()
-        written = [
-            {
-                "kind": one.kind.value,
-                "focal": one.focal_px.tolist(),
-                "centre": one.centre_px.tolist(),
-                "skew": one.skew_px,
-                "k": one.coefficients.tolist(),
-                "field": one.field_radius if np.isfinite(one.field_radius) else None,
-            }
-            for one in each
-        ]
-        return written, which
+def plain_lenses(lens: Lens, frames: int) -> tuple[PlainLenses, list[int]]:
+    """Write the lenses of frames as plain values, and say which of them each frame has."""
+    if not isinstance(lens, Lenses):
+        lens = Lenses.join((lens,), np.zeros(frames, np.int64))
+    written = [
+        {
+            "kind": one.kind.value,
+            "focal": one.focal_px.tolist(),
+            "centre": one.centre_px.tolist(),
+            "skew": one.skew_px,
+            "k": one.coefficients.tolist(),
+            "field": one.field_radius if np.isfinite(one.field_radius) else None,
+        }
+        for one in lens.each
+    ]
+    return written, lens.which.tolist()
 
 
 def names_of(frames: VideoFrames, picked: Collection[str], project: Project | None) -> list[str]:
@@ -76,7 +67,7 @@ def _by_number(project: Project) -> bool:
 
 def directions_of(
     project: Project, frames: VideoFrames, chosen: Sequence[int], name: Sequence[str]
-) -> FrameDirections:
+) -> tuple[tuple[str, ...], Floats, PlainLenses, list[int], float, str]:
     """Trace the lines of sight to all landmarks of a project in frames of its video.
 
     Args:
@@ -84,6 +75,12 @@ def directions_of(
         frames: of a video or a folder of images
         chosen: the indices of those that are wanted
         name: of each of the frames, as picks have it
+
+    Returns:
+        Names of landmarks, (N,); unit vectors east, north, up to them from the camera's stated
+        places, raised by refraction, (F, N, 3); lenses, and which of them each frame has; the
+        standard deviation of one pick, pixels; and what a solve has besides, for a sentence, empty
+        for nothing.
 
     Raises:
         VopdError: where the project lacks what tells the camera's places, or the lens, or that is
@@ -119,4 +116,5 @@ def directions_of(
     left_out = ["the lever arm"] if arm is not None and np.any(arm) else []
     left_out += ["the rolling shutter"] if flight.shutter is not None else []
     direction = lines.direction.reshape(len(at), len(marks.name), 3)
-    return FrameDirections(marks.name, direction, lens, sigma_px, " and ".join(left_out))
+    lenses = plain_lenses(lens, len(at))
+    return marks.name, direction, *lenses, sigma_px, " and ".join(left_out)
