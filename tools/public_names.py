@@ -31,7 +31,7 @@ from vopd.attitude.table import (
     TableColumn,
 )
 from vopd.attitude.uncertainty import ANGLES
-from vopd.batch.solve import FAILED, SOLVED, UNCONVERGED
+from vopd.batch.folder import WORST_FIRST
 from vopd.cli import COMMANDS
 from vopd.estimate import FrameStatus
 from vopd.flight.direction import Direction
@@ -113,7 +113,7 @@ def page() -> str:
         "At the end, if a run has errata that can be corrected": columns(SLIP_EFFECTS),
         "Statuses of frames": names(one.name.lower() for one in FrameStatus),
         "Flags": names(MEANING),
-        "Statuses of sources of a batch": names((SOLVED, UNCONVERGED, FAILED)),
+        "Statuses of sources of a batch": names(WORST_FIRST[::-1]),
         **{f"Keys of `flight.toml` in `[{one}]`": names(keys) for one, keys in sections.items()},
     }
     lines = [

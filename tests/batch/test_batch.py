@@ -178,6 +178,8 @@ def test_resume_solves_only_what_has_changed(tmp_path: Path) -> None:
     (out / "deck003.lst").unlink()
     before[out / "deck003.lst"] = 0
     assert written_again() == {"deck003.lst", "deck003.csv"}
+    folder = folder.rename(tmp_path / "moved")  # the tables name the decks
+    assert written_again() == {path.name for path in before}
 
 
 def test_resume_with_other_options_solves_all_again(tmp_path: Path) -> None:

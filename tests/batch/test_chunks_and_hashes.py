@@ -229,7 +229,7 @@ def test_a_record_that_no_batch_writes_is_none(changes: dict[str, Any]) -> None:
     [
         ({}, True), ({"status": UNCONVERGED}, True), ({"status": FAILED}, False),
         ({"version": "0"}, False), ({"options": "{}"}, False), ({"input_sha256": "0"}, False),
-        ({"outputs": {"a.csv": "0"}}, False), ({"outputs": {"none.csv": "0"}}, False),
+        ({"path": "a.dat"}, False), ({"outputs": {"a.csv": "0"}}, False), ({"outputs": {"none.csv": "0"}}, False),
     ],
 )  # fmt: skip
 def test_when_an_earlier_record_still_holds(
@@ -241,7 +241,7 @@ def test_when_an_earlier_record_still_holds(
     digest, table = (hashlib.sha256(text).hexdigest() for text in (b"deck", b"table"))
     record = replace(
         RECORD, version=__version__, options=settings.options, input_sha256=digest,
-        outputs={"a.csv": table},
+        path=str(tmp_path / "a.dat"), outputs={"a.csv": table},
     )  # fmt: skip
     record = replace(record, **changes)
     source = BatchSource(str(tmp_path / "a.dat"), "a", 4)

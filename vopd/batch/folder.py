@@ -424,15 +424,15 @@ def unchanged(
     return [
         earlier[one.name]
         for one in sources
-        if one.name in earlier and _still_holds(earlier[one.name], input_sha256(one.path), settings)
+        if one.name in earlier and _still_holds(earlier[one.name], one.path, settings)
     ]
 
 
-def _still_holds(before: SourceRecord, digest: str, settings: BatchSettings) -> bool:
-    solved_so = before.input_sha256, before.version, before.options
+def _still_holds(before: SourceRecord, path: str, settings: BatchSettings) -> bool:
+    solved_so = before.path, before.input_sha256, before.version, before.options
     folder = Path(settings.folder)
     return (
-        solved_so == (digest, __version__, settings.options)
+        solved_so == (path, input_sha256(path), __version__, settings.options)
         and before.status != FAILED
         and all(file_sha256(folder / name) == one for name, one in before.outputs.items())
     )
