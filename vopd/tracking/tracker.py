@@ -200,7 +200,7 @@ class Tracker:
             weight = 1.0 / (1.0 + (length / 3.0) ** 2) / clicks.sigma_px[which] ** 2
             if seen.sum() < 2:
                 break
-            step = _turn(by[seen], off[seen], weight[seen])
+            (step,) = _turns(by[seen][None], off[seen][None], weight[seen][None])
             view = View(view.frame, turned_by(step, view.rotation), view.rate_rad_s,
                         view.velocity_m_s)  # fmt: skip
             if np.abs(step).max() < 1e-9:
@@ -609,12 +609,21 @@ def _matched(
     return found
 
 
-def _turn(by_turns: Floats, shift: Floats, weight: Floats) -> Floats:
-    """Fit a small turn of the camera to shifts, (3,); or that and one within the readout, (6,)."""
-    normal = np.einsum("c,cij,cik->jk", weight, by_turns, by_turns)
-    size = len(normal)
-    normal[np.diag_indices(size)] += np.repeat([PRIOR_RAD, SHAKE_RAD], 3)[:size] ** -2.0
-    return np.linalg.solve(normal, np.einsum("c,cij,ci->j", weight, by_turns, shift))
+def _turns(by_turns: Floats, shift: Floats, weight: Floats) -> Floats:
+    """Fit small turns of the camera to shifts, (P, 3); or those and one within the readout, (P, 6).
+
+    Args:
+        by_turns: of C places for each turn, (P, C, 2, 3 or 6)
+        shift: (P, C, 2)
+        weight: (P, C)
+    """
+    count, places, _, size = by_turns.shape
+    design = by_turns.reshape(count, 2 * places, size)
+    across = (design * np.repeat(weight, 2, axis=1)[..., None]).swapaxes(1, 2)
+    normal = across @ design
+    normal += np.diag(np.repeat([PRIOR_RAD, SHAKE_RAD], 3)[:size] ** -2.0)
+    right = across @ shift.reshape(count, 2 * places, 1)
+    return np.asarray(np.linalg.solve(normal, right)[..., 0])
 
 
 @np.errstate(all="ignore")
@@ -647,26 +656,19 @@ def agreement(
     if late is not None:  # shake between frames turns the camera while its rows are read
         by = np.concatenate([by, by * late[:, None, None]], axis=2)
     weight = found.sigma_px**-2.0
-    best: Bools | None = None
-    score = (0, 0.0)
-    pairs = [(a, b) for a, b in combinations(usable.tolist(), 2) if mark[a] != mark[b]]
-    if len(pairs) > PAIRS:
-        pairs = pairs[:: -(-len(pairs) // PAIRS)]
-    for pair in pairs:
-        rows = np.array(pair)
-        turn = _turn(by[rows], shift[rows], np.ones(2) * 100.0)
-        off = np.hypot(*(shift[usable] - by[usable] @ turn).T)
-        near = off < limit[usable]
-        if not near.any():
-            continue
-        own = len(np.unique(mark[usable[near]])), -float(np.minimum(off, limit[usable]).sum())
-        if own > score:
-            score, best = own, near
-    if best is None or score[0] < max(2, (len(marks) + 1) // 2):
+    pairs = np.array([(a, b) for a, b in combinations(usable.tolist(), 2) if mark[a] != mark[b]])
+    pairs = pairs[:: -(-len(pairs) // PAIRS)]
+    turns = _turns(by[pairs], shift[pairs], np.full(pairs.shape, 100.0))
+    off = np.hypot(*np.moveaxis(shift[usable] - np.einsum("cij,pj->pci", by[usable], turns), 2, 0))
+    near = off < limit[usable]
+    # the pair that most landmarks agree with, and of those the one that they agree with best
+    agrees = np.stack([near[:, mark[usable] == one].any(axis=1) for one in marks]).sum(axis=0)
+    best = np.lexsort((np.minimum(off, limit[usable]).sum(axis=1), -agrees))[0]
+    if agrees[best] < max(2, (len(marks) + 1) // 2):
         return None
-    rows = usable[best]
+    rows = usable[near[best]]
     for _ in range(3):
-        turn = _turn(by[rows], shift[rows], weight[rows])
+        (turn,) = _turns(by[rows][None], shift[rows][None], weight[rows][None])
         off = shift - by @ turn
         near = usable[np.hypot(*off[usable].T) < limit[usable]]
         if np.array_equal(near, rows):
