@@ -109,6 +109,40 @@ def test_attitudes_of_images_are_those_of_their_frames(tmp_path: Path) -> None:
     by_image = adjust(project, ["mount"]).parameters
     both = [[(one.after, one.sigma_after) for one in found] for found in (by_image, by_frame)]
     assert_close("symmetric flight", both[0], both[1])
+    # names under `frame`, as of picks; beside numbers of the logger's own; and these alone
+    head, *rows = (tmp_path / "ins.csv").read_text(encoding="utf-8").splitlines()
+    counted = [f"{k},{one}" for k, one in enumerate(rows, 1)]
+    for names, lines in (("file_name", rows), ("frame", rows), ("frame,image", counted)):
+        text = "\n".join([head.replace("image", names, 1), *lines, ""])
+        (tmp_path / "ins.csv").write_text(text, encoding="utf-8")
+        assert [one.after for one in adjust(project, ["mount"]).parameters] == [
+            one.after for one in by_image
+        ]
+    text = "\n".join([head.replace("image", "frame,was", 1), *counted, ""])
+    (tmp_path / "ins.csv").write_text(text, encoding="utf-8")
+    with refused():
+        adjust(project, ["mount"])
+
+
+def test_attitudes_in_seconds_need_the_date_of_their_zero_beside_frames_with_dates(
+    tmp_path: Path,
+) -> None:
+    write(tmp_path, [0.0] * 3, "row,t_s", np.random.default_rng(1))
+    times = "".join(f"{k},2026-05-01T11:58:{k / 5.0 + 40:06.3f}Z\n" for k in range(PLAN.frames))
+    (tmp_path / "times.csv").write_text(f"frame,t_utc\n{times}", encoding="utf-8")
+    project = tmp_path / "flight.toml"
+    head, *rows = (tmp_path / "track.csv").read_text(encoding="utf-8").splitlines()
+    dated = [f"2026-05-01T11:58:{float(s) + 40:06.3f}Z,{more}" for s, _, more in (
+        one.partition(",") for one in rows)]  # fmt: skip
+    text = "\n".join([head.replace("t_s", "t_utc", 1), *dated, ""])
+    (tmp_path / "track.csv").write_text(text, encoding="utf-8")
+    lines = project.read_text(encoding="utf-8").splitlines()
+    kept = [one for one in lines if not one.startswith(("frame_rate_hz", "first_frame_t_s"))]
+    kept.insert(kept.index("[picks]") + 1, 'times = "times.csv"')
+    kept.insert(kept.index("[track]") + 1, 'clock = "utc"')
+    project.write_text("\n".join([*kept, ""]), encoding="utf-8")
+    with refused():
+        adjust(project, ["mount"])
 
 
 def test_attitudes_are_on_the_clock_of_the_track(tmp_path: Path) -> None:

@@ -605,11 +605,13 @@ def test_times_by_a_table(epoch: Any, tmp_path: Path) -> None:
     table.write_text("image,frame,t_s\nz,5,1\n")
     assert told(lambda: frames(tmp_path, NUMBERS, times="t")) == none + "(4)"
     assert told(lambda: frames(tmp_path, NAMED, times="t")) == none + "(a)"
-    for header, frame in (("image", NUMBERS), ("frame", NAMED)):
+    for header, missing, frame in (("image", "frame", NUMBERS), ("u_px", "image", NAMED)):
         table.write_text(f"{header},t_s\n4,1\n")
-        missing = "frame" if header == "image" else "image"
         said = told(lambda frame=frame: frames(tmp_path, frame, times="t"))
         assert said.startswith(f"t: line 1: no column {missing}")
+    table.write_text("frame,t_s\nb,1\na,1.5\na,1.5\n")  # as the picks', which may have them
+    assert frames(tmp_path, NAMED, epoch, times="t")[1].time_s[:2].tolist() == [1.5, 1.0]
+    assert told(lambda: frames(tmp_path, NUMBERS, times="t")) == none + "(4)"
 
 
 @pytest.mark.parametrize(

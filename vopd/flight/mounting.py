@@ -114,7 +114,10 @@ def _at_frames(flight: Flight, late_s: Floats) -> tuple[Floats, Floats]:
             ).as_matrix()
             sigma[inside] = np.interp(at_s[inside], rows.time_s, rows.sigma_rad)
         return out, sigma
-    labels = flight.image_name if rows.by == "image" else tuple(map(str, flight.frame.tolist()))
+    labels = flight.image_name
+    numbered = not labels or flight.frame_rate_hz is not None  # of others the numbers are our own
+    if rows.by == "frame" and numbered:
+        labels = tuple(map(str, flight.frame.tolist()))
     found = find_images(rows.keys, labels or ("",) * frames)
     there = found >= 0
     out[there], sigma[there] = rows.body_to_ned[found[there]], rows.sigma_rad[found[there]]

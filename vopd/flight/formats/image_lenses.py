@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from vopd.findings import VopdError
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.files import InputFile, open_input
-from vopd.flight.formats.tables import frames_of_column, has_columns, read_csv
+from vopd.flight.formats.tables import frame_names, has_columns, read_csv
 
 
 class ImageLenses(NamedTuple):
@@ -33,7 +33,7 @@ def recognises_csv_lenses(file: InputFile) -> bool:
 def read_csv_lenses(file: InputFile) -> ImageLenses:
     """Read the table: `lens` is a file, from its own folder; `camera` one of that file's."""
     table = read_csv(file, OF_IMAGE)
-    name = table.column("image") if table.has("image") else [*map(str, frames_of_column(table))]
+    name = frame_names(table, table.has("image"))
     lens, camera = (
         table.column(one) if table.has(one) else [""] * len(name) for one in ("lens", "camera")
     )

@@ -512,6 +512,18 @@ def frames_of_column(table: CsvTable) -> Ints | list[str]:
     raise table.error(message, row, "frame")
 
 
+def frame_names(table: CsvTable, by_image: bool) -> list[str]:
+    """Read the names of images, or the numbers of frames as texts.
+
+    Args:
+        table: with a column `image` or `frame`; a column `frame` of images has names
+        by_image: whether the frames are images
+    """
+    if by_image and (table.has("image") or not table.has("frame")):
+        return table.column("image")
+    return [*map(str, frames_of_column(table))]
+
+
 def no_frame(text: str) -> str:
     """Say that a text is not the number of a frame; empty if it is one."""
     if _is_whole(text):

@@ -257,9 +257,11 @@ def _further_errors(project: Project, first: VopdError) -> list[VopdError]:
         found(lambda: project.read("track", project.open("track"), TRACK_FORMATS))
     if project.has("wind"):
         found(lambda: read_by_content(WIND_FORMATS, project.open("wind")))
+    epoch = project.section("flight").date("epoch")
+    times = frames[1] if frames else FrameTimes(np.zeros(0), (), epoch)
     found(lambda: shutter_of(project.section("camera")))
     found(lambda: mount_of(project.section("vehicle")))
-    found(lambda: _vehicle(project, 0.0))
+    found(lambda: _vehicle(project, 0.0, times))
     # which the first one names, where all values that are needed are known
     all_needed = isinstance(first, NeededError) and "\n" in str(first)
     return [one for one in errors if not (all_needed and isinstance(one, NeededError))]
@@ -361,7 +363,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         path=camera,
         mount=mount_of(project.section("vehicle")),
         mount_sigma_deg=(project.section("vehicle").sigma("mount_sigma_deg") or (0.0,))[0],
-        vehicle=_vehicle(project, offset_s),
+        vehicle=_vehicle(project, offset_s, times),
         refraction=refraction,
         shutter=shutter,
         frame_rate_hz=rate_hz,
@@ -599,13 +601,13 @@ def mount_of(section: Section) -> Floats:
     return np.asarray(u @ vt)
 
 
-def _vehicle(project: Project, offset_s: float) -> VehicleAttitudes | None:
+def _vehicle(project: Project, offset_s: float, times: FrameTimes) -> VehicleAttitudes | None:
     """Read the vehicle's attitudes, as far as a file of them is named."""
     if not project.section("vehicle").has("attitude"):
         return None
     from vopd.flight.project.vehicle import read_vehicle
 
-    return read_vehicle(project, offset_s)
+    return read_vehicle(project, offset_s, times)
 
 
 def shutter_of(section: Section) -> Shutter | None:

@@ -15,7 +15,7 @@ from vopd.flight.formats.columns import TIME
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_tags import images_in, tags_of
 from vopd.flight.formats.picks import Names, PickRows
-from vopd.flight.formats.tables import frames_of_column, has_columns, read_csv
+from vopd.flight.formats.tables import frame_names, has_columns, read_csv, whole_numbers
 from vopd.flight.project.keys import VIDEO, Project, Section
 from vopd.inputs import since_1970
 from vopd.video import find_images
@@ -111,6 +111,20 @@ def refuse_since_1970(project: str, times: FrameTimes) -> FrameTimes:
     if wrong := since_1970(times.epoch, float(np.fmin.reduce(times.time_s, initial=np.inf))):
         raise Section(project, "flight", {}).error("epoch", wrong)
     return times
+
+
+def refuse_seconds(project: Project, times: FrameTimes, what: str) -> None:
+    """Refuse seconds of a file beside frames with dates, where the date of their zero is not known.
+
+    Args:
+        project: which states it, or not
+        times: of the frames; their epoch is another than the stated one where none is
+        what: has the seconds
+    """
+    section = project.section("flight")
+    if times.epoch != section.date("epoch"):
+        message = f"is needed: the frames have dates, and {what} seconds after it"
+        raise section.error("epoch", message)
 
 
 def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes:
@@ -216,16 +230,16 @@ def times_of_csv(
         since 1970 and not of the flight.
     """
     table = read_csv(file, ("frame", "image", *TIME))
-    keys = table.column("image" if by_image else "frame")
+    keys = frame_names(table, by_image)
     time_s, utc = table.clock(TIME)
-    frame = np.zeros(0, np.int64) if by_image else np.array(frames_of_column(table))
-    keys = keys if by_image else [str(one) for one in frame.tolist()]
+    numbers = None if by_image else whole_numbers(table, "frame")
+    frame = np.zeros(0, np.int64) if numbers is None else numbers
     known = dict[str, float]()
     for row, (frame_key, one) in enumerate(zip(keys, time_s.tolist(), strict=True)):
         if known.setdefault(frame_key, one) != one:  # as often as it has picks
             message = f"{frame_key} has two times, {known[frame_key]:.10g} and {one:.10g} s"
             raise section.error("times", str(table.error(message, row)))
-    order = np.argsort(frame, kind="stable")  # of images none
+    order = np.argsort(frame, kind="stable")  # of names none
     back = np.flatnonzero((np.diff(frame[order]) > 0) & ~(np.diff(time_s[order]) > 0.0))
     if len(back):
         earlier, later = order[back[0]], order[back[0] + 1]

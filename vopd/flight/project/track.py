@@ -32,7 +32,12 @@ from vopd.flight.project.stated import (
     key_sigma,
     row_sigmas,
 )
-from vopd.flight.project.times import FrameTimes, first_whole_second, refuse_since_1970
+from vopd.flight.project.times import (
+    FrameTimes,
+    first_whole_second,
+    refuse_seconds,
+    refuse_since_1970,
+)
 from vopd.flight.project.unused import unused_by_image
 from vopd.flight.project.velocity import (
     Roughness,
@@ -351,10 +356,8 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         path = path_by_image(section, rows, position, times, time_s, notes)
         doubts += unused_by_image(project, rows)
     else:
-        flight = project.section("flight")
-        if rows.clock == "seconds" and times.epoch != flight.date("epoch"):  # it is the frames' own
-            message = "is needed: the frames have dates, and the track is in seconds after it"
-            raise flight.error("epoch", message)
+        if rows.clock == "seconds":
+            refuse_seconds(project, times, "the track has")
         path = path_by_time(section, rows, position, times, notes, file.name)
         doubts += doubts_of_rounded_times(section, times, path)
         doubts += doubts_of_holes(times.time_s, path.row_s, file.name)

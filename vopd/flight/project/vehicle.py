@@ -5,24 +5,27 @@ from __future__ import annotations
 import numpy as np
 
 from vopd.flight.flight import VehicleAttitudes
-from vopd.flight.formats.tables import frames_of_column, read_csv
+from vopd.flight.formats.tables import frame_names, read_csv
 from vopd.flight.project.keys import Project
+from vopd.flight.project.times import FrameTimes, refuse_seconds
 from vopd.geometry.rotations import FORWARD, mount_by_angles
 
 
-def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes:
+def read_vehicle(project: Project, offset_s: float, times: FrameTimes) -> VehicleAttitudes:
     """Read the attitudes of the vehicle from the file that a project names.
 
     Args:
         project: its sections
         offset_s: added to the file's times, as to the track's
+        times: of the frames
 
     Raises:
         VopdError: where the file does not say when each attitude is, or how well it is known
     """
     section, file = project.section("vehicle"), project.open("vehicle", "attitude")
-    table = read_csv(file)
-    by = next((one for one in ("frame", "image", "t_s") if table.has(one)), None)
+    table = read_csv(file, ("frame", "image", "t_s"))
+    ways = ("image", "frame", "t_s") if times.image else ("frame", "t_s", "image")
+    by = next(filter(table.has, ways), None)
     if by is None:
         raise file.error(
             "does not say when each attitude is: it needs a column frame, image or t_s, seconds "
@@ -43,15 +46,14 @@ def read_vehicle(project: Project, offset_s: float) -> VehicleAttitudes:
         )
     if not len(angles):
         raise file.error("no attitude is in the file")
-    keys = table.column(by)
+    keys = table.column(by) if by == "t_s" else frame_names(table, by == "image")
     time_s = np.full(len(angles), np.nan)
     if by == "t_s":
-        time_s = table.numbers(by) + offset_s
+        refuse_seconds(project, times, f"{file.name} has")
+        time_s = table.clock((by,))[0] + offset_s
         back = np.flatnonzero(~(np.diff(time_s) > 0.0))
         if len(back):
             raise table.error("its time is not after the one before", int(back[0]) + 1, by)
-    elif by == "frame":
-        keys = list(map(str, np.asarray(frames_of_column(table)).tolist()))
     first = dict[str, int]()
     for row, key in enumerate(keys):
         if first.setdefault(key, row) != row:
