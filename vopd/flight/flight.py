@@ -378,6 +378,14 @@ class Shutter:
     way: str  # in which rows are read: down, up; columns: right, left
     middle: bool  # a frame's time is that of its middle row, not of the first one
 
+    def parts(self, pixel: Floats, size_px: Floats) -> Floats:
+        """Find when rows of pixels (..., 2) are read after their frame's time, in readouts, (...)."""
+        axis = int(self.way in ("down", "up"))
+        part = pixel[..., axis] / (size_px[..., axis] - 1.0)
+        if self.way in ("up", "left"):
+            part = 1.0 - part
+        return np.asarray(part - 0.5 * self.middle)
+
 
 class VehicleAttitudes(NamedTuple):
     """Attitudes of the vehicle that a file has, T of them, and the mount that they show."""

@@ -103,11 +103,8 @@ class Scene:
     def late_s(self, pixel: Floats) -> Floats:
         """Find when the rows of pixels are read after their frame's time, seconds (...)."""
         assert self.shutter is not None
-        axis = int(self.shutter.way in ("down", "up"))
-        part = pixel[..., axis] / (self.lens.size_px[axis] - 1.0)
-        if self.shutter.way in ("up", "left"):
-            part = 1.0 - part
-        return np.asarray((part - 0.5 * self.shutter.middle) * self.shutter.readout_s)
+        part = self.shutter.parts(pixel, self.lens.by_rows("size_px"))
+        return part * self.shutter.readout_s
 
     def pixels(self, view: View, away: Floats) -> tuple[Floats, Floats]:
         """Project apparent places relative to the camera on the image.

@@ -27,16 +27,11 @@ EVEN = 0.02  # of their interval that the times of such frames may be off
 
 def row_parts(flight: Flight) -> Floats:
     """Find when each pick's row is read after its frame's time, in readout times, (P,)."""
-    shutter, pixel = flight.shutter, flight.picks.pixel
-    assert shutter is not None
-    if flight.picks.part is not None:
-        return flight.picks.part
-    axis = int(shutter.way in ("down", "up"))
-    size_px = flight.lens.of(flight.picks.frame).by_rows("size_px")
-    part = pixel[:, axis] / (size_px[..., axis] - 1.0)
-    if shutter.way in ("up", "left"):
-        part = 1.0 - part
-    return np.asarray(part - 0.5 if shutter.middle else part)
+    picks = flight.picks
+    assert flight.shutter is not None
+    if picks.part is not None:
+        return picks.part
+    return flight.shutter.parts(picks.pixel, flight.lens.of(picks.frame).by_rows("size_px"))
 
 
 @np.errstate(all="ignore")
