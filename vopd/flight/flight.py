@@ -379,7 +379,7 @@ class Shutter:
     middle: bool  # a frame's time is that of its middle row, not of the first one
 
     def parts(self, pixel: Floats, size_px: Floats) -> Floats:
-        """Find when rows of pixels (..., 2) are read after their frame's time, in readouts, (...)."""
+        """Find when rows of pixels (..., 2) are read after the frame's time, in readouts, (...)."""
         axis = int(self.way in ("down", "up"))
         part = pixel[..., axis] / (size_px[..., axis] - 1.0)
         if self.way in ("up", "left"):
