@@ -664,8 +664,12 @@ def test_values_are_written_as_toml_has_them() -> None:
     assert tomllib.loads(lines) == values
 
 
-def test_landmarks_of_a_grid_in_feet_are_written_in_feet(tmp_path: Path) -> None:
-    """The new table would be metres by its names, and x and y are feet."""
+@pytest.mark.parametrize("crs", ["+proj=utm +zone={} +datum=WGS84 +units=us-ft", "EPSG:4326"])
+def test_landmarks_are_written_in_the_units_of_their_crs(tmp_path: Path, crs: str) -> None:
+    """The new table would be metres by its names, and x and y are feet; or degrees of six decimals.
+
+    As x and y degrees are in gcp_list.txt; the sixth is a tenth of a metre.
+    """
     source = tmp_path / "source"
     source.mkdir()
     write_flight(source, DRONE, np.random.default_rng(1))
@@ -673,11 +677,11 @@ def test_landmarks_of_a_grid_in_feet_are_written_in_feet(tmp_path: Path) -> None
     head, *rows = (one.split(",") for one in table.read_text(encoding="utf-8").split())
     assert head[:4] == ["landmark", "lat_deg", "lon_deg", "h_m"]
     zone = round((float(rows[0][2]) + 183.0) / 6.0)
-    crs = f"+proj=utm +zone={zone} +datum=WGS84 +units=us-ft"
-    plane = pyproj.Proj(crs)
+    crs = crs.format(zone)
+    plane = pyproj.Transformer.from_crs("EPSG:4326", crs, always_xy=True)
     for row in rows:
-        row[1:3] = map(repr, plane(float(row[2]), float(row[1])))
-    lines = [",".join(one) for one in (["landmark", "x_ft", "y_ft", "z_m", *head[4:]], *rows)]
+        row[1:3] = map(repr, plane.transform(float(row[2]), float(row[1])))
+    lines = [",".join(one) for one in (["landmark", "x", "y", "z_m", *head[4:]], *rows)]
     table.write_text("\n".join(lines), encoding="utf-8")
     text = file.read_text(encoding="utf-8").replace("[landmarks]", f'[landmarks]\ncrs = "{crs}"')
     file.write_text(text, encoding="utf-8")

@@ -391,6 +391,21 @@ def test_degrees_beside_a_system_in_grads_are_refused() -> None:
     assert read_by_content(LANDMARK_FORMATS, of_file).coordinate[0, 1] == 52.0
 
 
+@pytest.mark.parametrize(
+    "names", ["lat,lon,height", "lat_deg,lon_deg,h_ft", "y,x,z_ft", "lat_deg,lon_deg,h_m"]
+)
+def test_heights_of_their_own_in_feet_beside_degrees(names: str) -> None:
+    """Feet by their name were read in metres, and these taken for feet, as those of h_m were."""
+    text = f"landmark,{names}\na,34.0,-118.0,1000\n"
+    of_file = InputFile("m", Path("nowhere"), text, None, "EPSG:4269+6360")
+    if names.endswith("_m"):
+        with refused(VopdError):
+            read_by_content(LANDMARK_FORMATS, of_file)
+        return
+    found = read_by_content(LANDMARK_FORMATS, of_file).coordinate
+    assert_close("flight position", found, [[-118.0, 34.0, 1000.0]])
+
+
 def test_a_table_without_a_header_names_its_feet() -> None:
     text = "a,6480000,1840000,1000\n"
     file = InputFile("m", Path("nowhere"), text, ["landmark", "x_ft", "y_ft", "z_ft"], FEET)

@@ -46,6 +46,9 @@ def test_metres_and_feet_of_a_grid() -> None:
     whole = np.round(places() * [1e4, 1e5, 1.0])
     assert_approved(doubts_of_rounding("landmarks", "m.csv", whole, False, "EPSG:32633", STATED))
     assert_approved(doubts_of_rounding("landmarks", "m.csv", whole, False, "EPSG:2229", STATED))
+    tenths = places(height=1) * [1e4, 1e5, 1.0]  # of a foot: 9 mm
+    crs, stated = "+proj=utm +zone=33 +datum=WGS84 +vunits=us-ft", STATED / 2.0
+    assert not doubts_of_rounding("landmarks", "m.csv", tenths, False, crs, stated)
     feet = places()
     feet[:, 2] = np.round(feet[:, 2]) * 0.3048
     assert_approved(doubts_of_rounding("track", "t.csv", feet, True, None, STATED))

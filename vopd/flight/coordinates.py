@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
@@ -203,11 +204,31 @@ def has_height_axis(name: str, where: str) -> bool:
     return len(_crs(name, where).axis_info) == 3
 
 
-def height_unit_m(name: str, where: str) -> float:
-    """Find the metres in a unit of a CRS's height axis; 1 where it has none."""
-    if name in WGS84_NAMES or not has_height_axis(name, where):
-        return 1.0
-    return float(_crs(name, where).axis_info[2].unit_conversion_factor)
+def level_of_heights_m(
+    height: HeightDatum | None, crs: str | None, position_m: Floats, where: str
+) -> float:
+    """Find how high above the ellipsoid heights begin at a place: what counts as 0 there.
+
+    Args:
+        height: what they are counted from; None where the CRS has heights of its own, or nothing
+            is said
+        crs: of the coordinates; None for WGS 84 longitude and latitude
+        position_m: Earth-centred, (1, 3)
+        where: file or section, for errors
+    """
+    here = geodetic(position_m)
+    longitude, latitude, height_m = here.longitude_deg, here.latitude_deg, here.height_m
+    if height is not None:
+        begin = np.stack([longitude, latitude, 0.0 * height_m], axis=1)
+        begin_m = earth_centred_positions(begin, True, None, height, where)
+        return float(geodetic(begin_m).height_m[0])
+    units = units_of_heights(crs, where)
+    if crs is None or not units or _crs(crs_name(crs), where).is_geocentric:
+        return 0.0
+    pyproj, own = optional_package("pyproj", "geo", f"{where}: {crs}"), _crs(crs_name(crs), where)
+    lists = longitude.tolist(), latitude.tolist(), height_m.tolist()
+    *_, (above,) = _transformer(pyproj, own, ELLIPSOIDAL).transform(*lists, direction="INVERSE")
+    return float(height_m[0]) - float(above) * units[0].metres
 
 
 class AxisUnit(NamedTuple):
@@ -234,16 +255,28 @@ def units_of_grid(crs: str | None, where: str) -> list[AxisUnit]:
 
     Empty for latitude and longitude, and for a CRS that is not known, which is told elsewhere.
     """
-    name = ELLIPSOIDAL if crs is None else crs_name(crs)
-    try:
-        if crs_is_geographic(name, where):
-            return []
-        axes = _crs(name, where).axis_info
-    except VopdError:
+    with suppress(VopdError):
+        if not crs_is_geographic(ELLIPSOIDAL if crs is None else crs_name(crs), where):
+            return _units(crs, where)
+    return []
+
+
+def units_of_heights(crs: str | None, where: str) -> list[AxisUnit]:
+    """List the unit of the heights that a CRS has itself; none where it has no heights.
+
+    None for a CRS that is not known, which is told elsewhere.
+    """
+    with suppress(VopdError):
+        return _units(crs, where)[2:]
+    return []
+
+
+def _units(crs: str | None, where: str) -> list[AxisUnit]:
+    if crs is None or crs_name(crs) in WGS84_NAMES:
         return []
     return [
         AxisUnit(f"{one.unit_name}s".replace("foots", "feet"), float(one.unit_conversion_factor))
-        for one in axes
+        for one in _crs(crs_name(crs), where).axis_info
     ]
 
 

@@ -15,7 +15,16 @@ from vopd.arrays import Floats
 from vopd.files import from_folder
 from vopd.findings import VopdError, count_text
 from vopd.flight.adjust.adjustment import Adjustment
-from vopd.flight.coordinates import STEPS, coordinates_at, earth_centred_positions, units_of_grid
+from vopd.flight.coordinates import (
+    ELLIPSOIDAL,
+    STEPS,
+    coordinates_at,
+    crs_is_geographic,
+    crs_name,
+    earth_centred_positions,
+    units_of_grid,
+    units_of_heights,
+)
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.columns import coordinate_columns
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS, PATCH, SIGMAS
@@ -198,23 +207,24 @@ def _write_landmarks(
     rows = read_by_content(LANDMARK_FORMATS, project.open("landmarks"))
     crs, marks = landmark_crs(section, rows), model.flight.landmarks
     where = f"{section.project}: [landmarks]"
+    degrees = rows.geodetic or crs_is_geographic(crs_name(crs or ELLIPSOIDAL), where)
 
     def positions(coordinate: Floats) -> Floats:
         return earth_centred_positions(coordinate, rows.geodetic, crs, height_datum(section), where)
 
     wanted = marks.position_m + model.landmark_by_m(joint.state)
     free, coordinate = model.free, rows.coordinate.copy()
-    coordinate[free] = coordinates_at(
-        wanted[free], coordinate[free], positions, STEPS[rows.geodetic]
-    )
+    coordinate[free] = coordinates_at(wanted[free], coordinate[free], positions, STEPS[degrees])
     sigma_m = marks.sigma_m.copy()
     after = np.sqrt(np.diag(covariance_by_picks(joint)[0])[model.of_landmarks])
     sigma_m[model.free] = np.minimum(after.reshape(-1, 3), sigma_m[model.free])
-    columns = ("lat_deg", "lon_deg", "h_m") if rows.geodetic else ("x_m", "y_m", "z_m")
-    units = [] if rows.geodetic else units_of_grid(crs, where)
-    if not all(one.is_metre for one in units):  # x and y are in the grid's own unit
-        columns = "x", "y", "z" if len(units) == 3 else "z_m"
-    order, digits = ([1, 0, 2], (11, 11, 6)) if rows.geodetic else ([0, 1, 2], (6, 6, 6))
+    columns = ["lat_deg", "lon_deg", "h_m"] if rows.geodetic else ["x_m", "y_m", "z_m"]
+    heights = units_of_heights(crs, where)
+    units = [*units_of_grid(crs, where)[:2], *heights]
+    if degrees > rows.geodetic or not all(one.is_metre for one in units):  # the CRS's own units
+        columns[:2] = columns[:2] if rows.geodetic else ["x", "y"]
+        columns[2:] = [columns[2][:1]] if heights else columns[2:]
+    order, digits = [1, 0, 2] if rows.geodetic else [0, 1, 2], (11, 11, 6) if degrees else (6,) * 3
     patches = [] if marks.patch_px is None else [PATCH]
     sides = np.full(len(marks.name), np.nan) if marks.patch_px is None else marks.patch_px
     lines = [",".join(["landmark", *columns, *SIGMAS, *patches])]

@@ -21,6 +21,7 @@ from vopd.flight.coordinates import (
     crs_name,
     other_angle,
     units_of_grid,
+    units_of_heights,
 )
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.columns import GEODETIC, HEIGHTS, PLANE, coordinate_columns
@@ -157,8 +158,11 @@ def coordinates_of(table: CsvTable, geodetic: bool) -> Floats:
             f"{table.file.crs} counts in {other}, and columns lat_deg and lon_deg are degrees: "
             "convert them to a coordinate reference system in degrees, as EPSG:4326"
         )
-    units = [] if geodetic else units_of_grid(table.file.crs, table.file.name)
-    for name, unit in zip(PLANE, units, strict=False):
+    crs, file = table.file.crs, table.file.name
+    grid = [] if geodetic else units_of_grid(crs, file)
+    names, units = (PLANE, grid) if grid else (columns[2:], units_of_heights(crs, file))
+    counts = f"the grid {crs} counts" if grid else f"{crs} counts heights"
+    for name, unit in zip(names, units, strict=False):
         said = table.unit_said(name)
         if said == "ft" and unit.is_foot and name in HEIGHTS:
             coordinate[:, 2] /= M_PER_FT  # the CRS takes feet
@@ -166,13 +170,13 @@ def coordinates_of(table: CsvTable, geodetic: bool) -> Floats:
         if not by_name and not (name in HEIGHTS and unit.is_metre):
             call = name if unit.is_metre else name[0] + "_ft" * unit.is_foot
             raise table.file.error(
-                f"{'metres' if said == 'm' else 'feet'} by its name, and the grid "
-                f"{table.file.crs} counts in {unit.name}: if it has those, call it {call}",
+                f"{'metres' if said == 'm' else 'feet'} by its name, and "
+                f"{counts} in {unit.name}: if it has those, call it {call}",
                 column=table.own[table.header.index(name)],
             )
-    if len(units) == 2 and not units[0].is_metre and not table.unit_said("z_m"):
+    if len(grid) == 2 and not grid[0].is_metre and not table.unit_said("z_m"):
         raise table.file.error(
-            f"x and y are {units[0].name}, by the grid {table.file.crs}, and heights may be feet "
+            f"x and y are {grid[0].name}, by the grid {crs}, and heights may be feet "
             "or metres: call it z_ft or z_m",
             column=table.own[table.header.index("z_m")],
         )

@@ -11,7 +11,13 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.findings import NeededError, VopdError, size_text
-from vopd.flight.coordinates import M_PER_FT, crs_is_geographic, crs_name, units_of_grid
+from vopd.flight.coordinates import (
+    M_PER_FT,
+    crs_is_geographic,
+    crs_name,
+    units_of_grid,
+    units_of_heights,
+)
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.formats.lens import LensRead
 from vopd.flight.project.keys import (
@@ -282,7 +288,7 @@ def doubts_of_rounding(
     some = coordinate[:ROWS_LOOKED_AT]
     unit_m = _units_m(some, geodetic, crs, file)
     step_m = np.array([_step(column) for column in some.T]) * unit_m
-    feet_m = _step(some[:, 2] / M_PER_FT) * M_PER_FT  # as a column of feet is read
+    feet_m = _step(some[:, 2] * unit_m[2] / M_PER_FT) * M_PER_FT  # as a column of feet is read
     step_m[2] = max(step_m[2], feet_m)
     rounding_m, stated_m = UNIFORM * step_m, np.median(sigma_m, axis=0)
     wrong = (rounding_m > MORE * stated_m) & (stated_m > 0.0)
@@ -308,12 +314,12 @@ def _units_m(coordinate: Floats, geodetic: bool, crs: str | None, where: str) ->
         degrees = geodetic or (crs is not None and crs_is_geographic(crs_name(crs), where))
     except VopdError:  # a grid that is not known is told elsewhere
         degrees = False
+    height_m = [one.metres for one in units_of_heights(crs, where)] or [1.0]
     if degrees:
         latitude = np.radians(np.median(coordinate[:, 1]))
-        return np.array([M_PER_DEG * np.cos(latitude), M_PER_DEG, 1.0])
-    units = units_of_grid(crs, where)
-    metres = [one.metres for one in units[:2]] if len(units) > 1 else [1.0, 1.0]
-    return np.array([*metres, 1.0])
+        return np.array([M_PER_DEG * np.cos(latitude), M_PER_DEG, *height_m])
+    level_m = [one.metres for one in units_of_grid(crs, where)[:2]] or [1.0, 1.0]
+    return np.array([*level_m, *height_m])
 
 
 def _step(values: Floats) -> float:

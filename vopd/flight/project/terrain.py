@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 import warnings
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -21,8 +20,8 @@ from vopd.flight.coordinates import (
     HeightDatum,
     earth_centred_positions,
     has_height_axis,
-    height_unit_m,
     units_of_grid,
+    units_of_heights,
 )
 from vopd.flight.flight import LandmarkSet
 from vopd.flight.project.keys import Project, Section
@@ -60,9 +59,8 @@ class Terrain:
         self._refused = optional_package("rasterio._err", "terrain")  # GDAL's own, not public
         self._covered = np.zeros(0, bool)  # places that were read, whether they are in the file
         self._unit_m = M_PER_FT if FEET.fullmatch(dataset.units[0] or "") else 1.0
-        with suppress(VopdError):  # of a CRS that is not known, which is told where it is used
-            own_m = height_unit_m(dataset.crs.to_wkt(), name)
-            self._unit_m = self._unit_m if own_m == 1.0 else own_m
+        for own in units_of_heights(dataset.crs.to_wkt(), name):
+            self._unit_m = self._unit_m if own.is_metre else own.metres
         self._odd_m = float("nan")  # of a cell that was read, beyond the heights of land
 
     def heights_m(self, position_m: Floats) -> Floats:
@@ -190,7 +188,7 @@ class Terrain:
         else:
             own = self._dataset.crs
             x, y = self._converted("EPSG:4326", own, here.longitude_deg, here.latitude_deg)
-            raw_m = raw_m / height_unit_m(name, self.name)
+            raw_m = raw_m / units_of_heights(name, self.name)[0].metres
         ground = np.stack([x, y, raw_m], axis=1)
         on_it = earth_centred_positions(ground, datum is not None, name, datum, self.name)
         return np.asarray(here.height_m - geodetic(on_it).height_m)

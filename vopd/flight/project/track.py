@@ -18,6 +18,7 @@ from vopd.flight.coordinates import (
     doubt_of_heights,
     earth_centred_positions,
     units_of_grid,
+    units_of_heights,
 )
 from vopd.flight.flight import LEAPS, CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.columns import coordinate_columns
@@ -396,16 +397,20 @@ def _above_ground(section: Section) -> str:
 
 
 def not_in_metres(crs: str | None, where: str) -> str:
-    """Say that a grid does not count in metres, as a fixed position does; empty if it does.
+    """Say that a CRS does not count in metres, as a fixed position does; empty if it does.
 
     Args:
-        crs: the grid
+        crs: a grid, or of latitude and longitude, which may have heights of its own
         where: file or section, for errors
     """
-    for unit in units_of_grid(crs, where):
+    grid = units_of_grid(crs, where)
+    for unit in grid or units_of_heights(crs, where):
         if not unit.is_metre:
             write = "write lat_deg, lon_deg and h_m, or a grid in metres"
-            return f"is metres, and the grid {crs} counts in {unit.name}: {write}"
+            if not grid:
+                write = "take one without heights, and say with height what they count from"
+            what = f"the grid {crs} counts" if grid else f"{crs} counts heights"
+            return f"is metres, and {what} in {unit.name}: {write}"
     return ""
 
 
@@ -420,8 +425,8 @@ def fixed_path(section: Section, times: FrameTimes, landmarks: Section | None = 
     if crs is None and not geodetic:
         raise section.error("crs", "is needed with x_m and y_m")
     where = f"{section.project}: [position]"
-    if not geodetic and (wrong := not_in_metres(crs, where)):
-        raise section.error("x_m", wrong)
+    if wrong := not_in_metres(crs, where):
+        raise section.error("h_m" if geodetic else "x_m", wrong)
     datum = height_datum(section, landmarks)
     position = earth_centred_positions(coordinate, geodetic, crs, datum, where)
     notes = Notes(["one fixed position"], {})
