@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -736,3 +737,7 @@ def test_grid_coordinates_in_feet_are_named(tmp_path: Path) -> None:
     found = [one for one in messages(path) if "feet" in one]
     assert len(found) == 2
     assert_approved(found)
+    own = "+proj=utm +zone=33 +datum=WGS84 +vunits=m"  # with heights of its own
+    text = path.read_text().replace('"EPSG:32633"', f'"{own}"')
+    path.write_text(re.sub(r"(?m)^height = .*\n", "", text))
+    assert any("in feet they are not" in one for one in messages(path))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -567,7 +568,11 @@ WITHOUT_TRACK = TOML.partition("[track]")[0]
 
 
 def with_wind(
-    folder: Path, velocity: Any, levels: str = "500,180,10\n600,180,30\n", **height: object
+    folder: Path,
+    velocity: Any,
+    levels: str = "500,180,10\n600,180,30\n",
+    crs: str | None = None,
+    **height: object,
 ) -> tuple[CameraPath, list[str], list[str]]:
     """A path at heights of 0, 550 and 9000 m, its wind, and what is doubtful of it."""
     (folder / "wind.csv").write_text(f"h_m,from_deg,speed_m_s\n{levels}")
@@ -575,7 +580,7 @@ def with_wind(
     sections |= {name: Section("p.toml", name, {"height": one}) for name, one in height.items()}
     project = Project("p.toml", folder, sections)
     position = earth_centred_m(47.0, 16.0, np.array([0.0, 550.0, 9000.0]))
-    return add_wind(project, CameraPath(position, velocity_m_s=velocity))
+    return add_wind(project, CameraPath(position, velocity_m_s=velocity), crs)
 
 
 def test_wind_is_linear_in_height_and_held_beyond_the_ends(tmp_path: Path) -> None:
@@ -608,6 +613,25 @@ def test_levels_of_the_wind_count_from_the_sea(tmp_path: Path) -> None:
         assert_approved([said])
 
 
+def test_levels_of_the_wind_count_from_the_geoid_of_a_crs(tmp_path: Path) -> None:
+    """A grid of a geoid that is 25 m above the ellipsoid; of +vunits alone heights are above that.
+
+    The format is NOAA's: latitude and longitude of a corner, steps, rows, columns, and heights.
+    """
+    grid = tmp_path / "geoid.gtx"
+    grid.write_bytes(struct.pack(">4d2i4f", 40.0, 10.0, 10.0, 10.0, 2, 2, *[25.0] * 4))
+    of_geoid = f"+proj=longlat +datum=WGS84 +geoidgrids={grid.as_posix()} +vunits=us-ft"
+    for crs, expected in (
+        (of_geoid, [10.0, 15.0, 30.0]),
+        ("+proj=longlat +datum=WGS84 +vunits=us-ft", [10.0, 20.0, 30.0]),
+        ("EPSG:4978", [10.0, 20.0, 30.0]),
+    ):
+        path, (said,), _ = with_wind(tmp_path, np.zeros((3, 3)), crs=crs)
+        assert path.wind_m_s is not None
+        assert_close("flight speed", path.wind_m_s[:, 0], expected)
+        assert ("25 m above the ellipsoid" in said) == (crs == of_geoid)
+
+
 def test_levels_half_a_kilometre_away_are_near_and_faster_than_any_wind_is_told(
     tmp_path: Path,
 ) -> None:
@@ -619,7 +643,7 @@ def test_wind_without_a_velocity_is_refused(tmp_path: Path) -> None:
     with refused(VopdError):
         with_wind(tmp_path, None)
     path = CameraPath(np.zeros((1, 3)))
-    assert add_wind(Project("p.toml", tmp_path, {}), path) == (path, [], [])
+    assert add_wind(Project("p.toml", tmp_path, {}), path, None) == (path, [], [])
 
 
 # Positions and speeds
@@ -642,8 +666,10 @@ def test_a_fixed_position_has_every_key_of_its_section() -> None:
 
 def test_a_fixed_position_is_not_in_feet() -> None:
     grid = {"x_m": 6.48e6, "y_m": 1.84e6, "z_m": 3.0, "crs": "EPSG:2229", "height": "ellipsoid"}
-    with refused(VopdError):
-        fixed_path(Section("p.toml", "position", grid), FrameTimes(np.zeros(1), (), None))
+    degrees = {"lat_deg": 34.0, "lon_deg": -118.0, "h_m": 3.0, "crs": "EPSG:4269+6360"}
+    for wrong in (grid, degrees):
+        with refused(VopdError):
+            fixed_path(Section("p.toml", "position", wrong), FrameTimes(np.zeros(1), (), None))
 
 
 @pytest.mark.parametrize("key", ["lat_deg", "lon_deg", "h_m", "x_m", "y_m", "z_m", "crs"])

@@ -12,6 +12,7 @@ from vopd.flight.coordinates import (
     M_PER_FT,
     HeightDatum,
     earth_centred_positions,
+    has_height_axis,
     map_grid,
     outside_area,
 )
@@ -84,8 +85,9 @@ def _on_grid(flight: Flight, position_m: Floats, change: Callable[[Floats], Floa
         return np.full_like(position_m, np.nan)
     height_m = geodetic(position_m).height_m
     coordinate = change(np.stack([grid.easting, grid.northing, height_m], axis=1))
+    level = None if has_height_axis(grid.crs, "") else HeightDatum("same")
     try:
-        return earth_centred_positions(coordinate, False, grid.crs, HeightDatum("same"), "")
+        return earth_centred_positions(coordinate, False, grid.crs, level, "")
     except VopdError:
         return np.full_like(position_m, np.nan)
 

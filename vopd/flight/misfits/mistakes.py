@@ -11,7 +11,7 @@ import numpy as np
 from vopd.arrays import Floats, Ints
 from vopd.estimate import Estimate
 from vopd.findings import VopdError
-from vopd.flight.coordinates import M_PER_FT
+from vopd.flight.coordinates import M_PER_FT, level_of_heights_m
 from vopd.flight.estimate import FlightEstimates, flight_estimate
 from vopd.flight.flight import Flight
 from vopd.flight.misfits.input_errors import (
@@ -213,9 +213,10 @@ def _from_feet(project: Project, flight: Flight, estimate: Estimate) -> Correcte
     """Take the heights of landmarks, of the camera, or of both for feet."""
 
     def lower(section: str, position_m: Floats) -> Floats:
-        datum = height_datum(project.section(section), project.section("landmarks"))
-        level = 0.0 if datum is None else datum.undulation_m + datum.ground_m
-        where = geodetic(position_m)
+        own = project.section(section)
+        datum, where = height_datum(own, project.section("landmarks")), geodetic(position_m)
+        place = position_m[np.isfinite(position_m[:, 0])][:1]
+        level = level_of_heights_m(datum, own.values.get("crs"), place, project.name)
         height = (where.height_m - level) * M_PER_FT + level
         return earth_centred_m(where.latitude_deg, where.longitude_deg, height)
 

@@ -26,6 +26,7 @@ from vopd.flight.coordinates import (
     crs_name,
     doubt_of_heights,
     earth_centred_positions,
+    level_of_heights_m,
     map_grid,
     outside_area,
 )
@@ -311,8 +312,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         joined, findings = join_picks(picks, label, landmarks.name, name)
         if joined.repeatability_px < COPIED_PX:
             findings.append(Finding(COPIED, name, severity="warning"))
-    camera, wind_said, wind_doubts = add_wind(project, path.path)
     crs = landmark_crs(project.section("landmarks"), rows)
+    camera, wind_said, wind_doubts = add_wind(project, path.path, crs)
     outside = outside_area(crs, landmarks.position_m)
     doubts = [*picks.doubts, *turned, *times.doubts, *rows.doubts, *path.doubts, *wind_doubts]
     doubts += [f"[landmarks] crs: {outside}"] if outside else []
@@ -498,12 +499,20 @@ def _one_datum(project: Project) -> None:
         )
 
 
+SAME_LEVEL_M = 1e-3  # between levels of heights: that of the ellipsoid is no geoid's
 WIND_BEYOND_M = 500.0  # of the wind's levels: how far away they are is said
 FASTEST_WIND_M_S = 150.0  # faster than any jet stream
 
 
-def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str], list[str]]:
+def add_wind(
+    project: Project, path: CameraPath, crs: str | None
+) -> tuple[CameraPath, list[str], list[str]]:
     """Interpolate the wind at the camera's heights.
+
+    Args:
+        project: its sections
+        path: the camera's
+        crs: of the landmarks
 
     Returns:
         The path with it, sentences about the sounding, and what is doubtful of it.
@@ -514,7 +523,7 @@ def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str],
     if path.velocity_m_s is None:
         message = "is of no use: the velocity is not known without a track by time"
         raise project.section("wind").error("file", message)
-    sea_m, counted = _sea_level(project, path)
+    sea_m, counted = _sea_level(project, path, crs)
     height, level = geodetic(path.position_m).height_m - sea_m, rows.height_m
     wind = np.stack([np.interp(height, level, w) for w in rows.toward_m_s.T], axis=1)
     said = f"{rows.said}, linear in height, the last level held beyond the ends; levels {counted}"
@@ -535,25 +544,23 @@ def add_wind(project: Project, path: CameraPath) -> tuple[CameraPath, list[str],
     return replace(path, wind_m_s=wind, wind_sigma_m_s=sigma_m_s), [said], doubts
 
 
-def _sea_level(project: Project, path: CameraPath) -> tuple[float, str]:
+def _sea_level(project: Project, path: CameraPath, crs: str | None) -> tuple[float, str]:
     """Find the sea's height above the ellipsoid at the camera, and say where levels count from.
 
     Soundings count from the sea. Its height is 0 where no section of the project has a geoid.
     """
-    landmarks = project.section("landmarks")
-    where = geodetic(path.position_m)
-    known = np.flatnonzero(np.isfinite(where.height_m))[:1]
-    for section in (project.section("track"), project.section("position"), landmarks):
+    landmarks, where = project.section("landmarks"), f"{project.name}: [wind]"
+    place = path.position_m[np.isfinite(path.position_m[:, 0])][:1]
+    for name in ("track", "position", "landmarks"):
+        section = project.section(name)
+        own = crs if name == "landmarks" else section.values.get("crs")
         datum = height_datum(section, landmarks)
-        if datum is None or datum.name == "ellipsoid" or not len(known):
-            continue
-        if datum.name == "same":
+        if datum is not None and datum.name == "same":
             return 0.0, "counted as the camera's heights"
-        on_it = np.array([[where.longitude_deg[known[0]], where.latitude_deg[known[0]], 0.0]])
-        level = replace(datum, ground_m=0.0)
-        at_sea = earth_centred_positions(on_it, True, None, level, f"{project.name}: [wind]")
-        sea_m = float(geodetic(at_sea).height_m[0])
-        return sea_m, f"above the sea, which is {sea_m:.4g} m above the ellipsoid"
+        sea = None if datum is None else replace(datum, ground_m=0.0)
+        sea_m = level_of_heights_m(sea, own, place, where)
+        if abs(sea_m) > SAME_LEVEL_M or (sea is not None and sea.name != "ellipsoid"):
+            return sea_m, f"above the sea, which is {sea_m:.4g} m above the ellipsoid"
     return 0.0, "taken as above the ellipsoid, as no geoid is stated"
 
 
