@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import os
+import pickle
 import stat
 import sys
 from collections.abc import Iterator
@@ -68,6 +69,25 @@ def saved_empty(monkeypatch: pytest.MonkeyPatch, not_laid_out: None) -> None:
         save(Figure(figure.get_size_inches()), *args, **options)
 
     monkeypatch.setattr(Figure, "savefig", saved)
+
+
+@pytest.fixture
+def solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What one command has solved others take, where all that they have read is the same."""
+    from vopd.flight import result
+
+    solve, known = result.solve_flight_read, dict[tuple[bytes, bool], result.FlightResult]()
+
+    def solved(
+        read: Any, tell: Any = lambda: None, project: Any = None, doubted: bool = True
+    ) -> Any:
+        key = pickle.dumps((read, doubted)), project is None
+        if key not in known:
+            known[key] = solve(read, tell, project, doubted)
+        return known[key]
+
+    for room in ("result", "check", "adjust.adjustment"):
+        monkeypatch.setattr(f"vopd.flight.{room}.solve_flight_read", solved)
 
 
 @pytest.fixture(scope="session")

@@ -143,7 +143,7 @@ def run_command(command: str, place: Path) -> tuple[int, str]:
     return done.returncode, said + done.stdout.decode()
 
 
-@pytest.mark.usefixtures("saved_empty")
+@pytest.mark.usefixtures("saved_empty", "solved_once")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_what_a_page_shows_is_so(page: Path, place: Path, notebook: Notebook) -> None:
     printed = ""

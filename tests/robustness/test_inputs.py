@@ -7,13 +7,11 @@ of flights; `commands.txt` has command lines. README.md says what each showed.
 from __future__ import annotations
 
 import os
-import pickle
 import shlex
 import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -21,8 +19,6 @@ from tests.approved.texts import assert_approved
 from tests.kit.command import CASE_1, DECKS, ROOT, vopd
 from tests.kit.flight_project import write_project
 from tests.kit.judge import Command, deck_commands, flight_commands, judge, judge_all, star_commands
-from vopd.flight import result
-from vopd.flight.flight import Flight
 
 HERE = Path(__file__).parent
 INPUTS = sorted((HERE / "inputs").iterdir())
@@ -49,21 +45,6 @@ def commands_for(name: str) -> list[Command]:
     if name.endswith(".lst"):
         return [["diff", name, name], ["diff", "--format", "json", name, name, "-o", "differences"]]
     return [*star_commands(name)]
-
-
-@pytest.fixture
-def solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What `check` has solved `attitude` takes, twice, where all that was read is the same."""
-    solve, known = result.solve_flight_read, dict[tuple[bytes, bool], result.FlightResult]()
-
-    def solved(read: Flight, *others: Any, project: Any = None, **options: Any) -> Any:
-        key = pickle.dumps((read, others[1:], options)), project is None
-        if key not in known:
-            known[key] = solve(read, *others, project=project, **options)
-        return known[key]
-
-    monkeypatch.setattr(result, "solve_flight_read", solved)
-    monkeypatch.setattr("vopd.flight.check.solve_flight_read", solved)
 
 
 @pytest.mark.usefixtures("saved_empty", "solved_once")
