@@ -13,12 +13,11 @@ from scipy.stats import f as f_distribution
 from tests.kit.stars import COSINES
 from tests.kit.stars import solve_text as solve
 from tests.tolerances import assert_close
-from vopd.stellar import interstar_angles, outlier_search
+from vopd.stellar import outlier_search
 from vopd.stellar.field import Failure, StarField
 from vopd.stellar.interstar_angles import (
     interstar_reading_sigma_mm,
     median_disagreement_mm,
-    outliers,
     star_disagreement_arcsec,
     star_pairs,
     widest_pair,
@@ -39,28 +38,6 @@ def stars(count: int, sigma: float = 0.01) -> StarField:
 
 
 # Limits of the tests by interstar angles, and which stars are compared
-
-
-MEDIANS: list[tuple[list[float], list[bool]]] = [
-    ([2.0, 2.0, 2.0, 10.1], [False, False, False, True]),
-    ([2.0, 2.0, 2.0, 9.9], [False] * 4),
-    ([2.0, 2.0, 2.0, 10.0], [False] * 4),
-    ([0.1, 0.1, 0.1, 0.99], [False] * 4),
-    ([0.1, 0.1, 0.1, 1.01], [False, False, False, True]),
-    ([0.1, 0.1, 9.0], [False] * 3),
-    ([1.0, 1.0, np.nan, 6.0, 1.0], [False, False, False, True, False]),
-    ([np.nan] * 4, [False] * 4),
-]
-
-
-@pytest.mark.parametrize(("medians", "marked"), MEDIANS)
-def test_five_times_the_others_and_a_second(
-    monkeypatch: pytest.MonkeyPatch, medians: list[float], marked: list[bool]
-) -> None:
-    """Of four stars and more; the others are told by their median."""
-    table = np.array(medians), np.array(medians)
-    monkeypatch.setattr(interstar_angles, "star_disagreement_arcsec", lambda field: table)
-    assert outliers(stars(len(medians))).tolist() == marked
 
 
 def test_the_reading_error_of_interstar_angles() -> None:

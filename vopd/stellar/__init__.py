@@ -27,7 +27,7 @@ from vopd.stellar.field import (
     right_ascension_declination_deg,
     star_directions,
 )
-from vopd.stellar.interstar_angles import outliers, star_disagreement_arcsec, star_pairs
+from vopd.stellar.interstar_angles import star_disagreement_arcsec, star_pairs
 from vopd.stellar.methods.calibration import Calibration, LensOfStars, calibrate
 from vopd.stellar.methods.church import church
 from vopd.stellar.methods.collinearity import collinearity
@@ -59,7 +59,6 @@ __all__ = [
     "omega_phi_kappa_deg",
     "orientation_matrix",
     "orthogonality_defect",
-    "outliers",
     "resection",
     "right_ascension_declination_deg",
     "single_rotation",

@@ -1,4 +1,4 @@
-"""Angles between stars, which do not depend on the attitude: pairs, disagreement, outliers.
+"""Angles between stars, which do not depend on the attitude: pairs, disagreement, reading error.
 
 The angle between two stars and the angle between their images are the same,
 wherever the camera points. Their difference therefore tests the readings and
@@ -9,15 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from vopd.arrays import Bools, Floats, Ints
+from vopd.arrays import Floats, Ints
 from vopd.geometry.linear import ARCSEC_PER_RADIAN, angle_between, dot, norm
 from vopd.stellar.field import StarField
-
-OUTLIER_RATIO = 5.0
-"""A star is an outlier when its median disagreement exceeds the others' by this factor."""
-
-NOTICEABLE_ARCSEC = 1.0
-"""Disagreement below which no star is an outlier, whatever that of the others."""
 
 MOST_PARTNERS = 40  # with how many others a star is compared to estimate the reading error
 NORMAL_MEDIAN = 0.6744897501960817  # median size of a normal error of standard deviation 1
@@ -94,24 +88,6 @@ def star_disagreement_arcsec(field: StarField) -> tuple[Floats, Floats]:
     median = np.nanmedian(filled, axis=-1, keepdims=True)
     both = np.where(alone, np.nan, np.concatenate([total, median], axis=-1))
     return both[..., 0], both[..., 1]
-
-
-def outliers(field: StarField) -> Bools:
-    """Mark stars whose disagreement is much larger than that of the others.
-
-    Args:
-        field: the stars and their images
-
-    Returns:
-        Which stars are outliers, (..., n). There are none in a problem of fewer than four:
-        of three stars, two agree or disagree with the third alike.
-    """
-    _, median = star_disagreement_arcsec(field)
-    known = np.where(np.isnan(median).all(axis=-1, keepdims=True), 0.0, median)
-    typical = np.nanmedian(known, axis=-1, keepdims=True)
-    bar = np.maximum(OUTLIER_RATIO * typical, NOTICEABLE_ARCSEC)
-    enough = field.used.sum(axis=-1, keepdims=True) >= 4
-    return np.asarray(enough & (np.nan_to_num(median) > bar))
 
 
 def interstar_reading_sigma_mm(field: StarField, discrepancies_mm: Floats | None = None) -> Floats:
