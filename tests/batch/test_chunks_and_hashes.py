@@ -229,7 +229,8 @@ def test_a_record_that_no_batch_writes_is_none(changes: dict[str, Any]) -> None:
     [
         ({}, True), ({"status": UNCONVERGED}, True), ({"status": FAILED}, False),
         ({"version": "0"}, False), ({"options": "{}"}, False), ({"input_sha256": "0"}, False),
-        ({"path": "a.dat"}, False), ({"outputs": {"a.csv": "0"}}, False), ({"outputs": {"none.csv": "0"}}, False),
+        ({"path": "a.dat"}, False), ({"outputs": {"a.csv": "0"}}, False),
+        ({"outputs": {"none.csv": "0"}}, False),
     ],
 )  # fmt: skip
 def test_when_an_earlier_record_still_holds(

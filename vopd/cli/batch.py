@@ -213,9 +213,9 @@ def _status(records: Sequence[SourceRecord], options: SharedOptions) -> int:
         click.echo(f"{more} failed; summary.jsonl says why", err=True)
     if records and len(failed) == len(records):
         return 1
-    doubtful = any(
-        one.status in (UNCONVERGED, MISFITS)
-        or (options.strict and (one.flagged or one.mistaken or one.errata or one.unread))
-        for one in records
-    )
-    return 3 if failed or doubtful else 0
+    doubtful = options.doubtful(
+        sum(one.flagged for one in records), sum(one.mistaken for one in records),
+        sum(one.errata for one in records), sum(one.unread for one in records),
+    )  # fmt: skip
+    unsure = any(one.status in (UNCONVERGED, MISFITS) for one in records)
+    return 3 if failed or unsure or doubtful else 0

@@ -12,7 +12,7 @@ from vopd.attitude.history import History
 from vopd.attitude.long_history import HistoryParts, one_part
 from vopd.cli.console import Messages, Progress
 from vopd.cli.options import SharedOptions, tell_unused
-from vopd.findings import VopdError, count_text, findings_in
+from vopd.findings import VopdError, findings_in
 from vopd.job import goes_on
 from vopd.pipeline import in_groups, is_flight, solve_sources
 from vopd.results import SolvedJob, SourceEnd
@@ -48,25 +48,12 @@ class Collected(NamedTuple):
             click.echo(text, err=True)
         if self.failed:
             return 1
-        flagged = sum(job.summary.flagged for job in self.jobs)
-        if options.strict and flagged and not options.quiet:
-            are = "frame is" if flagged == 1 else "frames are"
-            click.echo(f"--strict: {flagged} {are} flagged", err=True)
-        if options.strict and self.mistaken and not options.quiet:
-            of = "a flight" if self.mistaken == 1 else f"{self.mistaken} flights"
-            speaks = f"--strict: residuals or track of {of} speak for an error of the inputs"
-            click.echo(speaks, err=True)
-        errata = sum(job.summary.errata > 0 for job in self.jobs)
-        if options.strict and errata and not options.quiet:
-            which = count_text(errata, "job")
-            click.echo(
-                f"--strict: the errata of the program change {which} by more than a sigma", err=True
-            )
-        if options.strict and self.unread and not options.quiet:
-            which = count_text(self.unread, "deck")
-            click.echo(f"--strict: {which} with cards that are not read", err=True)
-        unconverged = any(job.summary.unconverged for job in self.jobs)
-        doubtful = options.strict and (flagged or self.mistaken or errata or self.unread)
+        every = [job.summary for job in self.jobs]
+        doubtful = options.doubtful(
+            sum(one.flagged for one in every), self.mistaken,
+            sum(one.errata > 0 for one in every), self.unread,
+        )  # fmt: skip
+        unconverged = any(one.unconverged for one in every)
         return 3 if unconverged or self.misfits or doubtful else 0
 
 

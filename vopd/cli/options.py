@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from vopd.errata import Fix, Fixes, fixes
-from vopd.findings import VopdError
+from vopd.findings import VopdError, count_text
 from vopd.geometry.ellipsoids import ELLIPSOIDS
 from vopd.inputs import plain_digits
 
@@ -286,6 +286,28 @@ class SharedOptions:
     strict: bool
     quiet: bool
 
+    def doubtful(self, flagged: int, mistaken: int, errata: int, unread: int) -> bool:
+        """Say what `--strict` makes status 3, where it is given; tell whether there is anything.
+
+        Args:
+            flagged: frames with any flag
+            mistaken: flights whose residuals or track speak for an error of their inputs
+            errata: jobs in which errata change an angle by more than its standard deviation
+            unread: decks with cards that are not read
+        """
+        flights = "a flight" if mistaken == 1 else f"{mistaken} flights"
+        reasons = (
+            (flagged, f"{count_text(flagged, 'frame is', 'frames are')} flagged"),
+            (mistaken, f"residuals or track of {flights} speak for an error of the inputs"),
+            (errata, f"the errata of the program change {count_text(errata, 'job')} by more than "
+                     "a sigma"),
+            (unread, f"{count_text(unread, 'deck')} with cards that are not read"),
+        )  # fmt: skip
+        found = [text for count, text in reasons if count and self.strict]
+        for text in () if self.quiet else found:
+            click.echo(f"--strict: {text}", err=True)
+        return bool(found)
+
 
 def history_options(function: AnyCommand) -> AnyCommand:
     """Add the options of a solve, of standard deviations and of flags.
@@ -330,7 +352,8 @@ def history_options(function: AnyCommand) -> AnyCommand:
             "--strict",
             is_flag=True,
             help="Exit with status 3 if any frame has a flag, if the residuals of a flight show an "
-            "error in its inputs, or if errata of a deck turn an angle by more than a sigma.",
+            "error in its inputs, if errata of a deck turn an angle by more than a sigma, or if "
+            "cards of a deck are not read.",
         ),
         quiet_option,
         click.option(
