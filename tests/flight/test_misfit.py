@@ -122,11 +122,14 @@ def test_an_exchange_is_named_and_the_status_is_3(mistake: str, words: str, tmp_
         assert done.status == 3 and "warning: " in done.stderr and words in done.stderr
 
 
+@pytest.mark.parametrize("fix_m", [0.02, 2.0])
 @pytest.mark.parametrize("stated", ["brown", "fisheye"])
-def test_four_coefficients_of_the_other_model_are_named(stated: str, tmp_path: Path) -> None:
-    """A k1 far from the stated one was named, which mends most of it and not all."""
+def test_four_coefficients_of_the_other_model_are_named(
+    stated: str, fix_m: float, tmp_path: Path
+) -> None:
+    """A k1 a third off mends most of it; positions of 2 m hide the rest, and it is named so."""
     true = "fisheye" if stated == "brown" else "brown"
-    plan = MistakeRow("", 0.02).plan._replace(fisheye=true == "fisheye", distortion=(-0.05, 0.01))
+    plan = MistakeRow("", fix_m).plan._replace(fisheye=true == "fisheye", distortion=(-0.05, 0.01))
     write_flight(tmp_path, plan, np.random.default_rng(SEED))
     project = tmp_path / "flight.toml"
     right = project.read_text()
@@ -134,6 +137,20 @@ def test_four_coefficients_of_the_other_model_are_named(stated: str, tmp_path: P
     project.write_text(right.replace(f'model = "{true}"', f'model = "{stated}"'))
     _, text = said(vopd.solve_flight(project))
     assert_approved(re.sub(r"\d+\.\d px", "N px", text), parts=[f'model = "{true}"'])
+
+
+def test_picks_in_smaller_pictures_are_named_with_the_other_cause(tmp_path: Path) -> None:
+    """A lens of pictures of twice the size is the same: it was named alone."""
+    write_flight(tmp_path, MistakeRow("", 0.02).plan, np.random.default_rng(SEED))
+    picks = tmp_path / "picks.csv"
+    head, *rows = (line.split(",") for line in picks.read_text().splitlines())
+    pixel = (np.array([row[2:] for row in rows], float) + 0.5) / 2.0 - 0.5
+    inside = (np.abs(pixel - [479.5, 269.5]) < [480.0, 270.0]).all(axis=1)
+    halved = [[*row[:2], *map(str, two)] for row, two in zip(rows, pixel.tolist(), strict=True)]
+    halved = [row for row, one in zip(halved, inside, strict=True) if one]
+    picks.write_text("\n".join(map(",".join, [head, *halved])) + "\n")
+    _, text = said(vopd.solve_flight(tmp_path / "flight.toml"))
+    assert_approved(re.sub(r"\d+\.\d px", "N px", text), parts=["960 x 540"])
 
 
 def test_another_frame_rate_of_a_path_that_weaves_is_named(tmp_path: Path) -> None:

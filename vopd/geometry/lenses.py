@@ -406,6 +406,18 @@ class Lens:
         """The widest angle from the optical axis that the model can invert, as its tangent."""
         return self.model.field_radius(self.coefficients)
 
+    def scaled(self, ratio: float) -> Lens:
+        """Take the lens for the same pictures in another size: the distortion is of angles."""
+        width, height = (round(ratio * side) for side in self.size_px)
+        return replace(
+            self,
+            size_px=(width, height),
+            focal_px=self.focal_px * ratio,
+            centre_px=(self.centre_px + 0.5) * ratio - 0.5,
+            skew_px=self.skew_px * ratio,
+            table=None if self.table is None else self.table * ratio,
+        )
+
     def of(self, rows: Any) -> Lens:
         """Take the lenses of some rows, by index or mask; one lens is that of all."""
         return self
@@ -431,6 +443,9 @@ class Lenses(Lens):
             first.kind, first.size_px, first.focal_px, first.centre_px, first.k, first.skew_px,
             first.table, each, which,
         )  # fmt: skip
+
+    def scaled(self, ratio: float) -> Lens:
+        return Lenses.join(tuple(one.scaled(ratio) for one in self.each), self.which)
 
     def of(self, rows: Any) -> Lens:
         return replace(self, which=self.which[rows])

@@ -33,7 +33,7 @@ from vopd.flight.solve.readout import LONG_READOUT, part_of_interval, row_parts,
 from vopd.flight.solve.rotations import FlightBlocks, FlightPart
 from vopd.flight.solve.sizes import size_of_errors
 from vopd.geometry.earth import NED_FROM_ENU
-from vopd.geometry.lenses import Lenses
+from vopd.geometry.lenses import Lenses, LensKind
 
 REJECTED = 1.5  # times the stated standard deviation of a pick
 ALIKE = 6.0  # in chi-square: errors that explain the residuals as well
@@ -401,12 +401,17 @@ def _other_size_text(ratio: float) -> str:
     return f" (near that of a calibration at {size} of the images: [camera] lens_size_px)"
 
 
+THIRD, NEAR_THIRD = 1.0 / 3.0, 0.1  # k1 of the other model is as much more: tan t = t + t^3/3
 NEAR_NONE = 0.35  # of the stated k1: what remains of it in pictures without distortion
 MOST_ALIKE = 2.0  # times the stated k1, as which one of the other sign may be
 
 
-def _of_another_kind_text(k1: float, sigma: float, stated: float) -> str:
-    """Say that a k1 is near 0, or has the other sign, where the stated one is another."""
+def _of_another_kind_text(kind: LensKind, k1: float, sigma: float, stated: float) -> str:
+    """Say that a k1 is near 0, has the other sign, or is that of the other model's lens."""
+    third = THIRD * (1.0 if kind is LensKind.FISHEYE else -1.0)
+    if abs(k1 - stated - third) < NEAR_THIRD:
+        other = next(one.value for one in (LensKind.BROWN, LensKind.FISHEYE) if one is not kind)
+        return f' (as if the coefficients were those of model = "{other}")'
     if abs(stated) < 5.0 * sigma:
         return ""
     if abs(k1) < NEAR_NONE * abs(stated):
@@ -455,7 +460,9 @@ def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:
         k1 = keyed("", stated_k1, "[camera] lens: k1 = ")
         yield TriedError(
             at("k1"),
-            lambda v, s: k1(v, s) + _of_another_kind_text(stated_k1 + v[0], s[0], stated_k1),
+            lambda v, s: (
+                k1(v, s) + _of_another_kind_text(lens.kind, stated_k1 + v[0], s[0], stated_k1)
+            ),
             ("k1",),
         )
     if "refraction" in names:

@@ -355,15 +355,15 @@ def _at_another_size(project: Project, flight: Flight, estimate: Estimate) -> Co
 
 
 def _picked_in_smaller_pictures(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
-    """Take the picks for those in the same pictures made smaller."""
-    size_px = np.array(flight.lens.size_px)
+    """Take the picks for those in the same pictures made smaller, in which all of them are."""
     for times in [one for one in LENS_SIZES if one > 1.0]:
-        pixel = (flight.picks.pixel + 0.5) * times - 0.5  # (0, 0) is the first pixel's centre
-        if (pixel > size_px).any():
+        smaller = replace(flight, lens=flight.lens.scaled(1.0 / times))
+        size_px = smaller.lens.of(flight.picks.frame).by_rows("size_px")
+        if (flight.picks.pixel + 0.5 > size_px).any():  # (0, 0) is the first pixel's centre
             continue
-        scaled = replace(flight, picks=replace(flight.picks, pixel=pixel))
-        if trial_px(scaled) < MISFIT * float(np.median(flight.picks.sigma_px)):  # the very size
-            yield scaled, (*np.rint(size_px / times).astype(int).tolist(), times)
+        if trial_px(smaller) < MISFIT * float(np.median(flight.picks.sigma_px)):  # the very size
+            stated = [round(times * side) for side in flight.lens.size_px]
+            yield smaller, (*smaller.lens.size_px, times, *stated)
 
 
 def _of_the_other_model(project: Project, flight: Flight, estimate: Estimate) -> Corrected:
@@ -496,16 +496,16 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
         "with the track {:+.0f} s: is its clock {}?",
     ),
     Mistake(
+        "picks in smaller pictures",
+        _picked_in_smaller_pictures,
+        "with picks in pictures of {0} x {1} px: were they clicked in these? Multiply u and v by "
+        "{2:.4g}; or is it the lens that was calibrated in pictures of {3} x {4} px?",
+    ),
+    Mistake(
         "a lens of another size",
         _at_another_size,
         "with a lens of pictures of {0} x {1} px: was it calibrated at that size? [camera] "
         "lens_size_px = [{0}, {1}]",
-    ),
-    Mistake(
-        "picks in smaller pictures",
-        _picked_in_smaller_pictures,
-        "with picks in pictures of {0} x {1} px: were they clicked in these? Multiply u and v by "
-        "{2:.4g}",
     ),
     Mistake(
         "a lens of the other model",

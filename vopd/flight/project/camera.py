@@ -63,14 +63,7 @@ def _scaled(section: Section, read: LensRead, size: tuple[int, int]) -> LensRead
         (w, h), (width, height) = lens.size_px, size
         message = f"{w} x {h} is no larger or smaller picture of {width} x {height}: it was cropped"
         raise section.error("lens_size_px", message)
-    scaled = replace(
-        lens,
-        size_px=size,
-        focal_px=lens.focal_px * ratio,
-        centre_px=(lens.centre_px + 0.5) * ratio - 0.5,
-        skew_px=lens.skew_px * ratio,
-        table=None if lens.table is None else lens.table * ratio,
-    )
+    scaled = replace(lens.scaled(ratio), size_px=size)
     in_px = ("focal", "centre_u", "centre_v")
     sigma = {name: one * (ratio if name in in_px else 1.0) for name, one in read.sigma.items()}
     w, h = lens.size_px
