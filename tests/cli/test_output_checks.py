@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.approved.texts import assert_approved, refused
+from tests.kit.command import vopd
 from vopd.cli import output
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import OutputError, file_status
@@ -109,6 +110,16 @@ def test_outputs_that_cannot_be_written(output: str) -> None:
         with pytest.raises(OutputError) as error:
             refuse_to_overwrite((), *given)
         assert_approved(str(error.value), parts=[output])
+
+
+@pytest.mark.parametrize(
+    "command", ["errata", "stars tables", "stars radec --focal 76 --attitude 1,2,3 --image 1,2"]
+)
+def test_a_command_without_input_leaves_a_read_only_file(command: str) -> None:
+    Path("out").chmod(0o444)
+    before = Path("out").read_bytes()
+    assert vopd(*command.split(), "-o", "out").status == 1
+    assert Path("out").read_bytes() == before
 
 
 @pytest.mark.parametrize("mode", [0o444, 0o400, 0o644])

@@ -8,6 +8,7 @@ from textwrap import fill
 import click
 
 from vopd.cli.options import output_option, text_or_json_option
+from vopd.cli.output import refuse_to_overwrite
 from vopd.errata import VOPD_ERRATA, Erratum
 from vopd.files import whole_file
 from vopd.findings import nearest_word
@@ -42,6 +43,7 @@ def command(names: tuple[str, ...], program: str, output: str, output_format: st
     Exit status: 0 listed; 2 wrong usage, such as an unknown NAME.
     """
     shown = chosen(names, errata_of(program))
+    refuse_to_overwrite((), output)
     if output_format == "json":
         listed = json.dumps([erratum._asdict() for erratum in shown], indent=2)
     else:

@@ -70,8 +70,7 @@ def radec(
         raise click.UsageError("Give the images by FILE or by --image.")
     from vopd.stellar.radec import radec_text
 
-    if file is not None:
-        refuse_to_overwrite((file,), output)
+    refuse_to_overwrite(() if file is None else (file,), output)
     text = radec_text(file, focal, attitude, images, form, _print_warning)
     with whole_file(output) as page:
         page.write(text.encode())
