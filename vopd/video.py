@@ -346,14 +346,27 @@ def image_numbers(image: Sequence[str]) -> list[int]:
 def find_images(known: Sequence[str], names: Iterable[str]) -> Ints:
     """Look up images among others by their names, -1 where there is none; folders do not count.
 
-    A whole name comes first. A name that several others have in different folders is none of them.
+    A whole name comes first. A name that several others have in different folders is none of them,
+    and none of several images is the only one that has their name.
     """
-    row = {name: k for k, name in enumerate(known)}
+    row, names = {name: k for k, name in enumerate(known)}, [*names]
     ends = [PurePosixPath(name).name for name in row]
     alone = {end for end, count in Counter(ends).items() if count == 1}
     by_end = {end: k for end, k in zip(ends, row.values(), strict=True) if end in alone} | row
-    found = [row.get(name, by_end.get(PurePosixPath(name).name, -1)) for name in names]
-    return np.array(found, dtype=np.int64)
+    found = [
+        (row.get(name, by_end.get(PurePosixPath(name).name, -1)), name in row) for name in names
+    ]
+    count = Counter(found)
+    only = [count[one] == 1 and (one[1] or not count[one[0], True]) for one in found]
+    return np.array([k if own else -1 for (k, _), own in zip(found, only, strict=True)], np.int64)
+
+
+def twins_text(image: Iterable[str]) -> str:
+    """Name images that only their folders tell apart, for the end of a message; or nothing."""
+    for name, count in Counter(PurePosixPath(one).name for one in image).items():
+        if count > 1:
+            return f"; {count} images are called {name}, and no folder tells which of them is meant"
+    return ""
 
 
 def images_without_number(image: Sequence[str]) -> dict[str, str]:

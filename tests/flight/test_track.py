@@ -605,8 +605,9 @@ def test_times_by_a_table(epoch: Any, tmp_path: Path) -> None:
     table.write_text("image,frame,t_s\nz,5,1\n")
     assert told(lambda: frames(tmp_path, NUMBERS, times="t")) == none + "(4)"
     assert told(lambda: frames(tmp_path, NAMED, times="t")) == none + "(a)"
-    for header, missing, frame in (("image", "frame", NUMBERS), ("u_px", "image", NAMED)):
-        table.write_text(f"{header},t_s\n4,1\n")
+    for header, frame in (("image", NUMBERS), ("frame", NAMED), ("row", NAMED)):
+        table.write_text(f"{header},t_s\n4,1\n5,2\n")
+        missing = "frame" if header == "image" else "image"
         said = told(lambda frame=frame: frames(tmp_path, frame, times="t"))
         assert said.startswith(f"t: line 1: no column {missing}")
     table.write_text("frame,t_s\nb,1\na,1.5\na,1.5\n")  # as the picks', which may have them
@@ -722,13 +723,16 @@ def test_leap_seconds_are_those_of_the_first_position(day: Any, ahead: int | Non
 
 
 def test_rows_of_images_by_name() -> None:
-    """By the whole name, and else by what stands behind the last slash of either."""
+    """By the whole name, else by what stands behind the last slash of either, if that is one."""
     rows = track(None, 0, 0, 0, image=("b.jpg", "x/a.jpg", "a.jpg"))
     found = rows_of_images(keys(), rows, ("x/a.jpg", "y/a.jpg", "b.jpg", "z/b.jpg", "c.jpg"))
-    assert found.tolist() == [1, 2, 0, 0, -1]
+    assert found.tolist() == [1, 2, 0, -1, -1]  # b.jpg is of its own whole name
+    twins = rows_of_images(keys(), rows, ("y/a.jpg", "z/a.jpg", "u/b.jpg", "v/b.jpg"))
+    assert twins.tolist() == [-1, -1, -1, -1]  # two images, of which nothing says which it is
     inside = track(None, 0, 0, 0, 0, image=("x/a.jpg", "x/b.jpg", "y/b.jpg", "y/c.jpg"))
-    found = rows_of_images(keys(), inside, ("a.jpg", "y/a.jpg", "b.jpg", "y/b.jpg", "c.jpg"))
-    assert found.tolist() == [0, 0, -1, 2, 3]  # two are called b.jpg
+    for one in ("a.jpg", "y/a.jpg"):
+        found = rows_of_images(keys(), inside, (one, "b.jpg", "y/b.jpg", "c.jpg"))
+        assert found.tolist() == [0, -1, 2, 3]  # two are called b.jpg
     photos = track(None, 0, 0, image=("29", "7"), image_key=photo_number)
     found = rows_of_images(keys(), photos, ("MAX_0007.JPG", "d/MAX_0029.JPG", "MAX_0030.JPG"))
     assert found.tolist() == [1, 0, -1]

@@ -519,9 +519,11 @@ def frame_names(table: CsvTable, by_image: bool) -> list[str]:
         table: with a column `image` or `frame`; a column `frame` of images has names
         by_image: whether the frames are images
     """
-    if by_image and (table.has("image") or not table.has("frame")):
-        return table.column("image")
-    return [*map(str, frames_of_column(table))]
+    other = by_image and (table.has("image") or not table.has("frame"))
+    found = None if other else frames_of_column(table)
+    if found is None or (by_image and not isinstance(found, list)):
+        return table.column("image")  # an error where there is none
+    return [*map(str, found)]
 
 
 def no_frame(text: str) -> str:

@@ -66,6 +66,7 @@ from vopd.flight.solve.readout import frame_interval_s
 from vopd.geometry.earth import geodetic
 from vopd.geometry.rotations import DOWN, FORWARD, mount_by_angles
 from vopd.inputs import LONGEST_NAME, MOST_NUMBER, beyond_sigmas
+from vopd.video import twins_text
 
 R = TypeVar("R")
 COPIED = (
@@ -574,8 +575,8 @@ def frames_uncovered(
     for some, what in ((untimed, "there is no time for"), (lost & ~untimed, NO_POSITION)):
         if some.any():
             labels = [label(k) for k in np.flatnonzero(some).tolist()]
-            commented = f"; {COMMENTS}" * any(one.startswith("#") for one in labels)
-            messages.append(f"{what} {first_of(labels, 3)}{commented}")
+            hint = f"; {COMMENTS}" * any(one.startswith("#") for one in labels)
+            messages.append(f"{what} {first_of(labels, 3)}{hint or twins_text(labels)}")
     if path.row_s is not None and (lost & ~untimed).any():
         offset_s = project.section("track").number("offset_s")
         messages[-1] += covering_text(path.row_s, times.time_s, offset_s)

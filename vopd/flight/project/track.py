@@ -54,7 +54,7 @@ from vopd.flight.project.velocity import (
 )
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 from vopd.inputs import LAST_S, LATE_S
-from vopd.video import find_images
+from vopd.video import find_images, twins_text
 
 # Clocks of tracks: UTC, GPS time, or seconds of the flight
 
@@ -777,10 +777,8 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
         picked = times.image[0]
         near = [one for one in rows.image if one.lower() == picked.lower()]
         other = f"{near[0]}: letters must be of one case" if near else f"{rows.image[0]} for one"
-        commented = f"; {COMMENTS}" * picked.startswith("#")
-        return (
-            f"has none of the images that were picked ({picked} for one); it has {other}{commented}"
-        )
+        hint = f"; {COMMENTS}" * picked.startswith("#") or twins_text(times.image)
+        return f"has none of the images that were picked ({picked} for one); it has {other}{hint}"
     own = track_on_clock(section, rows, times) + section.number("offset_s")
     first, last = float(np.nanmin(times.time_s)), float(np.nanmax(times.time_s))
     gap = first - own[-1] if first > own[-1] else own[0] - last  # of the frame next to the track
