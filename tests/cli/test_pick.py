@@ -355,6 +355,7 @@ def test_wrong_usage(tmp_path: Path) -> None:
         "a.mp4 -o p.html --cards picks.csv --dpi 9", "a.mp4 -o p.html --cards none.dat --dpi 9",
         "x.png -o p.html --cards short.dat --dpi 9", "x.png -o p.html --cards head.dat --dpi 9",
         "x.png -o p.html --cards film.dat --dpi 9",
+        "x.png -o p.html --cards head.dat --dpi 9 --landmarks marks.csv",
     ):  # fmt: skip
         done = vopd("pick", *arguments.split())
         assert done.status in (1, 2), arguments

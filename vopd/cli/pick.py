@@ -100,6 +100,8 @@ def command(
     named, project, opened = _numbers(at), None, ProjectPicks()
     if (cards is None) != (dpi is None):
         raise click.UsageError("--cards and --dpi go together: the scan's pixels an inch of film.")
+    if cards is not None and landmarks is not None:
+        raise click.UsageError("--landmarks is not for --cards: the deck has them in group 9.")
     own = Path(frames[0], "flight.toml")
     if own.is_file() and not stills_in(own.parent):
         frames = (str(own), *frames[1:])
