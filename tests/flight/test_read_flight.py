@@ -27,6 +27,7 @@ from vopd.flight.formats.picks import Names
 from vopd.flight.formats.track import TrackRows
 from vopd.flight.misfits.unsolved import picks_set_aside, require_two_landmarks
 from vopd.flight.project import read as read_module
+from vopd.flight.project.camera import CameraLens
 from vopd.flight.project.inspect import NewProject, ask_height, look_at_track
 from vopd.flight.project.keys import Project, Section
 from vopd.flight.project.read import (
@@ -332,7 +333,7 @@ def options_of(sections: dict[str, Section]) -> FlightOptions:
     refraction = refraction_of(project.section("atmosphere"))
     marks = LandmarkSet((), np.zeros((0, 3)), np.zeros((0, 3)))
     path = CameraPath(np.zeros((1, 3)))
-    return flight_options(project, LensRead(LENS, ""), refraction, path, marks)
+    return flight_options(project, CameraLens(LensRead(LENS, "")), refraction, path, marks)
 
 
 def raises(message: str) -> Any:

@@ -99,6 +99,21 @@ def test_rows_of_lenses_may_spell_a_frame_otherwise(header: str, name: str, tmp_
     assert isinstance(lens, Lenses) and lens.which.tolist() == [0, 1, 0, 1, 0]
 
 
+def test_the_order_of_the_lenses_does_not_matter(tmp_path: Path) -> None:
+    """A fisheye has no p1 and p2, and the other lens has errors of them."""
+    path = two_cameras(tmp_path, "[uncertainty]\np1p2 = 0.001\n")
+    table = tmp_path / "cameras" / "lenses.csv"
+    head, first, *rows = table.read_text().splitlines()
+    found = []
+    for lines in ([head, first, *rows], [head, *rows, first]):
+        table.write_text("\n".join([*lines, ""]))
+        result = solve_flight(str(path))
+        assert result.history().about.words.sigma_keys["distortion"].endswith("p1p2")
+        found.append(result.history().uncertainty.components["distortion"])
+    assert_close("ratio", found[1][::2, :6] / found[0][::2, :6], np.ones((3, 6)))
+    assert not found[1][1::2].any()
+
+
 def test_a_point_of_a_frame_is_seen_through_its_own_lens(tmp_path: Path) -> None:
     """The middle of each lens is where its camera looks, and a pixel there is 1 / f."""
     result = solve_flight(str(two_cameras(tmp_path, STATED)))

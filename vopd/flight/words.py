@@ -13,7 +13,7 @@ from vopd.findings import count_text, first_of, size_text
 from vopd.flight.angles import camera_angles
 from vopd.flight.flight import Flight, Refraction
 from vopd.flight.solve.clicks import ClickEquations
-from vopd.flight.solve.equations import LENS_COEFFICIENTS
+from vopd.flight.solve.equations import coefficients_of
 from vopd.flight.solve.errors import covariance_of_common
 from vopd.flight.solve.free import COMMON, free_text
 from vopd.flight.solve.joint import JointSolution
@@ -234,7 +234,7 @@ def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
     Refraction that is left out is one of them where it would raise lines of sight enough.
     """
     flight = solved.flight
-    coefficients = LENS_COEFFICIENTS[flight.lens.kind]
+    coefficients = coefficients_of(flight.lens)
     own = [key for (_, key), names in COMMON.items() if names[0] in coefficients]
     keys = SIGMA_KEYS | {"distortion": f"[uncertainty] {', '.join(own)}"}
     keys = {name: key for name, key in keys.items() if name not in flight.options.exact}

@@ -382,6 +382,11 @@ class Lens:
         return MODELS[self.kind]
 
     @property
+    def kinds(self) -> tuple[LensKind, ...]:
+        """The kind of the lens, or those of several."""
+        return (self.kind,)
+
+    @property
     def coefficients(self) -> Floats:
         """Arguments of the model: `k`, or the table's measured and ideal radii at unit distance."""
         if self.table is None:
@@ -443,6 +448,10 @@ class Lenses(Lens):
             first.kind, first.size_px, first.focal_px, first.centre_px, first.k, first.skew_px,
             first.table, each, which,
         )  # fmt: skip
+
+    @property
+    def kinds(self) -> tuple[LensKind, ...]:
+        return tuple(one.kind for one in self.each)
 
     def scaled(self, ratio: float) -> Lens:
         return Lenses.join(tuple(one.scaled(ratio) for one in self.each), self.which)

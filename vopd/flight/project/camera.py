@@ -198,6 +198,13 @@ class CameraLens(NamedTuple):
     of_image: Mapping[str, int] = {}  # which of them
 
     @property
+    def lens(self) -> Lens:
+        """The lens, or all of several."""
+        if not self.several:
+            return self.read.lens
+        return Lenses.join(self.lenses, np.array([*self.of_image.values()], np.int64))
+
+    @property
     def several(self) -> bool:
         """Whether not all images have the same lens."""
         return len(self.lenses) > 1
@@ -220,9 +227,7 @@ class CameraLens(NamedTuple):
             first = f"frame {missing[0]}" if missing[0].isdigit() else missing[0]
             of_all = "" if self.several else ", or give [camera] lens, which is of all images"
             raise self.table.error(f"no row for {first}{more}: add its name and its lens{of_all}")
-        if not self.several:
-            return self.read.lens
-        return Lenses.join(self.lenses, np.array([*self.of_image.values()], np.int64)[found])
+        return self.lens.of(found)
 
 
 def read_camera(project: Project) -> CameraLens:

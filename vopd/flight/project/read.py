@@ -370,7 +370,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         shutter=shutter,
         frame_rate_hz=rate_hz,
         offset_s=offset_s,
-        options=flight_options(project, lens, refraction, camera, landmarks),
+        options=flight_options(project, camera_lens, refraction, camera, landmarks),
         own_level=project.section("landmarks").values.get("height") == "same",
         grid=landmark_grid(project, rows, camera),
         folder=project.folder.absolute(),

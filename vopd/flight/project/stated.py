@@ -19,7 +19,7 @@ from vopd.flight.coordinates import (
     units_of_heights,
 )
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
-from vopd.flight.formats.lens import LensRead
+from vopd.flight.project.camera import CameraLens
 from vopd.flight.project.keys import (
     ROWS,
     WIDTH,
@@ -28,9 +28,9 @@ from vopd.flight.project.keys import (
     toml_numbers,
     with_common_error,
 )
-from vopd.flight.solve.equations import COMPONENT, LENS_COEFFICIENTS
+from vopd.flight.solve.equations import COMPONENT, coefficients_of
 from vopd.flight.solve.free import COMMON
-from vopd.geometry.lenses import LensKind
+from vopd.geometry.lenses import Lens
 from vopd.inputs import LEAST_SIGMA, MOST_SIGMA, beyond_sigmas
 
 
@@ -124,7 +124,7 @@ ALONE = (
 
 def flight_options(
     project: Project,
-    read: LensRead,
+    camera: CameraLens,
     refraction: Refraction,
     path: CameraPath,
     landmarks: LandmarkSet,
@@ -134,7 +134,7 @@ def flight_options(
     Raises:
         VopdError: where a value is not as it should be, or the lens has no such coefficient
     """
-    solve, found = project.section("solve"), dict(read.sigma)
+    solve, found = project.section("solve"), dict(camera.read.sigma)
     if refraction.k:
         found["refraction"] = HALF * abs(refraction.k)
     for (section_name, key), names in COMMON.items():
@@ -151,12 +151,12 @@ def flight_options(
             raise section.error(key, message)
         unit = UNITS.get(key, 1.0)
         if key == "focal_rel":
-            unit = float(read.lens.focal_px.mean())
+            unit = float(camera.read.lens.focal_px.mean())
         for name, value in zip(names, values * (len(names) // len(values)), strict=True):
             if value > 0.0 and COMPONENT[name] == "distortion":
-                _check_coefficient(section, key, name, read.lens.kind)
+                _check_coefficient(section, key, name, camera.lens)
             found[name] = value * unit
-    own = {one for names in COMMON.values() for one in names} & {*LENS_COEFFICIENTS[read.lens.kind]}
+    own = {one for names in COMMON.values() for one in names} & {*coefficients_of(camera.lens)}
     sizes = {
         "position": float(path.bias_sigma_m.max())
         if path.fixes is None or path.fixes.exact
@@ -182,9 +182,9 @@ def flight_options(
     )
 
 
-def _check_coefficient(section: Section, key: str, name: str, kind: LensKind) -> None:
+def _check_coefficient(section: Section, key: str, name: str, lens: Lens) -> None:
     """Refuse the standard deviation of a coefficient that the lens does not have."""
-    names = LENS_COEFFICIENTS[kind]
+    names, kind = coefficients_of(lens), lens.kind
     if name not in names:
         has = f"its coefficients are {', '.join(names)}" if names else "it has no coefficients"
         raise section.error(key, f"a lens of the model {kind.value} has no {name}: {has}")

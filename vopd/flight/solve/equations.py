@@ -42,6 +42,13 @@ COMPONENT = {
 }
 """The parameters of a flight, with the component of the uncertainty that each belongs to."""
 
+
+def coefficients_of(lens: Lens) -> list[str]:
+    """List the coefficients that a lens has, or any of several."""
+    every = LENS_COEFFICIENTS[LensKind.BROWN]
+    return [one for one in every if any(one in LENS_COEFFICIENTS[kind] for kind in lens.kinds)]
+
+
 LEAST_SIGMA_M = 1e-7  # of one coordinate that is exact among others that are not
 
 
