@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.command import CASE_1, handed, vopd
+from tests.kit.command import CASE_1, DECKS, handed, vopd
 from vopd.attitude.history import HistoryOptions
 from vopd.batch import workers as runs
 from vopd.cli import batch, cli, diff, plot
@@ -350,8 +350,10 @@ OF_DECKS = [
     for option in plot.command.params
     if isinstance(option, click.Option)
     and option.opts[0]
-    not in ("-o", "--format", "--frame", "--size", "--dpi", "--images", "--help", "--help-decks")
-]
+    not in (
+        "-o", "--format", "--frame", "--size", "--dpi", "--images", "-q", "--help", "--help-decks",
+    )
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("option", OF_DECKS)
@@ -368,6 +370,14 @@ def test_options_of_decks_are_not_for_star_photographs(option: str, tmp_path: Pa
     first = more.get(option, [option])[0]
     assert_approved(ran.stderr, parts=[first])
     assert {"--figure", "--job", "--vertical", "--max-rate", "--strict"} <= set(OF_DECKS)
+
+
+def test_warnings_about_a_star_photograph_are_not_printed_if_it_is_quiet(tmp_path: Path) -> None:
+    stars, solution = DECKS / "stars" / "orion_misidentified.csv", tmp_path / "a.json"
+    vopd("stars", "solve", stars, "--focal", "76", "-q", "-o", solution)
+    for quiet in (False, True):
+        ran = vopd("plot", solution, "-o", tmp_path / "a.svg", *["-q"] * quiet)
+        assert ran.status == 3 and bool(ran.stderr) is not quiet
 
 
 def test_star_photographs_and_decks_are_not_drawn_together(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
@@ -271,8 +271,9 @@ def command(
     inches = _inches(("image",) if stars else names, size, dpi or 150)
     refuse_to_overwrite((*sources, *filter(None, [images])), output)
     ready()
+    note = notes(options.quiet)
     if stars:
-        content, status = _stars(ctx, sources, frame, images, inches, suffix, dpi or 150)
+        content, status = _stars(ctx, sources, frame, images, inches, suffix, dpi or 150, note)
         with whole_file(output) as file:
             file.write(content)
         ctx.exit(status)
@@ -286,9 +287,8 @@ def command(
         if not histories:
             raise VopdError(f"{', '.join(sources)}: no job {job}")
     left_out = left_out_text(histories)
-    if left_out and set(names) - set(OF_ONE_FRAME) and not options.quiet:
-        click.echo(f"drawn are {left_out}; --job draws another", err=True)
-    note = notes(options.quiet)
+    if left_out and set(names) - set(OF_ONE_FRAME):
+        note(f"drawn are {left_out}; --job draws another")
     scenes = [h.estimate.scene() for h in histories if images and h.estimate.scene]
     if images is not None and not any(scene.image for scene in scenes):
         raise click.UsageError(
@@ -332,6 +332,7 @@ def _stars(
     inches: Inches | None,
     suffix: str,
     dpi: int,
+    note: Callable[[str], None],
 ) -> tuple[bytes, int]:
     """Draw a star photograph: the file, and 3 as exit status if its solution is doubtful.
 
@@ -340,12 +341,11 @@ def _stars(
     """
     if not all(PurePath(name).suffix.lower() == STAR_SOLUTION for name in names):
         raise click.UsageError("star photographs and decks are not drawn together.")
-    known = ("output", "form", "frame", "images", "size", "dpi", "sources")
+    known = ("output", "form", "frame", "images", "size", "dpi", "sources", "quiet")
     for parameter in ctx.command.params:
         source = ctx.get_parameter_source(parameter.name or "")
         if source == click.core.ParameterSource.COMMANDLINE and parameter.name not in known:
             raise click.UsageError(f"{parameter.opts[0]} is not for star photographs.")
-    note = partial(click.echo, err=True)
     figure, warnings = plot_stars(names, frame, inches, images)
     for text in warnings:
         note(text)
