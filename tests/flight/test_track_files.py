@@ -78,6 +78,21 @@ def test_photos_without_a_fix_are_counted_and_without_a_position_left_out() -> N
 NUMBERS = ("second", "n", "e", "v", "lat", "lon", "h", "q")
 
 
+@pytest.mark.parametrize(
+    "first",
+    [
+        b"\x0e\x20\xe8\x03\x50\x00\x00\x00.FIT\x7c\x9d",  # the header of FIT, 14 bytes
+        b"\xa3\x95\x80\x80\x59FMT\0BBnNZ",
+        b"ULog\x01\x12\x35\x01\0",
+    ],
+)
+def test_logs_without_text_are_named_with_what_makes_a_track_of_them(
+    first: bytes, tmp_path: Path
+) -> None:
+    (tmp_path / "log").write_bytes(first)
+    assert_approved(run("new", tmp_path / "p", "--track", tmp_path / "log").stderr)
+
+
 def test_marks_whose_fields_are_not_as_known() -> None:
     lines = [
         *(mark().replace(f",{name}", f",{name}x")

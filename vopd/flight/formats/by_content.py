@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from typing import Any, Generic, NamedTuple, TypeVar
 
@@ -33,10 +32,6 @@ class InputFormat(NamedTuple, Generic[R]):
     has_columns: bool = False  # which a project may map: a CSV
 
 
-NMEA = re.compile(r"\s*\$[A-Z]{4,6}\d*,")
-"""The first sentence of a receiver's output, such as $GPGGA."""
-
-
 def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: Any) -> R:
     """Read a file by the first format that recognises it.
 
@@ -48,9 +43,9 @@ def read_by_content(formats: Sequence[InputFormat[R]], file: InputFile, *more: A
     Raises:
         VopdError: where none does
     """
-    if NMEA.match(file.head):  # its rows have commas, as those of a CSV
-        how = "gpsbabel -i nmea -f FILE -o gpx -F track.gpx makes GPX of it"
-        raise file.error(f"is NMEA of a receiver, which is not read: {how}")
+    others = [what for what in file.logs if not any(what in one.name for one in formats)]
+    if others:  # before a CSV, whose commas NMEA has
+        raise file.error(file.logs[others[0]])
     for one in formats:
         if one.recognises(file):
             if file.columns and not one.has_columns:

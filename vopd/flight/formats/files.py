@@ -40,6 +40,22 @@ UNEXPECTED = (
 """Errors that a reader of a format may end with where a value is of another kind, or size."""
 
 
+FIRST_BYTES = 2048
+"""By which a file is recognised."""
+GPSBABEL = "gpsbabel -i {} -f FILE -o gpx -F track.gpx makes GPX of it"
+OF_XML = r"[^A-Za-z]*(?:xml[^>]*>\s*)?"
+MAVTOGPX = "mavtogpx.py FILE (pip install pymavlink) makes GPX of it"
+LOGS = (
+    (r"\s*\$[A-Z]{4,6}\d*,", "NMEA of a receiver", GPSBABEL.format("nmea")),
+    (r"A[A-Z0-9]{3}[^\n]*\n(?:[^\n]*\n){,20}?HFDTE", "IGC of a glider", GPSBABEL.format("igc")),
+    (r".{8}\.FIT", "FIT of a watch", GPSBABEL.format("garmin_fit")),
+    (f"{OF_XML}<TrainingCenter", "TCX of a watch", GPSBABEL.format("gtrnctr")),
+    (f"{OF_XML}<kml", "KML", GPSBABEL.format("kml")),
+    (r"\xa3\x95\x80|FMT, 128,", "a log of ArduPilot", MAVTOGPX),
+    (r"ULog\x01", "a log of PX4", "ulog2csv FILE (pip install pyulog) makes tables of it"),
+)
+"""Logs of positions: how they begin, what they are, and what makes another file of them."""
+
 Columns = Mapping[str, str] | list[str]
 """What a project says of the columns of a CSV."""
 
@@ -82,7 +98,17 @@ class InputFile:
         if self.given is not None or not self.path.is_file():
             return b""
         with self.path.open("rb") as file:
-            return file.read(16)
+            return file.read(FIRST_BYTES)
+
+    @cached_property
+    def logs(self) -> dict[str, str]:
+        """Recognise a log of positions that is not read: its name, with what to do about it."""
+        start = self._first_bytes.decode("latin-1") or (self.given or "")[:FIRST_BYTES]
+        return {
+            what: f"is {what}, which is not read: {how}"
+            for begins, what, how in LOGS
+            if re.match(begins, start, re.DOTALL)
+        }
 
     @property
     def is_video(self) -> bool:
@@ -114,11 +140,13 @@ class InputFile:
                 while chunk := text.read(TEXT_AT_ONCE):
                     chunk += text.readline(LONGEST_LINE)
                     if "\0" in chunk:
-                        raise self.error("not a text file: it has null characters")
+                        no_text = "not a text file: it has null characters"
+                        raise self.error(next(iter(self.logs.values()), no_text))
                     yield chunk
         except UnicodeDecodeError as error:
             at = _first_wrong_byte(self.path)
-            raise self.error(not_utf8(self._first_bytes, at)) from error
+            no_text = not_utf8(self._first_bytes, at)
+            raise self.error(next(iter(self.logs.values()), no_text)) from error
 
     def refuse_folder(self) -> None:
         """Refuse a folder in the place of a file."""
