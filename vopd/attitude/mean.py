@@ -16,6 +16,7 @@ from vopd.attitude.table import MATRICES, TableArrays, TableColumn, columns_of
 from vopd.attitude.uncertainty import student_factor, total_freedom
 from vopd.estimate import About
 from vopd.findings import VopdError, shown
+from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.linear import covariance_factor_95, crossing
 from vopd.geometry.rotations import (
     angles_by_turns,
@@ -175,10 +176,10 @@ def mean_attitude(history: History, frames: ArrayLike | slice | None = None) -> 
     some, mean, quaternion, vehicle_deg = middle.some, middle.axes, middle.quaternion, middle.deg
     axes = body_axes(np.radians(history.estimate.vehicle_deg[some][:1]))
     camera = camera_axes(np.radians(history.estimate.camera_deg[some][:1]))
-    to_camera = camera @ EAST_NORTH_UP @ axes  # from the vehicle's axes, in any frame
+    to_camera = camera @ NED_FROM_ENU @ axes  # from the vehicle's axes, in any frame
     by_left, by_right = by_turns_of(middle.away)
     by_frames = np.linalg.solve(by_left.sum(axis=0), by_right)
-    camera_deg = camera_angles_deg(to_camera @ mean.swapaxes(1, 2) @ EAST_NORTH_UP)
+    camera_deg = camera_angles_deg(to_camera @ mean.swapaxes(1, 2) @ NED_FROM_ENU)
     by_turns = np.concatenate(
         [
             angles_by_turns(np.radians(camera_deg))[0] @ to_camera[0],
@@ -207,10 +208,6 @@ def mean_attitude(history: History, frames: ArrayLike | slice | None = None) -> 
         covariance,
         float(covariance_factor_95(freedom[3:].min())),
     )
-
-
-EAST_NORTH_UP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
-"""From north, east, down, and back."""
 
 
 def covariances_of_sums(history: History, some: Bools, weights: Floats) -> dict[str, Floats]:

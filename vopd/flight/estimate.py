@@ -38,7 +38,7 @@ from vopd.flight.solve.errors import (
 )
 from vopd.flight.solve.held import other_solutions_deg, position_ratio
 from vopd.flight.solve.joint import NO_PARAMETERS, JointSolution
-from vopd.flight.solve.lines_of_sight import EARTH_RADIUS_M
+from vopd.flight.solve.lines_of_sight import vertical_by_position
 from vopd.flight.solve.rotations import IMAGE_FROM_CAMERA, FlightBlocks, FlightPart, SolvedFlight
 from vopd.flight.words import flight_words
 from vopd.geometry.earth import NED_FROM_ENU, geodetic, local_axes
@@ -83,7 +83,7 @@ def pick_responses(
     moved = seen.by_turns @ crossing(ray) @ rotation / lines.distance_m[:, None, None]
     at_landmark = flight.landmarks.axes[picks.landmark]
     to_camera = lines.axes[picks.frame] @ at_landmark.swapaxes(1, 2)
-    vertical = seen.by_turns @ rotation @ _vertical_by_position(solved)[picks.frame]
+    vertical = seen.by_turns @ rotation @ vertical_by_position(lines.camera)[picks.frame]
     position = -moved - vertical
     velocity = np.zeros((len(flight.frame), 3))
     if flight.path.velocity_m_s is not None:
@@ -103,16 +103,6 @@ def pick_responses(
         attack_by_time=attack.by_time,
         attack_by_velocity=attack.by_velocity,
     )
-
-
-def _vertical_by_position(solved: SolvedFlight) -> Floats:
-    """Differentiate the turn of east, north, up, radians, by metres east, north, up: (F, 3, 3)."""
-    latitude = np.radians(solved.lines.camera.latitude_deg)
-    turn = np.zeros((len(latitude), 3, 3))
-    turn[:, 0, 1] = -1.0 / EARTH_RADIUS_M
-    turn[:, 1, 0] = 1.0 / EARTH_RADIUS_M
-    turn[:, 2, 0] = np.tan(latitude) / EARTH_RADIUS_M
-    return turn
 
 
 # The estimate, in metres and pixels
