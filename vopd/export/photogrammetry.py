@@ -18,16 +18,18 @@ from vopd.export.tables import not_a_formula
 from vopd.findings import Finding, Report, VopdError, count_text
 from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
 from vopd.geometry.linear import inverse
-from vopd.geometry.rotations import body_axes, camera_axes, from_axes
+from vopd.geometry.rotations import (
+    IMAGE_FROM_CAMERA,
+    PHOTOGRAPH_FROM_CAMERA,
+    body_axes,
+    camera_axes,
+    from_axes,
+)
 from vopd.version import __version__
 
 # The camera's attitude in the conventions of photogrammetry.
 #
-# Camera axes are right, down, forward. The image axes of photogrammetry are right, up
-# in the picture, and backward. Rx, Ry, Rz are right-handed turns of a vector about
-# x, y, z, and angles are in degrees.
-
-IMAGE_FROM_CAMERA = np.diag([1.0, -1.0, -1.0])
+# Rx, Ry, Rz are right-handed turns of a vector about x, y, z, and angles are in degrees.
 
 
 class CameraPoses(NamedTuple):
@@ -61,8 +63,7 @@ def camera_poses(history: History, report: Report) -> CameraPoses:
                 message, history.about.source, job=history.about.finding_job, severity="warning"
             )
         )
-    axes = camera_axes(np.radians(e.camera_deg[frames]))  # left, up in the picture, forward
-    camera = (axes * np.array([-1.0, -1.0, 1.0])[:, None]).swapaxes(1, 2)
+    camera = (IMAGE_FROM_CAMERA @ camera_axes(np.radians(e.camera_deg[frames]))).swapaxes(1, 2)
     longitude, latitude, height = where[frames].T
     return CameraPoses(
         history,
@@ -111,7 +112,7 @@ def yaw_pitch_roll_deg(local_from_camera: Floats) -> Floats:
     Args:
         local_from_camera: right, down, forward as columns in east, north, up, (T, 3, 3)
     """
-    i = local_from_camera @ IMAGE_FROM_CAMERA
+    i = local_from_camera @ PHOTOGRAPH_FROM_CAMERA
     yaw = np.arctan2(i[:, 0, 1], i[:, 1, 1])
     pitch = np.arcsin(np.clip(i[:, 2, 1], -1.0, 1.0))
     roll = np.arctan2(-i[:, 2, 0], i[:, 2, 2])
@@ -128,7 +129,7 @@ def omega_phi_kappa_deg(grid_from_camera: Floats) -> Floats:
         grid_from_camera: right, down, forward as columns in grid east, grid north, up,
             (T, 3, 3)
     """
-    i = grid_from_camera @ IMAGE_FROM_CAMERA
+    i = grid_from_camera @ PHOTOGRAPH_FROM_CAMERA
     omega = np.arctan2(-i[:, 1, 2], i[:, 2, 2])
     phi = np.arcsin(np.clip(i[:, 0, 2], -1.0, 1.0))
     kappa = np.arctan2(-i[:, 0, 1], i[:, 0, 0])

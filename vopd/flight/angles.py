@@ -8,11 +8,12 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.flight.flight import Flight
-from vopd.flight.solve.rotations import IMAGE_FROM_CAMERA, SolvedFlight
+from vopd.flight.solve.rotations import SolvedFlight
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.linear import crossing
 from vopd.geometry.rotations import (
     FORWARD,
+    IMAGE_FROM_CAMERA,
     body_angles_by_turns,
     body_angles_deg,
     camera_angles_deg,

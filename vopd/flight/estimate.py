@@ -39,12 +39,17 @@ from vopd.flight.solve.errors import (
 from vopd.flight.solve.held import other_solutions_deg, position_ratio
 from vopd.flight.solve.joint import NO_PARAMETERS, JointSolution
 from vopd.flight.solve.lines_of_sight import vertical_by_position
-from vopd.flight.solve.rotations import IMAGE_FROM_CAMERA, FlightBlocks, FlightPart, SolvedFlight
+from vopd.flight.solve.rotations import FlightBlocks, FlightPart, SolvedFlight
 from vopd.flight.words import flight_words
 from vopd.geometry.earth import NED_FROM_ENU, geodetic, local_axes
 from vopd.geometry.lenses import Lenses, LensKind, Projection, project, ray_of_pixel
 from vopd.geometry.linear import FAR_FROM_SINGULAR, crossing, inverse
-from vopd.geometry.rotations import angles_by_turns, body_angles_by_turns, turns_by_angles
+from vopd.geometry.rotations import (
+    IMAGE_FROM_CAMERA,
+    angles_by_turns,
+    body_angles_by_turns,
+    turns_by_angles,
+)
 from vopd.landmark_layout import LandmarkLayout
 
 if TYPE_CHECKING:

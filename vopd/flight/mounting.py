@@ -15,7 +15,7 @@ from vopd.findings import Finding, VopdError, size_text
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight
 from vopd.geometry.earth import NED_FROM_ENU
-from vopd.geometry.rotations import rotation_matrices
+from vopd.geometry.rotations import rotation_matrices, rotation_vectors
 from vopd.video import find_images
 
 PASSES = 5  # of a mean of rotations: each squares what is left
@@ -45,7 +45,7 @@ def mounted(estimates: FlightEstimates) -> FlightEstimates:
     weight, mount, known = weight / weight.sum(), flight.mount, weight > 0.0
     body = vehicle[known].swapaxes(1, 2) @ NED_FROM_ENU @ rotation[known].swapaxes(1, 2)
     for _ in range(PASSES):
-        turn = (weight[known, None] * _rotation_vectors(body @ mount.T)).sum(axis=0)
+        turn = (weight[known, None] * rotation_vectors(body @ mount.T)).sum(axis=0)
         mount = rotation_matrices(turn[None])[0] @ mount
     now = replace(flight, mount=mount)
     made = FlightEstimates(replace(estimates.solved, flight=now), joint, estimates.reading)
@@ -55,9 +55,9 @@ def mounted(estimates: FlightEstimates) -> FlightEstimates:
     covariance = np.degrees(np.degrees(of_camera + by_vehicle))
     # errors of the camera's attitudes as if each frame had its own, which is the most they can be
     expected = np.trace(of_camera) / 3.0 / (weight**2).sum() + (sigma_rad[known] ** 2).mean()
-    found = (_rotation_vectors(body @ mount.T) ** 2).mean()
+    found = (rotation_vectors(body @ mount.T) ** 2).mean()
     off_deg, expected_deg = np.degrees(np.sqrt([found, expected])).tolist()
-    turned = np.degrees(_rotation_vectors((mount @ flight.mount.T)[None])[0])
+    turned = np.degrees(rotation_vectors((mount @ flight.mount.T)[None])[0])
     if flight.mount_sigma_deg > 0.0:  # the stated mount is one more reading of it
         prior = flight.mount_sigma_deg**2 * np.eye(3)
         gain = prior @ np.linalg.inv(prior + covariance)
@@ -102,16 +102,16 @@ def _at_frames(flight: Flight, late_s: Floats) -> tuple[Floats, Floats]:
     assert rows is not None
     out, sigma = np.full((frames, 3, 3), np.nan), np.full(frames, np.nan)
     if rows.by == "t_s":
-        from scipy.spatial.transform import Rotation, Slerp  # takes a tenth of a second to load
-
         at_s, step_s = flight.time_s + late_s, np.diff(rows.time_s)
         if len(step_s):
             after = np.clip(np.searchsorted(rows.time_s, at_s), 1, len(step_s))
             near = step_s[after - 1] <= LARGEST_GAP * np.median(step_s)
             inside = near & (at_s >= rows.time_s[0]) & (at_s <= rows.time_s[-1])
-            out[inside] = Slerp(rows.time_s, Rotation.from_matrix(rows.body_to_ned))(
-                at_s[inside]
-            ).as_matrix()
+            here, end = rows.body_to_ned[after[inside] - 1], rows.body_to_ned[after[inside]]
+            part = ((at_s - rows.time_s[after - 1]) / step_s[after - 1])[inside, None]
+            out[inside] = here @ rotation_matrices(
+                part * rotation_vectors(here.swapaxes(1, 2) @ end)
+            )
             sigma[inside] = np.interp(at_s[inside], rows.time_s, rows.sigma_rad)
         return out, sigma
     labels = flight.image_name
@@ -122,10 +122,3 @@ def _at_frames(flight: Flight, late_s: Floats) -> tuple[Floats, Floats]:
     there = found >= 0
     out[there], sigma[there] = rows.body_to_ned[found[there]], rows.sigma_rad[found[there]]
     return out, sigma
-
-
-def _rotation_vectors(matrices: Floats) -> Floats:
-    """Convert rotations to vectors, axis times angle, (B, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_matrix(matrices).as_rotvec())

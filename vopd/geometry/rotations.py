@@ -186,6 +186,15 @@ def ahead(axes: Floats, direction: Floats) -> Floats:
     return np.asarray((axes[..., 2, None, :] * direction).sum(axis=-1))
 
 
+# Axes of images by those of the camera, which are right, down in the picture and forward
+
+IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])
+"""Left, up in the picture and forward, as `camera_axes` has them."""
+
+PHOTOGRAPH_FROM_CAMERA = np.diag([1.0, -1.0, -1.0])
+"""Right, up in the picture and backward, as photogrammetry and star photographs have them."""
+
+
 # How a camera is mounted in a vehicle: rotations from camera axes to body axes
 #
 # Camera axes: x right, y down, z forward. Body axes: x forward, y right, z down.
@@ -240,6 +249,24 @@ def rotation_matrices(vector: Floats) -> Floats:
     matrix[:, 2, 0], matrix[:, 0, 2] = 2.0 * (xz - yw), 2.0 * (xz + yw)
     matrix[:, 2, 1], matrix[:, 1, 2] = 2.0 * (yz + xw), 2.0 * (yz - xw)
     return matrix
+
+
+def rotation_vectors(matrices: Floats) -> Floats:
+    """Convert rotations to vectors, axis times angle, (B, 3) radians, up to half a turn.
+
+    Args:
+        matrices: (B, 3, 3)
+    """
+    return _vectors(from_axes(matrices.swapaxes(1, 2)))
+
+
+@np.errstate(all="ignore")
+def _vectors(quaternion: Floats) -> Floats:
+    """Convert quaternions to rotation vectors, (B, 3) radians."""
+    vector = quaternion[:, 1:]
+    size = np.linalg.norm(vector, axis=1)
+    angle = 2.0 * np.arctan2(size, quaternion[:, 0])
+    return np.asarray(np.where(size > 0.0, angle / size, 0.0)[:, None] * vector)
 
 
 # Rotations by singular values
@@ -387,7 +414,6 @@ def angle_between_deg(one: Floats, other: Floats) -> Floats:
     return np.asarray(np.linalg.norm(rotation_vectors_deg(one, other), axis=1))
 
 
-@np.errstate(all="ignore")
 def rotation_vectors_deg(one: Floats, other: Floats) -> Floats:
     """Find the rotations from one attitude to another, about the axes of either, (F, 3) degrees.
 
@@ -395,10 +421,7 @@ def rotation_vectors_deg(one: Floats, other: Floats) -> Floats:
         one: quaternions, (F, 4)
         other: quaternions of the same two frames, (F, 4)
     """
-    between = product(one * [1.0, -1.0, -1.0, -1.0], other)
-    vector, size = between[:, 1:], np.linalg.norm(between[:, 1:], axis=1)
-    angle = np.degrees(2.0 * np.arctan2(size, between[:, 0]))
-    return np.asarray(np.where(size > 0.0, angle / size, 0.0)[:, None] * vector)
+    return np.degrees(_vectors(product(one * [1.0, -1.0, -1.0, -1.0], other)))
 
 
 @np.errstate(all="ignore")

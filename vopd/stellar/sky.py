@@ -22,6 +22,8 @@ from vopd.geometry.earth import NED_FROM_ENU, east_north_up
 from vopd.geometry.linear import transform
 from vopd.geometry.rotations import (
     FORWARD,
+    IMAGE_FROM_CAMERA,
+    PHOTOGRAPH_FROM_CAMERA,
     body_angles_by_turns,
     body_angles_deg,
     camera_angles_deg,
@@ -381,12 +383,6 @@ def _packaged_ephemeris() -> Path:
 
 # Pointing of the optical axis, and angles of the vehicle
 
-CAMERA_FROM_PHOTOGRAPH = np.diag([1.0, -1.0, -1.0])
-"""From the report's camera axes (x right, y up, z backward) to x right, y down, z forward."""
-
-LEFT_UP = np.diag([-1.0, 1.0, -1.0])
-"""From the report's camera axes to image x left, image y up, and the optical axis."""
-
 
 def sky_pointing(
     matrix: Floats,
@@ -413,7 +409,7 @@ def sky_pointing(
         return found
     found |= _equatorial(frame.of_date @ -matrix[2], "_of_date")
     if frame.local is not None:
-        axes = LEFT_UP @ matrix @ frame.local.T
+        axes = IMAGE_FROM_CAMERA @ PHOTOGRAPH_FROM_CAMERA @ matrix @ frame.local.T
         found |= dict(zip(OF_PLACE, camera_angles_deg(axes).tolist(), strict=True))
     if frame.local is not None and mount is not None:
         body = body_to_ned(matrix, frame.local, mount)
@@ -444,7 +440,7 @@ def _sigmas_of_pointing(
     if frame.local is not None and mount is not None:
         angles_deg = body_angles_deg(body_to_ned(matrix, frame.local, mount))
         by_turns = body_angles_by_turns(np.radians(angles_deg)[None])[0]
-        by_turns = by_turns @ mount @ CAMERA_FROM_PHOTOGRAPH
+        by_turns = by_turns @ mount @ PHOTOGRAPH_FROM_CAMERA
         variance = np.einsum("ai,ij,aj->a", by_turns, covariance, by_turns)
         found |= dict(zip(OF_VEHICLE, np.sqrt(variance), strict=True))
     return found
@@ -457,7 +453,7 @@ OF_VEHICLE = ("vehicle_yaw_deg", "vehicle_pitch_deg", "vehicle_roll_deg")
 
 def body_to_ned(matrix: Floats, local: Floats, mount: Floats) -> Floats:
     """Rotate vehicle axes (forward, right, down) to north, east, down, (3, 3)."""
-    camera = NED_FROM_ENU @ local @ matrix.T @ CAMERA_FROM_PHOTOGRAPH
+    camera = NED_FROM_ENU @ local @ matrix.T @ PHOTOGRAPH_FROM_CAMERA
     return np.asarray(camera @ mount.T)
 
 
@@ -496,7 +492,7 @@ def axes_of_body(
         and axes of the body (a camera that looks forward where there is no mount) in
         Earth-centred axes, (3, 3), None without a place.
     """
-    camera = CAMERA_FROM_PHOTOGRAPH @ matrix
+    camera = PHOTOGRAPH_FROM_CAMERA @ matrix
     celestial = camera if mount is None else mount @ camera
     if local is None or place is None:
         return celestial, None

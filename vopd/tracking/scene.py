@@ -17,7 +17,7 @@ from vopd.flight.project.terrain import Terrain
 from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
 from vopd.geometry.lenses import Lens, project, ray_of_pixel
-from vopd.geometry.rotations import rotation_matrices
+from vopd.geometry.rotations import rotation_matrices, rotation_vectors
 
 FLAT = 0.1  # sine of the angle below which a line of sight grazes the ground
 FAR = 1e3  # distances of the landmarks: ground that is farther away does not move
@@ -222,11 +222,7 @@ def _turned(ray: Floats, rate: Floats, late: Floats) -> Floats:
 
 def turn_between(before: Floats, after: Floats) -> Floats:
     """Find the rotation vector about the camera's axes that leads from one attitude to another."""
-    turn = after @ before.T
-    out = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    sine = np.linalg.norm(out) / 2.0
-    angle = np.arctan2(sine, (np.trace(turn) - 1.0) / 2.0)
-    return np.asarray(out / 2.0 * (angle / sine if sine > 0.0 else 1.0))
+    return np.asarray(rotation_vectors((after @ before.T)[None])[0])
 
 
 def turned_by(vector: Floats, rotation: Floats) -> Floats:

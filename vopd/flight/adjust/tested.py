@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 from scipy.special import bdtr, chdtrc
 
 from vopd.arrays import Bools, Floats, Ints
@@ -29,6 +28,7 @@ from vopd.flight.solve.joint import JointSolution, solve_jointly
 from vopd.flight.solve.rotations import solve
 from vopd.flight.solve.sizes import fix_covariances
 from vopd.geometry.linear import norm
+from vopd.geometry.rotations import rotation_vectors
 
 ROUNDS = 12  # of solving without what is named
 ALIKE = 6.0  # in twice the log likelihood: what explains the residuals as well
@@ -160,8 +160,7 @@ def _solved_without(estimates: FlightEstimates, tests: LeftOut, every: int) -> L
             found.chance[k] = np.nan
             continue
         found.gain[k] = max(joint.normal.cost - one.normal.cost, 0.0) / variance
-        turned = one.state.rotation @ joint.state.rotation.swapaxes(1, 2)
-        turn = Rotation.from_matrix(turned).as_rotvec()
+        turn = rotation_vectors(one.state.rotation @ joint.state.rotation.swapaxes(1, 2))
         solved = np.isfinite(one.solved.attitudes.rotation[:, 0, 0])
         turn = np.where(solved[:, None], turn, 0.0)
         largest = int((turn**2).sum(axis=1).argmax())

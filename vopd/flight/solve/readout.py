@@ -12,7 +12,7 @@ from vopd.findings import Finding
 from vopd.flight.flight import Flight
 from vopd.geometry.earth import NED_FROM_ENU
 from vopd.geometry.lenses import project, ray_of_pixel
-from vopd.geometry.rotations import rotation_matrices
+from vopd.geometry.rotations import rotation_matrices, rotation_vectors
 
 if TYPE_CHECKING:
     from vopd.flight.solve.rotations import SolvedFlight
@@ -79,7 +79,7 @@ def _rates_and_sums(flight: Flight, rotation: Floats) -> tuple[Floats, Floats | 
     after = np.where(np.append(near, False), at + 1, at)
     turn = rotation[known[after]] @ rotation[known[before]].swapaxes(1, 2)
     between_s = (time_s[after] - time_s[before])[:, None]
-    rates[known] = _rotation_vectors(turn) / between_s
+    rates[known] = rotation_vectors(turn) / between_s
     if changes is None or not near.any():
         return rates, changes, None
     step_s = float(np.median(apart[near]))
@@ -92,7 +92,7 @@ def _rates_and_sums(flight: Flight, rotation: Floats) -> tuple[Floats, Floats | 
         rows, offset = np.flatnonzero(several == most), np.arange(-most, most + 1)
         beside = known[rows[:, None] + offset]
         turn = rotation[beside] @ rotation[known[rows], None].swapaxes(2, 3)
-        vectors = _rotation_vectors(turn.reshape(-1, 3, 3)).reshape(*beside.shape, 3)
+        vectors = rotation_vectors(turn.reshape(-1, 3, 3)).reshape(*beside.shape, 3)
         by_rate, by_change = _weights(offset, *_moments(flight, step_s))
         by_rate, by_change = by_rate / step_s, by_change / step_s**2
         rates[known[rows]] = np.einsum("b,fbi->fi", by_rate, vectors)
@@ -168,15 +168,6 @@ def frame_interval_s(
     if image or known.sum() < 2:
         return np.nan
     return float(np.median(np.diff(time_s[known]) / np.diff(frame[known])))
-
-
-def _rotation_vectors(matrices: Floats) -> Floats:
-    """Convert rotations of less than half a turn to vectors, axis times angle, (B, 3)."""
-    out = np.stack([matrices[:, 2, 1], matrices[:, 0, 2], matrices[:, 1, 0]], axis=1)
-    out -= np.stack([matrices[:, 1, 2], matrices[:, 2, 0], matrices[:, 0, 1]], axis=1)
-    sine = np.linalg.norm(out, axis=1) / 2.0
-    angle = np.arctan2(sine, (np.trace(matrices, axis1=1, axis2=2) - 1.0) / 2.0)
-    return np.asarray(out / 2.0 * np.where(sine > 0.0, angle / sine, 1.0)[:, None])
 
 
 @np.errstate(all="ignore")

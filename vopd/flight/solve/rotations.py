@@ -464,8 +464,6 @@ def path_part(path: CameraPath, frames: Ints) -> CameraPath:
 
 # A flight solved, with the lever arm iterated
 
-IMAGE_FROM_CAMERA = np.diag([-1.0, -1.0, 1.0])
-"""An estimate's image axes, left, up and forward, from right, down and forward."""
 LEVER_PASSES = 4  # an arm of a metre at 20 m range converges by a factor of 20 each
 
 
