@@ -476,7 +476,7 @@ CLOCK = {"taken": "2026:05:01 12:00:00", "part": "5", "zone": "+02:00"}
 
 
 def test_a_folder_as_a_track(tmp_path: Path) -> None:
-    """Gimbal angles of some images; a time of all, or of none; none without a position."""
+    """Gimbal angles and times of those that have them; no times where one lacks its zone."""
     file = folder(tmp_path, HERE | CLOCK, CLOCK, HERE | CLOCK | {"altitude_m": 7.0})
     rows = read_by_content(TRACK_FORMATS, file)
     assert rows.image == ["0.jpg", "2.jpg"]
@@ -490,6 +490,10 @@ def test_a_folder_as_a_track(tmp_path: Path) -> None:
         None,
     )
     assert not rows.whole_seconds
+    folder(tmp_path, HERE)
+    rows = read_by_content(TRACK_FORMATS, file)
+    assert same(rows.time_s, [NAN, NOON - 7199.5]) and not rows.whole_seconds
+    assert_approved(rows.said)
     folder(tmp_path, HERE | CLOCK | {"part": ""})
     assert read_by_content(TRACK_FORMATS, file).whole_seconds
     folder(tmp_path, HERE | CLOCK | {"zone": "", "xmp": YAW.format(1)})

@@ -818,6 +818,11 @@ def test_speeds_of_images_are_north_east_down_at_the_image() -> None:
     path = path_by_image(keys(), two, position[:2], times, np.array([4.0, 0.0]), Notes([], {}))
     assert path.velocity_m_s is not None
     assert_close("flight speed", path.velocity_m_s[[0, 2]], [[10.0, 5.0, -2.5]] * 2)
+    some = np.array([4.0, 0.0, np.nan])  # the one without a time costs the others nothing
+    path = path_by_image(keys(), rows, position, times, some, Notes([], {}))
+    assert path.velocity_m_s is not None and path.acceleration_m_s2 is not None
+    assert_close("flight speed", path.velocity_m_s[[0, 2]], [[10.0, 5.0, -2.5]] * 2)
+    assert np.isnan(path.velocity_m_s[1]).all() and np.isfinite(path.position_m[1]).all()
     whole = track("utc", 0.0, 0.0, 0.0, image=("c", "a", "b"), whole_seconds=True)
     path = path_by_image(keys(), whole, position, times, np.array([4.0, 0.0, 2.0]), Notes(said, {}))
     assert path.velocity_m_s is None

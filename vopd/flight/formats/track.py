@@ -503,11 +503,12 @@ def read_image_folder(file: InputFile) -> TrackRows:
     gimbal: Floats = np.array([one.gimbal_deg for one in tags])
     time_s: Floats = np.array([one.clock_s - one.zone_s for one in tags])
     without = len(paths) - len(tags)
-    dated = bool(np.isfinite(time_s).all())
+    zoneless = any(np.isfinite(one.clock_s) and np.isnan(one.zone_s) for one in tags)
+    dated = int(np.isfinite(time_s).sum()) * (not zoneless)
     said = f"EXIF and XMP tags of {count_text(len(paths), 'image')}"
     said += f", {without} without position{damage_text(every, unread)}" if without else ""
-    zoneless = any(np.isfinite(one.clock_s) and np.isnan(one.zone_s) for one in tags)
     said += ", times with their zone" if dated else NO_ZONE * zoneless
+    said += f", {len(tags) - dated} without time" if 0 < dated < len(tags) else ""
     sigma: Floats = np.array([one.sigma_m for one in tags])
     angles = np.isfinite(gimbal).any()
     return TrackRows(
@@ -522,7 +523,7 @@ def read_image_folder(file: InputFile) -> TrackRows:
         sigma_m=sigma if np.isfinite(sigma).any() else None,
         sigma_by=", ".join(dict.fromkeys(one.sigma_by for one in tags if one.sigma_by)),
         usual_sigma_m=USUAL_SIGMA_M,
-        whole_seconds=any(one.whole_second for one in tags),
+        whole_seconds=any(one.whole_second for one in tags if np.isfinite(one.clock_s)),
         doubts=doubts_of_places(every, file.name),
     )
 

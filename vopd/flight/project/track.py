@@ -191,16 +191,19 @@ def path_by_image(
     sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
     velocity, acceleration = rows.velocity_m_s, None
     if velocity is None and time_s is not None:
-        order = np.argsort(time_s, kind="stable")
+        order = np.argsort(time_s, kind="stable")[: np.isfinite(time_s).sum()]
         if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
             why = "the images' times are whole seconds, or too few, or alike"
             notes.said.append(f"no velocity: {why}")
         else:
             at_s = time_s[order]
             rough = track_roughness(at_s, position[order], sigma_m[order])
-            back = np.argsort(order)
             fitted = velocity_by_fit(at_s, position[order], at_s, position[order], rough, notes)
-            velocity, acceleration, by_fit = (None if one is None else one[back] for one in fitted)
+            of_rows = np.full((3, *position.shape), np.nan)
+            for own, one in zip(of_rows, fitted, strict=True):
+                own[order] = np.nan if one is None else one
+            velocity, acceleration = of_rows[:2]
+            by_fit = None if fitted[2] is None else of_rows[2]
             sigma_m_s = by_fit if sigma_m_s is None else sigma_m_s
     gimbal = None
     if rows.gimbal_deg is not None:
