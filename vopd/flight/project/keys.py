@@ -229,8 +229,9 @@ KEYS: tuple[Key, ...] = (
         "for a track by time", option="--sigma-time"),
     Key("track", "velocity_sigma_m_s", "sigma", "0.1",
         "m/s, or [north, east, down]: of the track's velocities",
-        "standard deviations of the velocities. Needed if the track has them itself, unless the "
-        "file has columns `sigma_vn_m_s`, `sigma_ve_m_s`, `sigma_vd_m_s`", size=3),
+        "standard deviations of the velocities: one number, or north, east, down. Needed if the "
+        "track has them itself, unless the file has columns `sigma_vn_m_s`, `sigma_ve_m_s`, "
+        "`sigma_vd_m_s`", size=3),
     Key("track", "lever_arm_m", "numbers", "[0.0, 0.0, 0.0]",
         "antenna to camera: forward, right, down",
         "from the antenna to the camera, in the vehicle's forward, right, down", size=3),
