@@ -53,6 +53,11 @@ FIRST_BYTES = {
 SUFFIXES = [(suffix, one.name) for one in FORMATS.values() for suffix in one.suffixes]
 
 
+def dated(form: str) -> list[str]:
+    """The option of an epoch, where a format has times."""
+    return ["--epoch", EPOCH] if "epoch" in FORMATS[form].options else []
+
+
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with case 4 as `deck.dat`, and in it."""
@@ -63,13 +68,13 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize(("suffix", "form"), [*SUFFIXES, (".CSV", "csv"), (".Kml", "kml")])
 def test_the_suffix_says_the_format(suffix: str, form: str, place: Path) -> None:
-    assert vopd("attitude", "deck.dat", "-o", f"t{suffix}", "--epoch", EPOCH).status == 0
+    assert vopd("attitude", "deck.dat", "-o", f"t{suffix}", *dated(form)).status == 0
     assert (place / f"t{suffix}").read_bytes().startswith(FIRST_BYTES[form])
 
 
 @pytest.mark.parametrize("form", FORMATS)
 def test_format_by_name_to_standard_output_and_file(form: str, place: Path) -> None:
-    options = ("--format", form, "--epoch", EPOCH)
+    options = ("--format", form, *dated(form))
     result = vopd("attitude", "-", *options, stdin=deck_text("case4"))
     assert result.status == 0 and result.output.startswith(FIRST_BYTES[form])
     assert vopd("attitude", "deck.dat", *options, "-o", "t.txt").status == 0
@@ -106,6 +111,7 @@ BAD = [  # options, exit status, what is said
     (("-o", "folder.csv"), 1),
     (("-o", "deck.dat/t.csv"), 1),
     (("-o", "deck.dat", "--format", "csv"), 1),
+    (("-o", "geo.txt", "--epoch", EPOCH), 2),
 ]
 
 
@@ -144,7 +150,7 @@ def test_no_frame_left(form: str, place: Path) -> None:
     alone = replace(job, readings=reread(job.readings, **only))
     (place / "one.dat").write_text(write_deck([alone]))
     (place / f"t{FORMATS[form].suffixes[0]}").write_text("what was there")
-    result = vopd("attitude", "one.dat", "-o", f"t{FORMATS[form].suffixes[0]}", "--epoch", EPOCH)
+    result = vopd("attitude", "one.dat", "-o", f"t{FORMATS[form].suffixes[0]}", *dated(form))
     assert result.status == 1
     assert_approved(result.stderr)
     assert (place / f"t{FORMATS[form].suffixes[0]}").read_text() == "what was there"
@@ -219,7 +225,7 @@ def status_of_run(deck: Path) -> int:
 def test_odd_decks_end_as_their_run_does(name: str, form: str, place: Path) -> None:
     """Frames without landmarks, without residuals, dropped: every format takes them."""
     deck = DECKS / "regression" / f"{name}.dat"
-    result = vopd("attitude", deck, "-o", f"t{FORMATS[form].suffixes[0]}", "--epoch", EPOCH, "-q")
+    result = vopd("attitude", deck, "-o", f"t{FORMATS[form].suffixes[0]}", "-q", *dated(form))
     assert result.status == status_of_run(deck), result.stderr
     assert (place / f"t{FORMATS[form].suffixes[0]}").read_bytes().startswith(FIRST_BYTES[form])
 

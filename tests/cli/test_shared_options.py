@@ -303,7 +303,8 @@ def test_options_that_are_wrong_or_have_no_effect(options: str) -> None:
 def test_only_formats_with_rows_are_written_by_parts(
     form: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    words = ("attitude", "a.dat", "--format", form, "--epoch", "2000-01-01")
+    dated = ["--epoch", "2000-01-01"] * FORMATS[form].needs_epoch
+    words = ("attitude", "a.dat", "--format", form, *dated)
     by_parts = handed(monkeypatch, attitude, "collect_jobs", *words)[2]
     assert by_parts == (form in ("csv", "jsonl"))
 

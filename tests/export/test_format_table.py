@@ -15,9 +15,9 @@ from vopd.attitude.long_history import one_part
 from vopd.export import FORMATS, FileRequest, of_file
 from vopd.findings import VopdError
 
-NAMES = ("object_name",)
-COLUMNS = ("columns", "roll_180")
-MESSAGE = ("originator", "object_name", "object_id")
+NAMES = ("epoch", "object_name")
+COLUMNS = ("epoch", "columns", "roll_180")
+MESSAGE = ("epoch", "originator", "object_name", "object_id")
 TABLE: dict[str, tuple[tuple[str, ...], set[str], tuple[str, ...]]] = {
     "csv": ((".csv",), {"by_parts", "together"}, COLUMNS),
     "jsonl": ((".jsonl", ".ndjson"), {"by_parts"}, COLUMNS),

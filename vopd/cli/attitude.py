@@ -154,8 +154,10 @@ def command(
     """Write the attitude table, or the attitude history in the format of another tool."""
     screen = form == TEXT or (form is None and output == "-" and sys.stdout.isatty())
     chosen = FORMATS["csv"] if screen else _format(output, form)
-    if mean and (columns is not None or roll):
-        raise click.UsageError("--columns and --roll are for a row a frame: leave out --mean.")
+    if mean and (columns is not None or roll or epoch is not None):
+        raise click.UsageError(
+            "--columns, --roll and --epoch are for a row a frame: leave out --mean."
+        )
     if mean and chosen.name not in MEAN_FORMATS:
         raise click.UsageError(f"--mean is for {', '.join(MEAN_FORMATS)}, not {chosen.name}.")
     names["columns"] = None if columns is None else tuple(columns.replace(" ", "").split(","))
@@ -318,7 +320,7 @@ def _request(
         click.UsageError: where an option would have no effect, or is wrong
     """
     given = {name: value for name, value in names.items() if value is not None}
-    for name in given:
+    for name in (*given, *["epoch"] * (epoch is not None)):
         if name not in chosen.options:
             option = "--" + name.replace("_", "-").removesuffix("-180")
             takers = [one.name for one in FORMATS.values() if name in one.options]

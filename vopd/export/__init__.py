@@ -71,7 +71,7 @@ class AttitudeFormat:
     about: str  # a line for the help
     needs_epoch: bool = False
     binary: bool = False
-    options: tuple[str, ...] = ()  # the fields of `FileRequest` that it uses, besides the epoch
+    options: tuple[str, ...] = ()  # the fields of `FileRequest` that it uses
     by_parts: bool = False  # a job's parts are written one after the other
     together: bool = False  # the rows of many files are made together
     package: str = ""  # an optional one, installed by the extra with the format's name
@@ -155,7 +155,7 @@ def _printable(about: About) -> About:
     return about._replace(source=printable(about.source))
 
 
-TABLE_OPTIONS = ("columns", "roll_180")  # the fields of `FileRequest` that a table uses
+TABLE_OPTIONS = ("epoch", "columns", "roll_180")  # the fields of `FileRequest` that a table uses
 FORMATS = {
     one.name: one
     for one in (
@@ -176,19 +176,19 @@ FORMATS = {
         ),
         AttitudeFormat(
             "aem", (".aem",), "CCSDS Attitude Ephemeris Message; needs --epoch", needs_epoch=True,
-            options=("aem_version", "originator", "object_name", "object_id"),
+            options=("epoch", "aem_version", "originator", "object_name", "object_id"),
         ),
         AttitudeFormat(
             "acm", (".acm",), "CCSDS Attitude Comprehensive Message, with variances; needs --epoch",
-            needs_epoch=True, options=("originator", "object_name", "object_id"),
+            needs_epoch=True, options=("epoch", "originator", "object_name", "object_id"),
         ),
         AttitudeFormat(
             "czml", (".czml",), "for Cesium: position and orientation; needs --epoch",
-            needs_epoch=True, options=("object_name",),
+            needs_epoch=True, options=("epoch", "object_name"),
         ),
         AttitudeFormat(
             "kml", (".kml",), "for Google Earth; needs times; with --epoch a track",
-            options=("object_name",),
+            options=("epoch", "object_name"),
         ),
         AttitudeFormat(
             "odm", ("geo.txt",), "OpenDroneMap: position and yaw, pitch, roll of each image",
