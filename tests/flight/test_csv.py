@@ -17,6 +17,7 @@ from tests.kit.tagged_images import tagged_image
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.formats.by_content import read_by_content
+from vopd.flight.formats.columns import TIME
 from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.image_tags import read_tags
 from vopd.flight.formats.landmarks import LANDMARK_FORMATS
@@ -189,7 +190,7 @@ def test_standard_deviations_in_cells() -> None:
     assert_approved(told(lambda: read_csv(of("speed,s\n")).column("sped")))
 
 
-@pytest.mark.parametrize("text", ["2026-05-01T12:00:00", "noon", "", "5"])
+@pytest.mark.parametrize("text", ["2026-05-01T12:00:00", "noon", "", "5", "2026-05-01"])
 def test_dates_in_cells(text: str) -> None:
     table = read_csv(of(f"a,t\n1,1970-01-01T00:00:10.25+00:00\n2,{text}\n"))
     assert_approved(told(lambda: table.times("t")))
@@ -200,12 +201,16 @@ def test_dates_in_cells(text: str) -> None:
 @pytest.mark.parametrize(
     "text",
     ["t\n1970-01-01T00:00:10.25\n1970-01-01T00:00:11Z\n", "utc\n1970-01-01 00:00:10.25\n",
-     "day,t\n1970/01/01,00:00:10.25\n"],
+     "day,t\n1970/01/01,00:00:10.25\n", "x;utc\n1;1970-01-01 00:00:10,25\n",
+     "utc\n19700101T000010.25\n"],
 )  # fmt: skip
 def test_gps_time_has_no_zone(text: str) -> None:
+    """Nor does a column whose name says that it is UTC need one, in whatever form of ISO 8601."""
     file = replace(of(text), clock="gps")
     name = read_csv(file).header[-1]
     assert read_csv(file).times(name)[0] == 10.25
+    if "utc" in text:
+        assert read_csv(of(text), TIME).times("t_utc")[0] == 10.25
     assert_approved(told(lambda: read_csv(of(text.replace("utc", "t"))).times("t")))
 
 

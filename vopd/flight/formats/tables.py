@@ -8,7 +8,7 @@ from array import array
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC
+from datetime import UTC, tzinfo
 from itertools import chain
 
 import numpy as np
@@ -56,6 +56,7 @@ from vopd.inputs import (
     MOST_NUMBER,
     MOST_SIGMA,
     beyond_sigmas,
+    date_alone,
     is_number,
     leap_second,
     plain_digits,
@@ -72,7 +73,6 @@ FROM_GROUND = re.compile(
 """Words of the name of a height that say the ground, or the place of the take-off."""
 ONE_OF = TIME[::-1], ("image", "frame")
 """Columns of which the first that is there is read."""
-NO_ZONE = re.compile(r"(?<![+-]\d\d):\d\d(\.\d*)?$")
 DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}")
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d")
 SEXAGESIMAL = re.compile(r"\d\s*[°º:'′NSEWnsew]|[NSEWnsew]\s*\d|\d\s+\d")  # noqa: RUF001
@@ -463,21 +463,24 @@ class CsvTable:
                 f"{day.replace('/', '-')}T{'0' * (text[1:2] == ':')}{text}" for day, text in pairs
             ]
         own = "" if own == name else own  # a column of this package states the zone in each row
+        zone = None
         if self.file.clock == "gps" or "utc" in plain_name(own):  # as loggers write no zone
-            texts = [f"{text}Z" if NO_ZONE.search(text) else text for text in texts]
-        return np.array([self._time(name, k, text, own) for k, text in enumerate(texts)])
+            zone = UTC
+        return np.array([self._time(name, k, text, own, zone) for k, text in enumerate(texts)])
 
-    def _time(self, name: str, row: int, text: str, columns: str = "") -> float:
+    def _time(self, name: str, row: int, text: str, columns: str, zone: tzinfo | None) -> float:
         try:
             moment = read_moment(text)
-            if moment.tzinfo is not None:
-                return moment.astimezone(UTC).timestamp()
+            message, known = date_alone(text), moment.tzinfo or zone
+            if known is not None and not message:
+                return moment.replace(tzinfo=known).astimezone(UTC).timestamp()
         except (ValueError, OverflowError) as error:
             example = "2026-05-01T11:58:42.25Z"
             message = leap_second(text) or f"{shown(text)} is not a date and time as {example}"
             raise self.error(message, row, name) from error
         rename = f", or rename a column: {columns.split()[-1]}_utc" if columns else ""
-        raise self.error(f"{text} does not say its zone: add Z for UTC{rename}", row, name)
+        message = message or f"{text} does not say its zone: add Z for UTC{rename}"
+        raise self.error(message, row, name)
 
     def error(self, message: str, row: int, column: str = "") -> VopdError:
         """Make an error about a row, by its index."""
