@@ -153,6 +153,8 @@ def command(
     answers = _answers(given, position, columns, keys)
     if position is not None and "track" in files:
         raise click.UsageError("--position is of a camera that does not move: leave out --track.")
+    if {"gcp", "picks", "landmarks"} <= files.keys():
+        raise click.UsageError("--gcp is not for --picks and --landmarks, which have both.")
     model = next((one for one in answers if ("camera", "model") in one.keys), None)
     try:
         table = lens_of_numbers(files.get("lens", ""), model.value if model else '"brown"')
