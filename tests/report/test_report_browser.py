@@ -457,6 +457,25 @@ def test_the_side_view_has_distances_along_its_azimuth(hill: Any) -> None:
     assert len(shown) == len(along) and np.corrcoef(shown, along)[0, 1] > 0.999
 
 
+def test_the_map_of_a_grid_has_true_north(browser: Any, tmp_path: Path) -> None:
+    """Of one whose north is 30 degrees east of true north: 30 degrees left of upward is north."""
+    script = """
+      const side = document.querySelector("#map-box svg"), north = side.querySelector(".north");
+      const ends = (north.getAttribute("d") ?? north.outerHTML).match(/-?[\\d.]+/g).map(Number);
+      return [Number(side.textContent.match(/distance toward (\\d+)/)[1]), ends];
+    """
+    page, shown = page_of("hill").decode(), []
+    for convergence in ("0.0", "30.0"):
+        turned = page.replace('"convergence": 0.0', f'"convergence": {convergence}')
+        load(browser, tmp_path, turned.encode())
+        shown.append(browser.execute_script(script))
+    (grid_deg, up), (true_deg, left) = shown
+    assert (true_deg - grid_deg) % 360 == 30
+    for (x, y, to_x, to_y), angle_deg in ((up[:4], 0.0), (left[:4], -30.0)):
+        found = np.degrees(np.arctan2(to_x - x, y - to_y))
+        assert_close("mark on a page", found, angle_deg)
+
+
 def test_every_control_has_a_name_and_wide_figures_scroll(case4: Any) -> None:
     script = """
       const named = (one) => one.ariaLabel || (one.matches("input, select") ? one.labels.length
