@@ -784,11 +784,13 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
         return f"has none of the images that were picked ({picked} for one); it has {other}{hint}"
     own = track_on_clock(section, rows, times) + section.number("offset_s")
     first, last = float(np.nanmin(times.time_s)), float(np.nanmax(times.time_s))
-    gap = first - own[-1] if first > own[-1] else own[0] - last  # of the frame next to the track
+    gap = max(first - own[-1], own[0] - last)  # of the frame next to the track
     apart = f"{gap:.3g} s apart{covering_text(own, times.time_s, section.number('offset_s'))}"
     assert rows.time_s is not None
     if rows.clock == "seconds" and LAST_S >= rows.time_s[0] >= LATE_S > last:
         apart = "apart: the track's t_s are seconds since 1970, call the column t_unix_s"
+    elif gap < 0.0:
+        apart = "before and behind it"
     elif hours := round(gap / 3600.0):
         apart = f"{gap / 3600.0:.2f} h apart" + ", a time zone?" * (hours <= 14)
     return (
