@@ -7,7 +7,7 @@ import json
 import struct
 import sys
 from collections.abc import Callable
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta, timezone
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -1162,6 +1162,15 @@ def test_each_common_mistake_is_named(mistake: str) -> None:
 def test_the_right_file_draws_no_warning() -> None:
     result = solve_night(by_place(right_ones()), *LENS, "--y-down", *AT_NIGHT)
     assert result.status == 0 and result.stderr == ""
+
+
+def test_what_coordinates_of_a_date_refer_to_has_all_of_the_date() -> None:
+    """In its half second the sky turns by 7 seconds of arc; and UTC is told of another zone."""
+    at = datetime(2020, 1, 15, 22, 0, 0, 500_000, tzinfo=timezone(timedelta(hours=1)))
+    found = solve_file(star_file("ra_deg,dec_deg"), SkyRequest(at))[0].epoch
+    assert "equinox of 2020-01-15T21:00:00.500000Z;" in found
+    found = solve_file(star_file("ra_deg,dec_deg"), SkyRequest(at.replace(microsecond=0)))[0].epoch
+    assert "equinox of 2020-01-15T21:00:00Z;" in found
 
 
 @pytest.mark.parametrize("kind", [IDENTIFIED, "ra_deg,dec_deg"])

@@ -8,7 +8,7 @@ import struct
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -568,7 +568,7 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     if frame.pressure_mbar > 0.0:
         effects = "aberration, light deflection and refraction"
     epoch = DATED.format(
-        moment=sky.utc.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        moment=sky.utc.astimezone(UTC).isoformat().replace("+00:00", "Z"),
         source=SOURCES.get(file.kind, "the file, without proper motion"),
         effects=effects,
     )
