@@ -442,6 +442,22 @@ class _SourceName(_FileName):
 
 SOURCE_NAME = _SourceName(readable=False)
 
+
+class _ProjectName(_SourceName):
+    """A name of a flight project, or of its folder."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from vopd.pipeline import is_flight
+
+        name = super().convert(value, param, ctx)
+        if not is_flight(name):
+            raise click.UsageError(f"{name}: a flight project ends in .toml.", ctx)
+        return name
+
+
+project_argument = click.argument("project", type=_ProjectName(readable=False), metavar="PROJECT")
+"""A flight project, whose name ends in .toml, or its folder."""
+
 sources_argument = click.argument(
     "sources", type=SOURCE_NAME, metavar="SOURCE...", nargs=-1, required=True
 )

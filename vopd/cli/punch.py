@@ -7,17 +7,16 @@ import io
 
 import click
 
-from vopd.cli.options import FILE_NAME, SOURCE_NAME, output_option, quiet_option
+from vopd.cli.options import FILE_NAME, output_option, project_argument, quiet_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
 from vopd.findings import VopdError
-from vopd.pipeline import is_flight
 
 SHOWN = 12  # rows of the table of numbers
 
 
 @click.command("punch")
-@click.argument("project", type=SOURCE_NAME, metavar="PROJECT")
+@project_argument
 @output_option("The deck to write; by default standard output.")
 @click.option(
     "--numbers",
@@ -51,8 +50,6 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     from vopd.export.tables import not_a_formula
     from vopd.flight.result import solve_flight
 
-    if not is_flight(project):
-        raise click.UsageError(f"{project}: a flight project ends in .toml.")
     refuse_to_overwrite((project,), output, numbers)
     try:
         result = solve_flight(project)

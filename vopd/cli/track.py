@@ -5,14 +5,14 @@ from __future__ import annotations
 import click
 
 from vopd.cli.console import Messages, Progress
-from vopd.cli.options import NUMBER, SOURCE_NAME, NumberRange, WholeRange, quiet_option
+from vopd.cli.options import NUMBER, NumberRange, WholeRange, project_argument, quiet_option
 from vopd.cli.output import refuse_to_overwrite
 
 GOES_ON = "the same command goes on"
 
 
 @click.command("track")
-@click.argument("project", type=SOURCE_NAME, metavar="PROJECT")
+@project_argument
 @click.option(
     "--from", "from_s", type=NUMBER, metavar="T", help="Time of the first frame, seconds."
 )
