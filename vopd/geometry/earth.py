@@ -45,8 +45,12 @@ def geodetic_latitude(ellipsoid: Ellipsoid, position: Floats) -> Floats:
         ellipsoid: the Earth
         position: Earth-centred x, y, z, (3, ...) km; not the Earth's centre
     """
+    return _latitude(ellipsoid, np.hypot(position[0], position[1]), position[2])
+
+
+def _latitude(ellipsoid: Ellipsoid, across: Floats, up: Floats) -> Floats:
+    """Find the geodetic latitude by the distances from the axis and from the equator, km."""
     e2 = ellipsoid.flattening * (2.0 - ellipsoid.flattening)
-    across, up = np.hypot(position[0], position[1]), position[2]
     latitude = np.arctan2(up, across * (1.0 - e2))
     for _ in range(8):  # each step gains a factor of e2 at least
         before, sine = latitude, np.sin(latitude)
@@ -76,14 +80,11 @@ def east_north_up(latitude: Floats, longitude: Floats) -> Floats:
     sinp, cosp, sint, cost = (
         np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
     )  # fmt: skip
-    zero = np.zeros_like(sint)
-    return np.stack(
-        [
-            np.stack([-sint, cost, zero]),
-            np.stack([-sinp * cost, -sinp * sint, cosp]),
-            np.stack([cosp * cost, cosp * sint, sinp]),
-        ]
-    )
+    axes = np.empty((3, 3, *np.shape(sint)))
+    axes[0, 0], axes[0, 1], axes[0, 2] = -sint, cost, 0.0
+    axes[1, 0], axes[1, 1], axes[1, 2] = -sinp * cost, -sinp * sint, cosp
+    axes[2, 0], axes[2, 1], axes[2, 2] = cosp * cost, cosp * sint, sinp
+    return axes
 
 
 # Positions on WGS 84 in metres and degrees, and the local axes there
@@ -121,8 +122,8 @@ def geodetic(position_m: Floats) -> Geodetic:
     Args:
         position_m: Earth-centred x, y, z, (..., 3), metres
     """
-    x, y, z = np.moveaxis(position_m, -1, 0)
-    latitude = geodetic_latitude(WGS84, np.stack([x, y, z]) / M_PER_KM)
+    x, y, z = (position_m[..., k] for k in range(3))
+    latitude = _latitude(WGS84, np.hypot(x / M_PER_KM, y / M_PER_KM), z / M_PER_KM)
     sine, cosine = np.sin(latitude), np.cos(latitude)
     e2 = WGS84.flattening * (2.0 - WGS84.flattening)
     radius = WGS84.radius_km * M_PER_KM
@@ -143,4 +144,4 @@ def local_axes(position_m: Floats) -> Floats:
 def axes_at(where: Geodetic) -> Floats:
     """Resolve east, north, up at points: unit vectors as rows, (..., 3, 3), Earth-centred."""
     axes = east_north_up(np.radians(where.latitude_deg), np.radians(where.longitude_deg))
-    return np.moveaxis(axes, (0, 1), (-2, -1))
+    return axes.transpose((*range(2, axes.ndim), 0, 1))

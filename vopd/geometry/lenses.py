@@ -42,21 +42,29 @@ def distort_brown(k: Floats, x: Floats, y: Floats) -> tuple[tuple[Floats, Floats
     """
     k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = (float(value) for value in k)
     r2 = x * x + y * y
-    n = ((k3 * r2 + k2) * r2 + k1) * r2 + 1.0
-    d = ((k6 * r2 + k5) * r2 + k4) * r2 + 1.0
-    factor = n / d
-    n_slope = (3.0 * k3 * r2 + 2.0 * k2) * r2 + k1
-    d_slope = (3.0 * k6 * r2 + 2.0 * k5) * r2 + k4
-    slope = (n_slope - factor * d_slope) / d  # of the factor by r2
-    prism_x, prism_y = s1 + 2.0 * s2 * r2, s3 + 2.0 * s4 * r2
-    xd = x * factor + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + s1 * r2 + s2 * r2 * r2
-    yd = y * factor + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + s3 * r2 + s4 * r2 * r2
-    mixed = 2.0 * x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
-    xx = factor + 2.0 * x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x + 2.0 * x * prism_x
-    yy = factor + 2.0 * y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x + 2.0 * y * prism_y
-    by = np.empty((*np.shape(xx), 2, 2))
-    by[..., 0, 0], by[..., 0, 1] = xx, mixed + 2.0 * y * prism_x
-    by[..., 1, 0], by[..., 1, 1] = mixed + 2.0 * x * prism_y, yy
+    factor = ((k3 * r2 + k2) * r2 + k1) * r2 + 1.0
+    slope = (3.0 * k3 * r2 + 2.0 * k2) * r2 + k1  # of the factor by r2
+    if k4 or k5 or k6:
+        d = ((k6 * r2 + k5) * r2 + k4) * r2 + 1.0
+        factor = factor / d
+        slope = (slope - factor * ((3.0 * k6 * r2 + 2.0 * k5) * r2 + k4)) / d
+    xd, yd, mixed = x * factor, y * factor, 2.0 * x * y * slope
+    by = np.empty((*np.shape(factor), 2, 2))
+    by[..., 0, 0], by[..., 1, 1] = factor + 2.0 * x * x * slope, factor + 2.0 * y * y * slope
+    if p1 or p2:
+        xd = xd + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
+        yd = yd + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+        mixed = mixed + 2.0 * p1 * x + 2.0 * p2 * y
+        by[..., 0, 0] += 2.0 * p1 * y + 6.0 * p2 * x
+        by[..., 1, 1] += 6.0 * p1 * y + 2.0 * p2 * x
+    by[..., 0, 1] = by[..., 1, 0] = mixed
+    if s1 or s2 or s3 or s4:
+        xd, yd = xd + s1 * r2 + s2 * r2 * r2, yd + s3 * r2 + s4 * r2 * r2
+        prism_x, prism_y = s1 + 2.0 * s2 * r2, s3 + 2.0 * s4 * r2
+        by[..., 0, 0] += 2.0 * x * prism_x
+        by[..., 0, 1] += 2.0 * y * prism_x
+        by[..., 1, 0] += 2.0 * x * prism_y
+        by[..., 1, 1] += 2.0 * y * prism_y
     return (xd, yd), by
 
 

@@ -466,7 +466,8 @@ class Model:
         landmark_by = self.landmark_by_m(state)
         height_m, seen = np.full(len(landmark_by), np.nan), np.unique(self.landmark)
         place_m = flight.landmarks.position_m[seen] + landmark_by[seen]
-        height_m[seen] = geodetic(place_m).height_m
+        every = geodetic(np.concatenate([flight.path.position_m + camera_by, place_m]))
+        height_m[seen] = every.height_m[self.frames :]
         lens = with_parameters(flight.lens, self.names, state.parameter)
         shift_px = None if self.clicks is None else self.clicks.shift_px(state.click_px)
         for frames, picks in self.parts:
@@ -474,7 +475,7 @@ class Model:
             # moves are added to the stated lines: beside the Earth's radius 1e-9 m would be lost
             away_m = flight.landmarks.position_m[landmark] - flight.path.position_m[frames, None]
             away_m += landmark_by[landmark] - camera_by[frames, None]
-            camera = geodetic(flight.path.position_m[frames] + camera_by[frames])
+            camera = Geodetic(*(one[frames] for one in every))
             yield self._linearised(
                 state, lens.of(frames), frames, picks, away_m, camera, height_m[landmark],
                 shift_px,
