@@ -12,10 +12,10 @@ import re
 import stat
 import tomllib
 from collections.abc import Iterable, Sequence
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, Protocol
 
-from vopd.findings import count_text, shown
+from vopd.findings import VopdError, count_text, shown
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -319,6 +319,27 @@ def date_alone(text: str) -> str:
     if not DATE_ALONE.fullmatch(text.strip()):
         return ""
     return f"{text!r} has no time of day: write the time, too, UTC, as {text.strip()}T21:00Z"
+
+
+def utc_moment(text: str, of_day: bool = False) -> datetime:
+    """Read a date and time in ISO 8601; it is UTC if it names no time zone.
+
+    Args:
+        text: as the user wrote it
+        of_day: whether a date alone is refused
+
+    Raises:
+        VopdError: with what is wrong, and what to write instead
+    """
+    try:
+        moment = read_moment(text)
+        moment = moment.replace(tzinfo=moment.tzinfo or UTC).astimezone(UTC)
+    except (ValueError, OverflowError) as error:
+        message = f"{text!r} is not an ISO 8601 date and time, for instance 1974-08-27T17:30:00Z"
+        raise VopdError(leap_second(text) or message) from error
+    if of_day and (message := date_alone(text)):
+        raise VopdError(message)
+    return moment
 
 
 def beyond_sigmas(values: Iterable[float]) -> str:

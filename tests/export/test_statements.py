@@ -26,13 +26,13 @@ from vopd.export import (
     html,
     name,
     own_epoch,
-    parse_epoch,
     printable,
     statements,
     title,
     utc,
 )
 from vopd.findings import Finding, VopdError
+from vopd.inputs import utc_moment
 
 EPOCH = datetime(2026, 5, 1, 9, 0, tzinfo=UTC)
 REQUEST = FileRequest(epoch=EPOCH, created=EPOCH)
@@ -188,7 +188,7 @@ def test_the_date_is_utc_and_has_whole_seconds(monkeypatch: pytest.MonkeyPatch) 
         given = created_now()
         assert given.replace(tzinfo=None) == datetime(2001, 9, 9, 1, 46, 40)
         assert given.utcoffset() == timedelta(0)
-        assert parse_epoch("2026-05-01T09:00") == NINE
+        assert utc_moment("2026-05-01T09:00") == NINE
         for empty in ("", None):
             if empty is None:
                 monkeypatch.delenv("SOURCE_DATE_EPOCH")
@@ -230,14 +230,14 @@ def test_the_epoch_of_several_sources(epochs: list[datetime | None], own: dateti
     ],
 )  # fmt: skip
 def test_an_epoch_is_utc_unless_it_names_a_zone(text: str, moment: datetime) -> None:
-    found = parse_epoch(text)
+    found = utc_moment(text)
     assert found == moment and found.utcoffset() == timedelta(0)
 
 
 @pytest.mark.parametrize("text", ["", "now", "2026-13-01", "9999-12-31T23:59-01:00", "27.8.1974"])
 def test_what_is_no_epoch(text: str) -> None:
     with refused(VopdError):
-        parse_epoch(text)
+        utc_moment(text)
 
 
 def test_moments_have_microseconds_and_no_zone() -> None:

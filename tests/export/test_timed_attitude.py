@@ -16,7 +16,7 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.estimates import estimate
 from tests.kit.histories import about, with_estimate
 from vopd.attitude.history import History, history
-from vopd.export import FORMATS, FileRequest, created_now, has_date, parse_epoch, utc
+from vopd.export import FORMATS, FileRequest, created_now, has_date, utc
 from vopd.export.ccsds import (
     DatedAttitudes,
     continuous,
@@ -27,6 +27,7 @@ from vopd.export.ccsds import (
 )
 from vopd.export.viewers import dated_czml
 from vopd.findings import Finding, VopdError
+from vopd.inputs import utc_moment
 from vopd.job import Deck
 from vopd.pipeline import run
 from vopd.synthetic import Plan
@@ -148,7 +149,7 @@ def test_signs_are_continuous() -> None:
     ],
 )
 def test_epochs(text: str, expected: str) -> None:
-    assert utc(parse_epoch(text), 0) == expected
+    assert utc(utc_moment(text), 0) == expected
 
 
 def test_times_after_the_epoch() -> None:
@@ -164,7 +165,7 @@ def test_times_after_the_epoch() -> None:
 @pytest.mark.parametrize("text", ["", "soon", "1974-13-01", "17:30", "0001-01-01T00:00+05:00"])
 def test_what_is_no_epoch(text: str) -> None:
     with refused(VopdError):
-        parse_epoch(text)
+        utc_moment(text)
 
 
 def test_the_date_of_making(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,8 @@ import pytest
 
 from tests.kit.attitude_files import EPOCH, deck_text
 from tests.kit.command import vopd
-from vopd.export import created_now, parse_epoch, utc
+from vopd.export import created_now, utc
+from vopd.inputs import utc_moment
 
 pytestmark = pytest.mark.skipif(not hasattr(time, "tzset"), reason="no time zone by environment")
 
@@ -29,9 +30,9 @@ def elsewhere(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.usefixtures("elsewhere")
 def test_a_time_without_a_zone_is_utc() -> None:
-    assert parse_epoch("1974-08-27T17:30:00") == datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
-    assert utc(parse_epoch("1974-08-27T17:30:00"), 1_500_000) == "1974-08-27T17:30:01.500000"
-    assert utc(parse_epoch("1974-08-27T17:30:00+02:00"), 0) == "1974-08-27T15:30:00.000000"
+    assert utc_moment("1974-08-27T17:30:00") == datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
+    assert utc(utc_moment("1974-08-27T17:30:00"), 1_500_000) == "1974-08-27T17:30:01.500000"
+    assert utc(utc_moment("1974-08-27T17:30:00+02:00"), 0) == "1974-08-27T15:30:00.000000"
 
 
 @pytest.mark.usefixtures("elsewhere")

@@ -13,7 +13,6 @@ from tests.kit.command import ROOT, vopd
 from tests.kit.flight_project import TOML, read_text, write_project
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
-from vopd.export import parse_epoch
 from vopd.findings import VopdError
 from vopd.flight.coordinates import doubt_of_heights
 from vopd.flight.flight import Flight
@@ -23,6 +22,7 @@ from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.wind import WIND_FORMATS
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight, unused_options
+from vopd.inputs import utc_moment
 
 OPENCV = (
     '{"image_width": 1920, "image_height": 1080, "camera_matrix": [[1500, 0, 960], '
@@ -283,7 +283,7 @@ def test_fractions_that_no_second_has(text: str) -> None:
     with refused(VopdError):
         read_text(TRACK_FORMATS, "t.csv", f"t_utc;lat_deg;lon_deg;h_m\n{text};2;3;4\n")
     with pytest.raises(VopdError):
-        parse_epoch(text)
+        utc_moment(text)
 
 
 @pytest.mark.parametrize(

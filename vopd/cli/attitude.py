@@ -28,11 +28,10 @@ from vopd.export import (
     created_now,
     of_file,
     own_epoch,
-    parse_epoch,
 )
 from vopd.files import ESCAPED, whole_file
 from vopd.findings import Finding, Report, VopdError
-from vopd.inputs import since_1970
+from vopd.inputs import since_1970, utc_moment
 from vopd.pipeline import is_flight
 
 _DEFAULTS: dict[str, Any] = {
@@ -338,7 +337,7 @@ def _request(
 
             for name in ("originator", "object_name", "object_id"):
                 text_value(values[name])
-        zero = None if epoch is None else parse_epoch(epoch)
+        zero = None if epoch is None else utc_moment(epoch)
     except VopdError as error:
         raise click.UsageError(f"{error}.") from error
     return FileRequest(epoch=zero, created=created_now(), **values)

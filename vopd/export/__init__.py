@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from vopd.files import optional_package
 from vopd.findings import Report, VopdError, strict
-from vopd.inputs import leap_second, read_moment
 
 if TYPE_CHECKING:  # a command that offers the formats does not wait for what makes them
     from vopd.attitude.history import History
@@ -264,23 +263,6 @@ def own_epoch(histories: Sequence[History]) -> datetime | None:
     """Find the epoch that all sources state; None if one states none or another."""
     stated = {h.about.epoch for h in histories}
     return stated.pop() if len(stated) == 1 else None
-
-
-def parse_epoch(text: str) -> datetime:
-    """Read a date and time in ISO 8601; it is UTC if it names no time zone.
-
-    Raises:
-        VopdError: where the text is not a date and time
-    """
-    try:
-        moment = read_moment(text)
-        if moment.tzinfo is None:
-            moment = moment.replace(tzinfo=UTC)
-        return moment.astimezone(UTC)
-    except (ValueError, OverflowError) as error:
-        example = "1974-08-27T17:30:00Z"
-        message = f"{text!r} is not an ISO 8601 date and time, for instance {example}"
-        raise VopdError(leap_second(text) or message) from error
 
 
 def utc(epoch: datetime, microseconds: int) -> str:

@@ -10,7 +10,7 @@ import click
 
 from vopd.cli.options import FILE_NAME, WholeRange
 from vopd.findings import VopdError
-from vopd.inputs import date_alone
+from vopd.inputs import utc_moment
 
 if TYPE_CHECKING:
     from vopd.stellar.files.images import ImageAxes
@@ -334,15 +334,10 @@ def image_axes(given: dict[str, Any]) -> ImageAxes:
 
 def _moment(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:
     """Read a date and time in ISO 8601, UTC unless it names a zone (a callback)."""
-    from vopd.export import parse_epoch
-
     try:
-        moment = None if value is None else parse_epoch(value)
+        return None if value is None else utc_moment(value, of_day=True)
     except VopdError as error:
         raise click.BadParameter(f"{error}.") from None
-    if value is not None and (message := date_alone(value)):
-        raise click.BadParameter(f"{message}.")
-    return moment
 
 
 def _place(ctx: click.Context, param: click.Parameter, value: str | None) -> Any:

@@ -8,7 +8,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -17,18 +17,24 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats
 from vopd.files import kind_by_first_bytes, reason
-from vopd.findings import Finding, InputError, Report, count_text, input_error, strict
+from vopd.findings import (
+    Finding,
+    InputError,
+    Report,
+    VopdError,
+    count_text,
+    input_error,
+    strict,
+)
 from vopd.geometry.linear import norm
 from vopd.geometry.sexagesimal import parse_angle_deg, parse_number
 from vopd.inputs import (
     MOST_COLUMNS,
-    date_alone,
     is_number,
-    leap_second,
     no_file,
     plain_digits,
     read_limited,
-    read_moment,
+    utc_moment,
 )
 from vopd.stellar.field import ground_directions, star_directions
 
@@ -564,13 +570,9 @@ def _moment(stars: Sequence[Star], source: str) -> datetime | None:
         if not text:
             continue
         try:
-            found = read_moment(text)
-            found = found.replace(tzinfo=found.tzinfo or UTC).astimezone(UTC)
-        except (ValueError, OverflowError):
-            message = leap_second(text) or f"{text!r} is not an ISO 8601 date and time"
-            raise input_error(f"line {number}: utc: {message}", source) from None
-        if message := date_alone(text):
-            raise input_error(f"line {number}: utc: {message}", source)
+            found = utc_moment(text, of_day=True)
+        except VopdError as error:
+            raise input_error(f"line {number}: utc: {error}", source) from None
         if moment not in (None, found):
             raise input_error(f"line {number}: utc: one photograph has two dates", source)
         moment = found
