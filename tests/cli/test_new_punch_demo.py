@@ -52,7 +52,7 @@ def test_the_numbers_of_a_punched_flight_in_a_file(
     rows: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ran = punched("--numbers", "n.csv", rows=rows, tmp_path=tmp_path, monkeypatch=monkeypatch)
-    assert ran.stderr.splitlines() == ["f.toml: odd", "f.toml: the lens is lost"]
+    assert ran.stderr.splitlines() == ["warning: f.toml: odd", "f.toml: the lens is lost"]
     lines = ["kind,number,name", *(row(k) for k in range(1, rows + 1))]
     assert Path("n.csv").read_bytes() == "".join(f"{line}\n" for line in lines).encode()
     ran = punched("-q", "-o", "d", rows=rows, tmp_path=tmp_path, monkeypatch=monkeypatch)

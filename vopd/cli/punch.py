@@ -7,6 +7,7 @@ import io
 
 import click
 
+from vopd.cli.console import Messages
 from vopd.cli.options import FILE_NAME, output_option, project_argument, quiet_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
@@ -67,9 +68,11 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     if numbers is not None:
         with whole_file(numbers) as file:
             file.write("\n".join(["kind,number,name", *rows, ""]).encode())
+    messages = Messages(quiet)
+    for finding in result.findings:
+        messages(finding)
+    messages.close()
     if not quiet:
-        for finding in result.findings:
-            click.echo(f"{finding}", err=True)
         for note in notes:
             click.echo(f"{project}: {note}", err=True)
         if numbers is None and rows:
