@@ -365,12 +365,20 @@ def test_what_is_upside_down(
 
 
 @pytest.mark.parametrize(
-    ("speed_m_s", "mounted", "told"), [(3.1, True, True), (2.9, True, False), (3.1, False, False)]
-)
-def test_what_flies_backward(speed_m_s: float, mounted: bool, told: bool) -> None:
-    """Northward, its nose to the south; one that hovers drifts any way, and a camera looks so."""
-    flight = three_frames()
-    path = replace(flight.path, velocity_m_s=np.tile([speed_m_s, 0.0, 0.0], (3, 1)))
+    ("speed_m_s", "course_deg", "mounted", "told"),
+    [
+        (3.1, 60.0, True, True), (3.1, -60.0, True, False), (2.9, 60.0, True, False),
+        (3.1, 60.0, False, False), (3.1, 35.0, True, True), (3.1, 85.0, True, True),
+        (3.1, 25.0, True, False), (3.1, 95.0, True, False),
+    ],
+)  # fmt: skip
+def test_what_flies_backward(
+    speed_m_s: float, course_deg: float, mounted: bool, told: bool
+) -> None:
+    """Its nose to the southwest; one that hovers drifts any way, and a camera looks so."""
+    flight, course = three_frames(), np.radians(course_deg)
+    north_east_down = speed_m_s * np.array([np.cos(course), np.sin(course), 0.0])
+    path = replace(flight.path, velocity_m_s=np.tile(north_east_down, (3, 1)))
     flight = replace(flight, path=path, mount=flight.mount[[1, 2, 0]] if mounted else flight.mount)
-    angles = np.tile([181.0, 0.0, 0.0], (3, 1))
+    angles = np.tile([240.0, 0.0, 0.0], (3, 1))
     assert bool(doubted_angles(flight, angles)) == told

@@ -15,6 +15,8 @@ from vopd.arrays import Floats
 from vopd.flight.angles import angles_of_attack
 from vopd.flight.flight import TrackFixes
 from vopd.flight.project import velocity
+from vopd.flight.project.stated import Notes
+from vopd.flight.project.track import velocity_by_fit
 from vopd.flight.project.velocity import (
     Roughness,
     gap_curvature,
@@ -27,7 +29,7 @@ from vopd.flight.project.velocity import (
     track_velocity,
     with_gaps,
 )
-from vopd.geometry.earth import NED_FROM_ENU
+from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m
 
 
 def test_weights_of_three_and_five_fixes() -> None:
@@ -177,6 +179,17 @@ def test_variance_of_nine_fixes() -> None:
     assert found.fixes.tolist() == [9]
     assert_close("table value", found.noise[0], np.full(3, 0.04 / 60.0))
     assert_close("table value", found.with_position[0], np.zeros(3))
+
+
+def test_sigmas_of_a_fit_are_north_east_down() -> None:
+    """Nine fixes that are .2 m off eastward, .4 m northward and .6 m upward, as above."""
+    time_s = np.arange(9.0)
+    position = np.tile(earth_centred_m(47.0, 16.0, 500.0), (9, 1))
+    rough = Roughness(np.tile([0.2, 0.4, 0.6], (9, 1)), np.zeros((9, 3)))
+    at_s = np.array([4.0])
+    *_, sigma_m_s = velocity_by_fit(at_s, position[:1], time_s, position, rough, Notes([], {}))
+    assert sigma_m_s is not None
+    assert_close("table value", sigma_m_s[0], np.array([0.4, 0.2, 0.6]) / np.sqrt(60.0))
 
 
 def test_slopes_are_sums_over_fixes() -> None:
