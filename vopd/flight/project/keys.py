@@ -100,8 +100,9 @@ class Key(NamedTuple):
 KEYS: tuple[Key, ...] = (
     Key("flight", "name", "text", '"my flight"', "a title", default=""),
     Key("flight", "epoch", "date", "2026-05-01T11:58:42Z", "the moment of t = 0",
-        "the moment of t = 0, with its zone. Needed where of frames and track one is in seconds, "
-        "the other in UTC; 1970-01-01T00:00:00Z where those seconds count from there",
+        "the moment of t = 0, with its zone. Needed if the times of the frames are in seconds and "
+        "those of the track in UTC, or the reverse; 1970-01-01T00:00:00Z if the seconds count from "
+        "there",
         option="--epoch"),
     Key("camera", "lens", "file", '"lens.yml"',
         'or a table: { model = "brown", fx_px = 1500.0 }', "the calibration, or a table: "
@@ -121,69 +122,69 @@ KEYS: tuple[Key, ...] = (
     Key("camera.lens", "sensor_mm", "numbers", "", "width and height of the sensor", size=2),
     Key("camera.lens", "table_px", "other", "", "`[[radius, what is added to it], ...]`"),
     Key("camera", "model", "text", '"brown"', "brown or fisheye, where 4 coefficients do not say",
-        "where a file has four coefficients and does not say which model they are of",
+        "the lens model, if a file has four coefficients and does not say which model they are for",
         choices=tuple(dict.fromkeys(MODELS_OPENCV.values()))),
     Key("camera", "camera", "text", '"1"', "which camera, where the file has several"),
     Key("camera", "of_images", "file", "", "the lens of each image",
-        "for images of several cameras: a CSV with `image` (or `frame`) and `lens`, a file of "
-        "`lens`'s formats, or `camera`, one of the cameras in the file of `lens`; or OpenSfM's "
+        "for images of several cameras: a CSV with `image` (or `frame`) and either `lens`, a file "
+        "in one of `lens`'s formats, or `camera`, a camera in the file of `lens`; or OpenSfM's "
         "reconstruction.json"),
     Key("camera", "image_size_px", "size", "[1920, 1080]", "width and height of the images",
-        "width and height of the images; needed where the lens file has none, and compared with it "
-        "where it has one", size=2, option="--image-size"),
+        "width and height of the images; needed if the lens file has no size, and otherwise "
+        "compared with it", size=2, option="--image-size"),
     Key("camera", "lens_size_px", "size", "[3840, 2160]", "of the calibration, if another",
-        "width and height of the images that the calibration was made of, where it was the same "
-        "picture in another size: it is scaled to `image_size_px`", size=2),
+        "width and height of the images of the calibration, if they are the same pictures in "
+        "another size: the lens is scaled to `image_size_px`", size=2),
     Key("camera", "pixel_grid", "text", '"centre"', f"of cx_px, cy_px; {_GRID}",
-        "for `cx_px` and `cy_px` of a table", choices=_GRIDS, option="--pixel-grid"),
+        "where `cx_px` and `cy_px` of a table count from", choices=_GRIDS, option="--pixel-grid"),
     Key("camera", "readout_ms", "number", "", "of a rolling shutter: from first row to last",
-        "of a rolling shutter: milliseconds from the first row to the last. Without it all rows "
-        "are of one time", above=0.0),
+        "for a rolling shutter: milliseconds from the first row to the last. Without it all rows "
+        "have the same time", above=0.0),
     Key("camera", "readout", "text", "", "the way in which rows are read: down, up, right, left",
-        "the way in which the rows of the image as it is picked are read, or its columns; needed "
-        "with `readout_ms`", choices=("down", "up", "right", "left")),
+        "the direction in which the rows (or columns) of the image, as you pick in it, are read; "
+        "needed with `readout_ms`", choices=("down", "up", "right", "left")),
     Key("camera", "frame_time", "text", "", "first-row or middle",
-        "what a frame's time is: that of its first row, or of the middle of the readout; needed "
-        "with `readout_ms`", choices=("first-row", "middle")),
+        "the moment that a frame's time means: that of its first row, or the middle of the "
+        "readout; needed with `readout_ms`", choices=("first-row", "middle")),
     Key("picks", "file", "file", '"picks.csv"',
         "columns frame,landmark,u_px,v_px, or another format", "the picks", option="--picks"),
     Key("picks", "columns", "other", "", "names of the columns of a CSV",
-        "of a CSV whose header has other names: `{ landmark = \"target\" }`; of one without a "
-        "header the names of all its columns: `[\"frame\", \"landmark\", \"u_px\", \"v_px\"]`"),
+        "if the header of a CSV has other names: `{ landmark = \"target\" }`; if it has no "
+        "header, the names of all its columns: `[\"frame\", \"landmark\", \"u_px\", \"v_px\"]`"),
     Key("picks", "pixel_grid", "text", '"centre"', _GRID,
-        "for a CSV: `centre` where (0, 0) is the centre of the first pixel, `corner` where it is "
-        "the corner of the image, `one-based` where the first pixel is (1, 1)", choices=_GRIDS,
+        "for a CSV: `centre` if (0, 0) is the centre of the first pixel, `corner` if it is the "
+        "corner of the image, `one-based` if the first pixel is (1, 1)", choices=_GRIDS,
         option="--pixel-grid"),
-    Key("picks", "v", "text", '"down"', "down or up", "the way in which v counts",
+    Key("picks", "v", "text", '"down"', "down or up", "the direction in which v counts",
         default="down", choices=("down", "up")),
     Key("picks", "sigma_px", "number", "1.0", "standard deviation of a pick",
         "standard deviation of u and of v; a column `sigma_px` has precedence", default=1.0,
         above=0.0),
     Key("picks", "frame_rate_hz", "number", "25.0", "frames a second, for numbered frames",
-        "frames a second, for numbered frames and for images whose names end in numbers, each in "
-        "another: `f000.png`", above=0.0, option="--fps"),
+        "frames per second, for numbered frames and for images whose names end in different "
+        "numbers: `f000.png`", above=0.0, option="--fps"),
     Key("picks", "first_frame_t_s", "number", "0.0", "time of frame 0, seconds after the epoch",
         option="--first-frame"),
     Key("picks", "times", "file", '"times.csv"',
-        "instead: frame or image, t_s or t_utc; or the images", "in the place of both a CSV with "
+        "instead: frame or image, t_s or t_utc; or the images", "replaces both: a CSV with "
         "`frame` or `image`, and `t_s` or `t_utc`, which may be that of the picks; or the folder "
-        "of the images, whose EXIF tags have the times; or `video`: those at which the frames of "
-        "`video` are shown, after `first_frame_t_s`", option="--images"),
+        "of the images, whose EXIF tags have the times; or `\"video\"`, for the times at which the "
+        "frames of `video` are shown, after `first_frame_t_s`", option="--images"),
     Key("picks", "video", "files", '"flight.mp4"', "the video or images that were picked in",
-        "the video that was picked in, for `times = \"video\"` and for `vopd pick`; the list of "
-        "its files where the camera began a new one: `[\"GH010042.MP4\", \"GH020042.MP4\"]`, "
-        "whose frames are counted on. A `frame_rate_hz` that is not its own is an error"),
+        "the video of the picks, for `times = \"video\"` and for `vopd pick`. If the camera wrote "
+        "several files, their list, `[\"GH010042.MP4\", \"GH020042.MP4\"]`: frames count on from "
+        "one to the next. A `frame_rate_hz` that is not that of the video is an error"),
     Key("picks", "tracked", "file", "", "what vopd track has made of the clicks",
-        "the file that `vopd track` writes: where the landmarks of `file`, which are a person's "
-        "clicks, are in the other frames. Clicks and tracks are solved together"),
+        "the file that `vopd track` writes: the places in the other frames of the landmarks that a "
+        "person clicked (`file`). Clicks and tracks are solved together"),
     Key("picks", "tracked_from", "text", "", "clicks, or unknown: of another program",
-        "`clicks`: each row of `tracked` says from which click it is, as `vopd track` does. "
-        "`unknown`: `tracked` is picks by another program, in any format that picks have, which "
-        "are taken in the place of `file`",
+        "`clicks`: each row of `tracked` names its click, as `vopd track` writes it. "
+        "`unknown`: `tracked` has picks by another program, in any format of picks, and replaces "
+        "`file`",
         default="clicks", choices=("clicks", "unknown")),
     Key("picks", "utc_offset_h", "number", "2.0",
         "hours: clock of the images in `times` less UTC", "the hours by which the clock of these "
-        "images is ahead of UTC, where the tags do not say their zone"),
+        "images is ahead of UTC, if the tags have no zone"),
     Key("picks", "interpolated", "text", '"use"', "use or drop: points between clicked ones",
         "`drop` leaves out points that CVAT has interpolated between those that were clicked",
         default="use", choices=("use", "drop")),
@@ -191,16 +192,16 @@ KEYS: tuple[Key, ...] = (
         "landmark,lat_deg,lon_deg,h_m, or another format", "the landmarks", option="--landmarks"),
     Key("landmarks", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
     Key("landmarks", "crs", "text", '"EPSG:32633"', _CRS, "their coordinate reference system; "
-        "needed with `x_m`, `y_m` where the file has none", option="--crs"),
+        "needed with `x_m`, `y_m` if the file has none", option="--crs"),
     Key("landmarks", "height", "text", '"ellipsoid"', _DATUM, _COUNTED, choices=HEIGHTS,
         option="--height"),
     Key("landmarks.height", "undulation_m", "number", "", _UNDULATION, within=MOST_LEVEL_M),
     Key("landmarks", "sigma_m", "sigma", "0.05", f"{_SIGMA}0.05 by survey, 1 to 5 from a map",
         _ROWS, size=3, option="--sigma-landmarks"),
     Key("landmarks", "terrain", "file", "", "a GeoTIFF of heights, for vopd track",
-        "a GeoTIFF of heights, by which `vopd track` lays patches on the ground where it is not "
-        "level. Its heights are counted as the landmarks' are, unless its coordinate reference "
-        "system says otherwise; it is laid through each landmark"),
+        "a GeoTIFF of heights, for `vopd track` on ground that is not level. Its heights count "
+        "from the same level as the landmarks', unless its coordinate reference system says "
+        "otherwise; it is raised or lowered to go through each landmark"),
     Key("track", "file", "file", '"track.csv"', "t_utc,lat_deg,lon_deg,h_m, or another format",
         "the track of a camera that moves", option="--track"),
     Key("track", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
@@ -211,17 +212,17 @@ KEYS: tuple[Key, ...] = (
     Key("track.height", "ground_m", "number", "", _GROUND, within=MOST_LEVEL_M),
     Key("track", "clock", "text", '"utc"', "utc, or gps, which is 18 s ahead",
         "for a column `t_utc`: utc, or gps, which is 18 s ahead since 2017 and needs no zone. "
-        "Files that say it themselves need none; `seconds` is the clock of a column `t_s`",
+        "Not needed if the file says it; `seconds` is the clock of a column `t_s`",
         choices=("utc", "gps", "seconds"), option="--clock"),
     Key("track", "offset_s", "number", "0.0", "added to the track's times", default=0.0),
     Key("track", "sigma_m", "sigma", "[1.0, 1.0, 2.0]",
         f"{_SIGMA}of each by itself: 1, 1, 2 by GPS, 0.02, 0.02, 0.04 by RTK",
-        f"{_ROWS}. Of each position by itself, besides `sigma_bias_m`", size=3,
+        f"{_ROWS}. It is the error of each position by itself, besides `sigma_bias_m`", size=3,
         option="--sigma-position"),
     Key("track", "sigma_bias_m", "sigma", "[2.0, 2.0, 4.0]",
         "what all are off together: 2, 2, 4 by GPS, 0.01 by RTK; --sigma-position 2,2,4 gives both",
-        "standard deviations of the error that all positions have in common, as that of a receiver "
-        "without corrections within some minutes, or of a base station; likewise", size=3,
+        "standard deviations of the error that all positions have in common, such as that of a "
+        "base station, or within some minutes that of a receiver without corrections", size=3,
         option="--sigma-position"),
     Key("track", "sigma_t_s", "sigma", "0.02",
         "seconds: 0.02 half a frame of a video, 0.3 whole seconds",
@@ -230,15 +231,15 @@ KEYS: tuple[Key, ...] = (
     Key("track", "velocity_sigma_m_s", "sigma", "0.1",
         "m/s, or [north, east, down]: of the track's velocities",
         "standard deviations of the velocities: one number, or north, east, down. Needed if the "
-        "track has them itself, unless the file has columns `sigma_vn_m_s`, `sigma_ve_m_s`, "
+        "track has velocities, unless the file has columns `sigma_vn_m_s`, `sigma_ve_m_s`, "
         "`sigma_vd_m_s`", size=3),
     Key("track", "lever_arm_m", "numbers", "[0.0, 0.0, 0.0]",
         "antenna to camera: forward, right, down",
         "from the antenna to the camera, in the vehicle's forward, right, down", size=3),
     Key("track", "interpolate", "text", '"linear"', "linear or cubic",
-        "the position between those of the track", default="linear", choices=("linear", "cubic")),
+        "the path between the track's positions", default="linear", choices=("linear", "cubic")),
     Key("position", "lat_deg", "number", "48.0", "or x_m, y_m, z_m with crs",
-        "latitude of a camera that does not move; `[position]` stands in the place of `[track]`",
+        "latitude of a camera that does not move; `[position]` replaces `[track]`",
         within=90.0, option="--position"),
     Key("position", "lon_deg", "number", "15.0", "positive east", "longitude, positive east",
         within=MOST_DEGREES, option="--position"),
@@ -257,7 +258,7 @@ KEYS: tuple[Key, ...] = (
     Key("position", "lever_arm_m", "numbers", "", "as for a track", size=3),
     Key("vehicle", "mount", "text", '"forward"',
         "forward, down, { ypr_deg = [..] } or { matrix = [..] }",
-        "how the camera is mounted: its axis forward or down, or a turn from there",
+        "the mounting of the camera: its axis forward or down, or a turn from there",
         default="forward", choices=("forward", "down")),
     Key("vehicle.mount", "ypr_deg", "numbers", "", "yaw, pitch, roll of the camera in the "
         "vehicle, from `forward` about its down, the new right and the new forward axis: "
@@ -276,33 +277,35 @@ KEYS: tuple[Key, ...] = (
         "unless the file has a column `sigma_deg`"),
     Key("wind", "file", "file", '"wind.csv"',
         "h_m,from_deg,speed_m_s; without it against the ground",
-        "a sounding; without it the angles of attack are against the ground", option="--wind"),
+        "a sounding; without it the angles of attack are relative to the ground", option="--wind"),
     Key("wind", "columns", "other", "", "names of the columns of a CSV", "as for picks"),
     Key("wind", "sigma_m_s", "sigma", "1.0", "m/s, of the wind along north and along east",
-        "standard deviation of the wind along north and along east, the same error in all frames"),
+        "standard deviation of the wind along north and along east; one error for all frames"),
     Key("atmosphere", "refraction", "text", '"standard"', "standard, off or { k = 0.13 }",
-        "of the lines of sight, see below", default="standard", choices=("standard", "off")),
+        "refraction of the lines of sight, see below", default="standard",
+        choices=("standard", "off")),
     Key("atmosphere.refraction", "k", "number", "", "a constant coefficient: `{ k = 0.13 }`"),
     Key("atmosphere", "sigma_k", "sigma", "0.065", "of the coefficient of refraction",
         "standard deviation of the coefficient; half of the coefficient if not given", within=5.0),
     Key("solve", "loss", "text", '"least-squares"', "least-squares, huber or cauchy",
-        "how residuals count", default="least-squares", choices=tuple(LOSSES)),
+        "the weight of large residuals", default="least-squares", choices=tuple(LOSSES)),
     Key("solve", "blunders", "text", '"name"', "name (tell and keep) or drop",
-        "`name` tells of picks that do not fit and keeps them, `drop` leaves them out",
+        "`name` reports picks that do not fit and keeps them; `drop` leaves them out",
         default="name", choices=("name", "drop")),
     Key("solve", "check_landmarks", "texts", "[]", "landmarks that are not used",
-        "names of landmarks that are left out of the solve; the answer says how far their picks "
-        "are from their computed places, which images of frames show"),
+        "landmarks that are left out of the solve, as a check: the answer states the distance of "
+        "their picks from their computed places, and images of frames show them"),
     Key("solve", "frames", "text", '"each"', "each, or one for a camera that does not move",
-        "`one`: all frames of a camera that neither moves nor turns are solved as one, with the "
+        "`one` solves all frames of a camera that neither moves nor turns as one, with the "
         "picks of each landmark averaged. Only with `[position]`", default="each",
         choices=("each", "one")),
     Key("solve", "position", "text", '"solve"', "solve (within its sigma_m) or fixed",
-        "`solve` finds positions within their standard deviations, `fixed` holds them",
+        "`solve` solves for positions and landmarks within their standard deviations; `fixed` "
+        "keeps them as stated",
         default="solve", choices=("solve", "fixed")),
     Key("solve", "free", "texts", '[]',
         'solved for too: ["focal", "k1", "clock"], vopd help adjust',
-        "parameters that all frames are solved for together, by the names of "
+        "parameters to solve for with all frames together, by the names of "
         "[`vopd adjust`](adjust.md): `[\"focal\", \"clock\"]`"),
     Key("uncertainty", "focal_rel", "sigma", "0.001", "of the focal length, as a part of it",
         "standard deviation of the focal length, as a part of it: 0.01 is 1 %", within=0.5),
@@ -317,9 +320,9 @@ KEYS: tuple[Key, ...] = (
     Key("uncertainty", "readout_ms", "sigma", "1.0", "of a rolling shutter's readout",
         "standard deviation of the readout of a rolling shutter, milliseconds"),
     Key("uncertainty", "covariance", "file", '"covariance.json"', "what vopd adjust -o has written",
-        "the file that `vopd adjust -o` writes: what it names is held in the solve, and its errors "
-        "are propagated with their covariance. It speaks of the picks and the track that there "
-        "were, as they were read: with others, or other values of the keys that read them, it is "
+        "the file that `vopd adjust -o` writes: the solve keeps the values that it names, and "
+        "propagates their errors with their covariance. It belongs to the picks and the track from "
+        "which it was made: with others, or with other values of the keys that read them, it is "
         "refused"),
 )  # fmt: skip
 """In the order of a new project, a section's keys together."""
