@@ -316,9 +316,6 @@ TOLERANCES = {
     "focal length of a mistake": Tolerance(
         "px", 3.0, "30 picks of .3 px up to 900 px off the axis; 1,500 and 1,490 px as one"
     ),
-    "focal length of a mirrored lens": Tolerance(
-        "px", 8.0, "the same, and what two tangential coefficients of .002 do with the other sign"
-    ),
     "mount to the side": Tolerance(
         "deg", 1.0, "a camera 12 degrees down with a roll of 2: its right is so near to level"
     ),

@@ -156,13 +156,14 @@ def test_nothing_is_cut_off_unsaid() -> None:
 
 
 def test_in_sigmas() -> None:
-    """Over the reading sigma, less what the frame's three angles take: three of eight."""
-    made = history(estimate(np.tile([10.0, -60.0, 20.0], (50, 1)), noise=0.1))
+    """Over each reading's sigma, less what the frame's three angles take: three of eight."""
+    own = np.tile([1.0, 1.5, 1.0, 2.0], (50, 1))
+    made = history(estimate(np.tile([10.0, -60.0, 20.0], (50, 1)), noise=0.1, relative_sigma=own))
     found = residual_points([made])
     e, sigma = made.estimate, made.uncertainty.reading.sigma
     taken = np.einsum("fjc,fcj->fj", e.partials, e.gain)
     assert_close("unit element", taken.sum(axis=1), np.full(50, 3.0))
-    expected = e.residual / (sigma * np.sqrt(1.0 - taken))
+    expected = e.residual / (sigma * np.tile(own, 2) * np.sqrt(1.0 - taken))
     assert_close(
         "unit element", found.sigmas.T.reshape(2, 50, 4), np.stack(np.split(expected, 2, 1))
     )

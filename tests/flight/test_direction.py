@@ -159,9 +159,12 @@ def test_an_adjusted_project_is_as_sure_as_the_solve_that_adjusted_it(tmp_path: 
 
 
 def test_a_point_of_a_tracked_flight_is_clicked_and_not_matched() -> None:
-    """Clicks are good to .5 px, matches to .08."""
+    """Clicks are good to .5 px, all but one; matches to .08."""
     made = clicked_flight(np.random.default_rng(2), frames=12, every=6, apart=0, reach=12)
-    result = solve_flight_read(made.flight)
+    picks, clicks = made.flight.picks, made.flight.picks.clicks
+    assert clicks is not None and (clicks.sigma_px == 0.5).all()
+    clicks = replace(clicks, sigma_px=np.where(np.arange(len(clicks.sigma_px)) > 0, 0.5, 2.0))
+    result = solve_flight_read(replace(made.flight, picks=replace(picks, clicks=clicks)))
     usual, stated = (result.direction(3, 900.0, 700.0, one) for one in (None, 0.5))
     assert_close("direction by differences", usual.components["pick"] / stated.components["pick"],
                  np.ones(2))  # fmt: skip

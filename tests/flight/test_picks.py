@@ -98,6 +98,17 @@ def test_the_repeatability_is_of_all_points_picked_several_times() -> None:
     assert picks.frame.tolist() == [0, 1, 2]
 
 
+def test_picks_without_a_sigma_have_that_of_their_spread() -> None:
+    """4 px apart, where most points are picked twice; none is contrary within 20 px."""
+    twice = [(0, "mast", u, 5.0, 1.0) for u in (0.0, 4.0)]
+    picks, _ = joined(*twice, (1, "mast", 3, 5, 1.0), stated=False)
+    assert picks.one_sigma_px == 1.0  # half of the points are not most
+    picks, _ = joined(*twice, stated=False)
+    assert (picks.one_sigma_px, picks.sigma_px.tolist()) == (2.0, [np.sqrt(2.0)])
+    close = [(1, name, u, 5.0, 1.0) for name in ("well", "arch") for u in (0.0, 0.1)]
+    assert not joined(*twice, *close, stated=False)[1]
+
+
 @pytest.mark.parametrize(("apart", "told"), [(19.9, 0), (20.1, 1)])
 def test_picks_that_spread_by_ten_pixels_are_of_several_frames(apart: float, told: int) -> None:
     """Of two picks that are d apart, d / 2 by two degrees of freedom."""
