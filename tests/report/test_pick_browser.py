@@ -111,16 +111,17 @@ def test_a_click_is_where_the_screen_shows_it(opened: Any, dense: float) -> None
         assert drawn[:2] == [int(wide * dense), int(high * dense)]  # pixels of the screen
         assert drawn[2] == drawn[3] > 100 * dense
         for zoom in (16, 8, 4, 2, 1):
-            press(opened, Keys.DELETE)
-            assert where(opened)[2] == zoom
-            left, top, right, bottom = block_on_screen(opened, dense)
-            assert (right - left, bottom - top) == (8 * zoom, 8 * zoom)
-            x, y = int(left + 2.6 * zoom), int(top + 5.2 * zoom)
-            click_at(opened, x, y, dense)
-            (row,) = rows(opened)
-            u, v = map(float, row.split(",")[2:])
-            assert_close("click on a page", u, BLOCK[0] + (x + 0.5 - left) / zoom - 0.5)
-            assert_close("click on a page", v, BLOCK[1] + (y + 0.5 - top) / zoom - 0.5)
+            if zoom in (16, 1) or dense == 1.5:  # whole numbers are as the others are
+                press(opened, Keys.DELETE)
+                assert where(opened)[2] == zoom
+                left, top, right, bottom = block_on_screen(opened, dense)
+                assert (right - left, bottom - top) == (8 * zoom, 8 * zoom)
+                x, y = int(left + 2.6 * zoom), int(top + 5.2 * zoom)
+                click_at(opened, x, y, dense)
+                (row,) = rows(opened)
+                u, v = map(float, row.split(",")[2:])
+                assert_close("click on a page", u, BLOCK[0] + (x + 0.5 - left) / zoom - 0.5)
+                assert_close("click on a page", v, BLOCK[1] + (y + 0.5 - top) / zoom - 0.5)
             press(opened, "-")
     finally:
         opened.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

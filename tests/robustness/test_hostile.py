@@ -23,7 +23,8 @@ from tests.kit.hostile import LONGEST, TABLE, Hostile
 
 pty = pytest.importorskip("pty", reason="no pseudo-terminals here")
 LOADED = (
-    "yaml", "gpxpy", "jinja2", "pyproj", "PIL.JpegImagePlugin", "PIL.TiffImagePlugin",
+    "yaml", "gpxpy", "jinja2", "pyproj", "scipy.optimize", "PIL.JpegImagePlugin",
+    "PIL.TiffImagePlugin",
     *(f"vopd.cli.{one}" for one in ("attitude", "batch", "cards", "check", "new", "pick", "punch")),
     "vopd.batch.workers", "vopd.check", "vopd.cli.run", "vopd.cli.stars.solve",
     "vopd.convert.flight_to_deck", "vopd.flight.check", "vopd.flight.project.new",
