@@ -114,7 +114,7 @@ def test_positions_are_named_beside_shifts_that_they_explain_as_well(
 
 def test_a_rendered_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Shifts of 8 px rms: said, with status 3."""
-    settings = Settings(seed=5, size=(640, 360), frames=60, clicks=12, stabilised_px=8.0)
+    settings = Settings(seed=5, size=(640, 360), frames=36, clicks=12, stabilised_px=8.0)
     make(tmp_path, settings)
     project = tmp_path / "flight.toml"
     text = project.read_text(encoding="utf-8")
