@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from reprlib import Repr
@@ -322,7 +322,10 @@ _VARYING = r"'[^']*'|\"[^\"]*\"|[-+]?\d[\d.,]*(?:e[-+]?\d+)?"
 """What differs between the messages of one kind: quoted text and numbers."""
 
 
-def kind_of(finding: Finding) -> Hashable:
+Kind = tuple[Severity, str, int | None, int | None, str, str]
+
+
+def kind_of(finding: Finding) -> Kind:
     """Name the kind of a finding: everything but the card and the numbers in the message."""
     words = re.sub(_VARYING, "#", finding.message)
     return finding.severity, finding.source, finding.job, finding.group, finding.field, words
@@ -337,9 +340,9 @@ def first_of_each_kind(
         The findings that are kept, in their order; and for each kind that has more, its last
         kept finding and the number of those left out.
     """
-    seen: Counter[Hashable] = Counter()
+    seen: Counter[Kind] = Counter()
     kept: list[Finding] = []
-    example: dict[Hashable, Finding] = {}
+    example: dict[Kind, Finding] = {}
     for finding in findings:
         kind = kind_of(finding)
         seen[kind] += 1

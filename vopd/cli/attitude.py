@@ -25,7 +25,6 @@ from vopd.export import (
     MEAN_FORMATS,
     AttitudeFormat,
     FileRequest,
-    created_now,
     of_file,
     own_epoch,
 )
@@ -34,12 +33,6 @@ from vopd.findings import Finding, Report, VopdError
 from vopd.inputs import since_1970, utc_moment
 from vopd.pipeline import is_flight
 
-_DEFAULTS: dict[str, Any] = {
-    "aem_version": 2,
-    "originator": "VOPD",
-    "object_name": "",
-    "object_id": "",
-}
 NO_EPOCH = "give [flight] epoch in the project, or --epoch"
 
 
@@ -113,7 +106,7 @@ converge, a flight misfits, or with --strict some frame has a flag.
 )
 @click.option(
     "--aem-version",
-    type=click.Choice(["1", "2"]),
+    type=click.Choice([1, 2]),
     help="Version of the AEM, CCSDS 504.0-B.  [default: 2]",
 )
 @click.option(
@@ -329,15 +322,13 @@ def _request(
             f"{chosen.name} needs dates: give the moment of time zero, "
             "for instance --epoch 1974-08-27T17:30:00Z."
         )
-    values = _DEFAULTS | given
-    values["aem_version"] = int(values["aem_version"])
     try:
         if "originator" in chosen.options:
             from vopd.export.ccsds import text_value
 
             for name in ("originator", "object_name", "object_id"):
-                text_value(values[name])
+                text_value(given.get(name, ""))
         zero = None if epoch is None else utc_moment(epoch)
     except VopdError as error:
         raise click.UsageError(f"{error}.") from error
-    return FileRequest(epoch=zero, created=created_now(), **values)
+    return FileRequest(epoch=zero, **given)

@@ -9,14 +9,14 @@ import shutil
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from functools import partial
 from typing import Any, ClassVar
 
 import click
 
 from vopd.files import ROOT, Terminal
-from vopd.findings import Finding, VopdError, count_text, kind_of, strict
+from vopd.findings import Finding, Kind, VopdError, count_text, kind_of, strict
 
 # Messages on standard error: warnings, errors, and the progress of long work.
 
@@ -51,8 +51,7 @@ class Messages:
     ) -> None:
         self._quiet = quiet
         self._on_message = on_message
-        self._seen: Counter[Hashable] = Counter()
-        self._example: dict[Hashable, Finding] = {}
+        self._seen: Counter[Kind] = Counter()
         self.warnings = 0
 
     def __call__(self, finding: Finding) -> None:
@@ -61,7 +60,6 @@ class Messages:
         self.warnings += 1
         kind = kind_of(finding)
         self._seen[kind] += 1
-        self._example[kind] = finding
         if not self._quiet and self._seen[kind] <= ALIKE:
             click.echo(f"warning: {finding}", err=True)
 
@@ -73,11 +71,10 @@ class Messages:
 
     def close(self) -> None:
         """Print how many warnings were not shown."""
-        for kind, count in self._seen.items():
+        for (_, source, job, group, field, _), count in self._seen.items():
             if count > ALIKE and not self._quiet:
-                like = self._example[kind]
                 more = f"{count_text(count - ALIKE, 'more warning')} like these"
-                alike = Finding(more, like.source, job=like.job, group=like.group, field=like.field)
+                alike = Finding(more, source, job=job, group=group, field=field)
                 click.echo(f"warning: {alike}", err=True)
         self._seen.clear()
 

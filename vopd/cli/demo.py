@@ -10,7 +10,6 @@ import click
 from vopd.cli.options import FILE_NAME, NUMBER, WHOLE, output_option
 from vopd.cli.output import refuse_to_overwrite
 from vopd.files import whole_file
-from vopd.findings import VopdError
 from vopd.synthetic import EARTHS, LIMITS, Plan, PlanError
 
 
@@ -92,12 +91,8 @@ def command(ctx: click.Context, /, output: str, truth: str | None, **given: Any)
     except PlanError as error:
         option = next(param for param in ctx.command.params if param.name == error.part)
         raise click.BadParameter(error.problem, ctx, option) from None
-    try:
-        refuse_to_overwrite((), output, truth)
-        _write(plan, output, truth)
-    except VopdError as error:
-        click.echo(str(error), err=True)
-        ctx.exit(1)
+    refuse_to_overwrite((), output, truth)
+    _write(plan, output, truth)
 
 
 def _write(plan: Plan, output: str, truth: str | None) -> None:
