@@ -261,15 +261,16 @@ def velocity_by_fit(
         Velocity, acceleration and standard deviations of the velocity, north, east, down, (F, 3);
         no standard deviations where the track has too few positions to show its curvature.
     """
-    found = track_velocity(at, time_s, position, rough)
-    velocity, acceleration = np.empty((2, len(at), 3))
+    velocity, acceleration, by_noise, by_curvature, fixes = track_velocity(
+        at, time_s, position, rough
+    )
     for k in range(0, len(at), FRAMES_AT_ONCE):
         some = slice(k, k + FRAMES_AT_ONCE)
         to_ned = NED_FROM_ENU @ local_axes(here[some])
-        velocity[some] = np.einsum("fij,fj->fi", to_ned, found.velocity_m_s[some])
-        acceleration[some] = np.einsum("fij,fj->fi", to_ned, found.acceleration_m_s2[some])
-    variance = (found.noise + found.curvature) @ np.abs(NED_FROM_ENU).T
-    low, high = int(found.fixes.min()), int(found.fixes.max())
+        velocity[some] = np.einsum("fij,fj->fi", to_ned, velocity[some])
+        acceleration[some] = np.einsum("fij,fj->fi", to_ned, acceleration[some])
+    variance = (by_noise + by_curvature) @ np.abs(NED_FROM_ENU).T
+    low, high = int(fixes.min()), int(fixes.max())
     through = f"{low}" if low == high else f"{low} to {high}"
     noise = np.median(rough.noise_m, axis=0)
     said = f"velocity by polynomials through {through} of the track's positions"

@@ -208,20 +208,9 @@ INSIDE = (0.1, 0.9)  # parts of a gap where the errors of a fit are compared wit
 AT_ONCE = 4_000  # moments whose windows are formed together
 
 
-class TrackVelocity(NamedTuple):
-    """Velocity and acceleration of F moments, with the variances of the velocity's errors."""
-
-    velocity_m_s: Floats  # (F, 3) in the axes of the positions
-    acceleration_m_s2: Floats  # (F, 3)
-    noise: Floats  # (F, 3) variance by the noise of the fixes, east, north, up, m^2/s^2
-    curvature: Floats  # (F, 3) by what the path bends otherwise than the polynomial
-    with_position: Floats  # (F, 3) covariance with the interpolated position, m^2/s
-    fixes: Ints  # (F,) that the polynomial is fitted to
-
-
 def track_velocity(
     at_s: Floats, time_s: Floats, position_m: Floats, rough: Roughness
-) -> TrackVelocity:
+) -> tuple[Floats, Floats, Floats, Floats, Ints]:
     """Fit the velocity at some moments: parabolas and cubics through as many fixes as serve best.
 
     More fixes have less noise and miss more of the path's curvature: number and degree are those
@@ -233,27 +222,26 @@ def track_velocity(
         time_s: of the fixes, ascending, (T,)
         position_m: of the fixes, in any axes, (T, 3)
         rough: noise and curvature of the track
+
+    Returns:
+        Velocity and acceleration in the axes of the positions, (F, 3); variances of the velocity by
+        the noise of the fixes, and by what the path bends otherwise than the polynomial, east,
+        north, up, (F, 3); and to how many fixes it is fitted, (F,).
     """
     moments, fixes = len(at_s), len(time_s)
     last = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, fixes - 2)
-    velocity, acceleration, noises, curvature, with_position = np.full((5, moments, 3), np.nan)
-    gap_s, count = np.diff(time_s), np.zeros(moments, np.int64)
+    velocity, acceleration, noises, curvature = np.full((4, moments, 3), np.nan)
+    count = np.zeros(moments, np.int64)
     for some, index, tau, weights in _fitted(at_s, last, time_s, rough):
-        noise, before = rough.noise_m[index], last[some, None]
         by_velocity, by_acceleration = weights[:, 1], weights[:, 2]
-        away = position_m[index] - position_m[before]
+        away = position_m[index] - position_m[last[some, None]]
         velocity[some] = np.einsum("fw,fwi->fi", by_velocity, away)
         acceleration[some] = np.einsum("fw,fwi->fi", by_acceleration, away)
-        noises[some] = (by_velocity[..., None] ** 2 * noise**2).sum(axis=1)
+        noises[some] = (by_velocity[..., None] ** 2 * rough.noise_m[index] ** 2).sum(axis=1)
         missed = missed_curvature(tau, by_velocity)[:, None]
         curvature[some] = missed * rough.jerk[last[some]]
-        a = (at_s[some] - time_s[last[some]]) / gap_s[last[some]]
-        in_position = np.where(index == before, 1.0 - a[:, None], 0.0)
-        in_position += np.where(index == before + 1, a[:, None], 0.0)
-        both = (in_position * by_velocity)[..., None] * noise**2
-        with_position[some] = both.sum(axis=1)
         count[some] = index.shape[1]
-    return TrackVelocity(velocity, acceleration, noises, curvature, with_position, count)
+    return velocity, acceleration, noises, curvature, count
 
 
 def _fitted(
