@@ -4,22 +4,21 @@ Example::
 
     import vopd
     flight = vopd.solve_flight("examples/hill/flight.toml")
-    print(flight)                       # in short: angles, how sure, what is doubtful
+    print(flight)                       # short: angles, uncertainty, doubtful frames
     print(flight.vehicle_deg)           # yaw, pitch, roll of every frame
-    print(flight.to_dataframe())        # with uncertainty and flags; takes pandas
+    print(flight.to_dataframe())        # with uncertainty and flags; needs pandas
 
     run = vopd.run("decks/appendix_h/case1.dat")
     print(run, run.vehicle_deg)
 
-`solve_flight` finds the attitude of the frames of a flight project, `run` that of the
-frames of a 1974 card deck, all its jobs at once. `read_deck` reads the jobs to look at
-them or change them before. `listing_text` gives the pages that program VOPD (NASA
-TM X-3050) printed. Nothing is imported before it is used.
+`solve_flight` solves all frames of a flight project; `adjust` also solves for lens, clock or
+landmarks. `run` solves all jobs of a 1974 card deck. `read_deck` reads the jobs of a deck, so that
+you can change them before you run them; `write_deck` writes them as cards. `listing_text` returns
+the pages that program VOPD (NASA TM X-3050) printed. A module is imported when it is first used.
 
-These names are public, and stay; the modules are listed in the documentation. Functions: `adjust`,
-`listing_text`, `read_deck`, `run`, `solve_flight`, `write_deck`. Results: `Adjustment`,
-`FlightResult`, `Results`, `Run`. Input: `Deck`, `Job`, `Sigmas`. Messages: `Finding`, `VopdError`,
-`InputError`, `DeckError`.
+These names are public and will stay. Functions: `adjust`, `listing_text`, `read_deck`, `run`,
+`solve_flight`, `write_deck`. Results: `Adjustment`, `FlightResult`, `Results`, `Run`. Input:
+`Deck`, `Job`, `Sigmas`. Messages: `Finding`, `VopdError`, `InputError`, `DeckError`.
 """
 
 from __future__ import annotations

@@ -349,8 +349,8 @@ class Deck(Sequence[Job]):
     """The jobs of a deck in order, with its name and the warnings about its cards.
 
     Attributes:
-        jobs: in order; the deck is a sequence of them itself
-        name: of the file
+        jobs: the jobs in order; the deck itself is a sequence of them
+        name: name of the file
         findings: warnings about its cards
     """
 

@@ -92,24 +92,24 @@ def run(
 ) -> Run:
     """Solve a job, or all jobs of a deck, for all their frames at once.
 
-    Nothing is printed: what is doubtful is in the `findings` of the run. A table
-    that is out of order ends the run, as in 1974: the results go that far and say
-    so in `stop`.
+    Nothing is printed: warnings are in the `findings` of the run. A table
+    that is out of order ends the run, as in 1974: the results end there, and `stop`
+    names the table.
 
     Args:
         jobs: the path of a deck; or one job, or several, for instance the deck that `read_deck`
             returns
-        fixes: errata to correct, made by `vopd.errata.fixes`; none is the original
+        fixes: errata to correct, made by `vopd.errata.fixes`; without them the run is faithful
         initial: "deck" starts each frame from the deck's first estimate and the
             frame before, as in 1974; "closed-form" from two of its landmarks
         compare_initial: with the closed form, solve from the deck's first estimate
             too, and name in `findings` the frames that end in another attitude
         start_deg: camera yaw, pitch, roll to start each frame from, (F, 3) degrees,
-            the frames of all jobs one after the other; in the place of `initial`
+            the frames of all jobs one after the other; replaces `initial`
 
     Raises:
-        VopdError: where a landmark that takes part is not defined, or `start_deg`
-            does not have a row for every frame; where the deck cannot be read, or it is a flight
+        VopdError: if the deck cannot be read or is a flight, a landmark that takes part is not
+            defined, or `start_deg` does not have a row for every frame
     """
     if isinstance(jobs, str | PathLike):
         if is_flight(str(jobs)) or os.path.isfile(os.path.join(jobs, "flight.toml")):  # noqa: PTH113, PTH118

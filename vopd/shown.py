@@ -21,7 +21,7 @@ class Shown:
         raise NotImplementedError
 
     def summary(self, width: int = 80) -> str:
-        """Write the first frames in short, how sure they are, and what is doubtful."""
+        """Return the short table: the first frames, their uncertainty, and doubtful frames."""
         from vopd.attitude.summary import finding_texts, text
 
         jobs, findings = self._shown()

@@ -46,8 +46,9 @@ class Run(Shown, Sequence[Results]):
 
     Every array of `Results` is also an attribute of the run, with all jobs one after
     the other along the frame axis: `run.vehicle_deg` is (F, 3) with the frames of all
-    jobs. Where jobs have different numbers of landmarks, the missing elements are NaN,
-    0 or false. A single job gives a run of one job. `print` shows it in short, a notebook too.
+    jobs. If jobs have different numbers of landmarks, the missing elements are NaN,
+    0 or false. A single job gives a run of one job. `print` shows a short table, and so
+    does a notebook.
     """
 
     frame = OfAllJobs[Ints]()
@@ -127,9 +128,9 @@ class Run(Shown, Sequence[Results]):
         """Make the attitude history of every job, with uncertainty and flags.
 
         Args:
-            sigmas: standard deviations of what the jobs were given; the default
-                has those of the readings alone
-            max_rate_deg_s: frames that turn faster against a neighbour are flagged
+            sigmas: standard deviations of the inputs; the default has those of
+                the readings alone
+            max_rate_deg_s: frames that turn faster against a neighbour get a flag
             vertical: "geodetic" or "geocentric" axes for angles and quaternion; None
                 keeps those of the solve, which are geodetic only with the fix `earth`
         """

@@ -92,8 +92,8 @@ class History(Rows):
         """Average the attitude over frames, with the uncertainty of the mean.
 
         Args:
-            frames: their indices from 0, whatever their numbers, or a mark for each frame; None:
-                all. Frames without an attitude are left out
+            frames: indices from 0 (not the numbers of the frames), or a boolean for each frame;
+                None: all. Frames without an attitude are left out
 
         Raises:
             VopdError: if no frame is left, one is 90 degrees or more from the mean, or there is
@@ -121,12 +121,12 @@ class History(Rows):
         """Find how far the vehicle has turned from some frames of a flight to others.
 
         Args:
-            before: the frames from which, as `mean` takes them
-            after: those to which
+            before: the frames from which to turn, as `mean` takes them
+            after: the frames to which to turn
 
         Raises:
-            VopdError: if none of one of them has an attitude, one is 90 degrees or more from the
-                mean of its own, or of a deck
+            VopdError: if no frame before, or none after, has an attitude; if one is 90 degrees or
+                more from the mean of its own; or if the source is a deck
         """
         from vopd.attitude.rate import turn_between
 

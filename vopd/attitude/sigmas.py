@@ -25,7 +25,9 @@ AS_SIGMAS = "standard deviations as vopd.Sigmas has them"
 
 @dataclass(frozen=True)
 class Sigmas:
-    """Standard deviations of the inputs of a job; 0 leaves a component out, or to its project.
+    """Standard deviations of the inputs of a job or flight.
+
+    0 leaves a component out; in a flight the value that the project states stays in force.
 
     Lengths are in feet for a card deck and in metres for a flight project; image
     coordinates in millimetres on the film for a deck and in pixels for a flight.
@@ -48,7 +50,7 @@ class Sigmas:
             vehicle's axes, the same in all frames, degrees
 
     Raises:
-        VopdError: where one is negative, not a number, or too large
+        VopdError: if one is negative, not a number, or too large
     """
 
     reading: float | None = None

@@ -71,15 +71,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlightResult(Shown):
-    """A solved flight: what was read, the angles of every frame, and what is doubtful.
+    """A solved flight: the angles of every frame, the flight as read, and warnings.
 
-    `print` shows it in short, a notebook too.
+    `print` shows a short table, and so does a notebook. Arrays by frame: `frame`, `image_name`,
+    `time_s`, `solved`, `camera_deg`, `vehicle_deg`, `attack_deg`. Tables and figures:
+    `to_dataframe()`, `history()`, `summary()`, `plot()`. The direction of a point of a picture:
+    `direction()`.
 
     Args:
         estimates: the result of the solve, from which `estimate` is made
-        findings: the warnings about files and solution
-        misfits: whether the residuals are larger than all that is stated explains, or speak for
-            a stabilised video, or the picks of a frame do not fit its position
+        findings: warnings about files and solution
+        misfits: whether the residuals are larger than everything stated explains, or show a
+            stabilised video, or the picks of a frame do not fit its position
     """
 
     estimates: FlightEstimates
@@ -88,7 +91,7 @@ class FlightResult(Shown):
 
     @property
     def mistaken(self) -> bool:
-        """Whether residuals or a leap of the track speak for an error that `findings` name."""
+        """Whether residuals, or a leap of the track, show an error of the inputs (`findings`)."""
         return any(
             one.message.startswith(SPEAK_FOR) or one.message.endswith(LEAPS)
             for one in self.findings
@@ -96,12 +99,12 @@ class FlightResult(Shown):
 
     @property
     def flight(self) -> Flight:
-        """The flight as read from the project's files; freed parameters have the values solved."""
+        """The flight as read from the project's files; freed parameters have solved values."""
         return self.estimates.flight
 
     @property
     def read(self) -> Flight:
-        """The flight with all parameters as they are stated."""
+        """The flight as read, with all parameters as stated."""
         return self.estimates.read
 
     @cached_property
@@ -250,7 +253,7 @@ class FlightResult(Shown):
     def next_clicks(self) -> list[str]:
         """Where to click next in a flight that is tracked from clicks: one line.
 
-        None in an adjusted project, which takes no other clicks: its source is to be asked.
+        Empty for an adjusted project, which takes no other clicks; ask its source.
         """
         joint = self.estimates.joint
         if joint is None or joint.model.clicks is None or self.flight.options.held is not None:
@@ -295,20 +298,20 @@ def solve_flight(
 ) -> FlightResult:
     """Find the attitude of every frame of a flight project.
 
-    Nothing is printed: what is doubtful is in the `findings` of the result.
+    Nothing is printed: warnings are in the `findings` of the result.
 
     Args:
-        source: the path of the project file, `flight.toml`, or of its folder; or what
-            `read_project` or `read_flight` has read
-        location: where the file is, if not under its name
-        sigmas: standard deviations in the place of those that the project states
+        source: the path of the project file, `flight.toml`, or of its folder; or the project or
+            flight as `read_project` or `read_flight` returns it
+        location: the location of the file, if it is not under its name
+        sigmas: standard deviations that replace those stated by the project
 
     Returns:
-        The angles of all frames, what was read, and the findings; `to_dataframe()` has the
-        table with uncertainty and flags.
+        The angles of all frames, the flight as read, and the findings; `to_dataframe()` makes
+        the table with uncertainty and flags.
 
     Raises:
-        VopdError: where a file cannot be read, no frame has two landmarks, or it is a deck
+        VopdError: if a file cannot be read, no frame has two landmarks, or the source is a deck
     """
     sigmas = Sigmas() if sigmas is None else sigmas
     refuse_other_kind(sigmas, Sigmas, "vopd.solve_flight", AS_SIGMAS)

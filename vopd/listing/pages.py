@@ -20,7 +20,7 @@ CHUNK = 4000  # pages made at a time
 
 
 def listing_text(results: Results | Sequence[Results]) -> str:
-    """Print the pages of one job, or of all jobs of a run.
+    """Return the printed pages of one job, or of all jobs of a run, as text.
 
     Column 1 is carriage control. The title is printed again at the end of each job;
     a corrected run has a second line under each title. Lines end in a newline. A run

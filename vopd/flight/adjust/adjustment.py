@@ -23,13 +23,13 @@ from vopd.flight.solve.free import check_free, names_of
 
 @dataclass(frozen=True, eq=False)
 class Adjustment:
-    """A flight solved with some of its parameters free.
+    """A flight solved together with some parameters; `print` shows their table.
 
     Attributes:
         result: the solved flight
-        parameters: that were to be free, in the order of `FREE`, then landmarks, K of them
-        covariance: after the solve, in the units of the table, (K, K); of one that is not held
-            the stated variance, NaN where none is stated
+        parameters: the K freed parameters, in the order of `FREE`, then landmarks
+        covariance: after the solve, in the units of the table, (K, K); for a parameter that is
+            not held the stated variance, NaN if none is stated
     """
 
     result: FlightResult
@@ -67,17 +67,17 @@ def adjust(
     free: str | Iterable[str],
     tell: Callable[[], object] = lambda: None,
 ) -> Adjustment:
-    """Solve a flight with some of its parameters free.
+    """Solve a flight together with some parameters of its lens, clock, track or landmarks.
 
     Args:
-        source: the path of the project file, `flight.toml`, or of its folder; or the flight as it
-            was read, which is `read` of a result
-        free: names of parameters: `focal`, `k1`, `clock`, ... (`vopd help adjust`), `landmarks` or
-            `landmark:NAME`; several, or one text with commas between them
-        tell: is called before each solve of all frames
+        source: the path of the project file, `flight.toml`, or of its folder; or a flight as
+            read, which is `read` of a result
+        free: names of the parameters: `focal`, `k1`, `clock`, ... (`vopd help adjust`),
+            `landmarks` or `landmark:NAME`; a list, or one text with commas
+        tell: a function that is called before each solve of all frames
 
     Raises:
-        VopdError: where a file cannot be read, a name is not known, or the flight has no such
+        VopdError: if a file cannot be read, a name is not known, or the flight has no such
             parameter
     """
     takes = "the path of a flight project, or the `read` of a FlightResult"
