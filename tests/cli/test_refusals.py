@@ -86,7 +86,7 @@ def test_what_a_file_has_without_an_option() -> None:
     assert (asked.aem_version, asked.originator) == (2, "VOPD")
     assert (asked.object_name, asked.object_id) == ("", "")
     assert asked.epoch == datetime(1974, 8, 27, 17, 30, tzinfo=UTC)
-    assert _request(FORMATS["aem"], EPOCH, {"aem_version": "1"}, False).aem_version == 1
+    assert _request(FORMATS["aem"], EPOCH, {"aem_version": 1}, False).aem_version == 1
 
 
 @pytest.mark.parametrize("form", FORMATS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import dataclass, field
 
 import click
 
@@ -19,14 +19,15 @@ from vopd.results import SolvedJob, SourceEnd
 from vopd.solved import histories_of_run
 
 
-class Collected(NamedTuple):
+@dataclass
+class Collected:
     """The jobs of all sources, and what is still to be told about them."""
 
-    jobs: list[HistoryParts]
-    untold: list[HistoryParts]  # whose frames have not been counted
-    failed: bool  # some source could not be read or solved
-    misfits: bool  # some flight does
-    mistaken: int  # flights whose residuals, or track, speak for an error of their inputs
+    jobs: list[HistoryParts] = field(default_factory=list)
+    untold: list[HistoryParts] = field(default_factory=list)  # whose frames have not been counted
+    failed: bool = False  # some source could not be read or solved
+    misfits: bool = False  # some flight does
+    mistaken: int = 0  # flights whose residuals, or track, speak for an error of their inputs
     warnings: int = 0  # that have been told
     unread: int = 0  # decks that go on behind their last job
     clicks: tuple[str, ...] = ()  # where to click next in flights that are tracked from clicks
@@ -81,7 +82,7 @@ def collect_jobs(
     tell_unused(decks, options.quiet)
     if options.solve.fixes and not options.quiet and not all(map(is_flight, decks)):
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
-    found = Collected([], [], False, False, 0)
+    found = Collected()
     messages = Messages(options.quiet, on_message)
     progress = Progress("frames solved", stopped="nothing is written")
     solves = solve_sources(decks, options.solve, sigmas=options.history.sigmas)
@@ -91,25 +92,23 @@ def collect_jobs(
         for one in some:
             for finding in one.findings:
                 messages(finding)
-            unread = goes_on(one.findings)
-            found = found._replace(unread=found.unread + unread)
+            found.unread += goes_on(one.findings)
             if isinstance(one, SourceEnd):
                 progress.close()
                 messages.close()
                 if one.error is not None:
                     told = "\n".join(map(str, findings_in(one.error, one.source)))
                     messages.error(told if len(decks) > 1 else str(one.error))
-                    found = found._replace(failed=True)
+                    found.failed = True
                 continue
             if isinstance(one, SolvedJob):
                 made = one_part(next(of_jobs))
             else:
                 from vopd.flight.result import unused_options  # decks need not wait for it
 
-                found = found._replace(
-                    misfits=found.misfits or one.misfits, mistaken=found.mistaken + one.mistaken
-                )
-                found = found._replace(clicks=(*found.clicks, *one.next_clicks))
+                found.misfits |= one.misfits
+                found.mistaken += one.mistaken
+                found.clicks += tuple(one.next_clicks)
                 for finding in unused_options(one, options.history):
                     messages(finding)
                 made = one.history_parts(options.history)
@@ -125,7 +124,8 @@ def collect_jobs(
         if found.failed:
             raise click.exceptions.Exit(1)
         raise VopdError(f"{', '.join(decks)}: no frame has an attitude")
-    return found._replace(warnings=messages.warnings)
+    found.warnings = messages.warnings
+    return found
 
 
 def collect_histories(
