@@ -21,7 +21,7 @@ from vopd.arrays import Floats
 from vopd.estimate import MapGrid
 from vopd.files import optional_package
 from vopd.findings import NeededError, VopdError
-from vopd.geometry.earth import Geodetic, axes_at, earth_centred_m, geodetic
+from vopd.geometry.earth import axes_at, earth_centred_m, geodetic
 from vopd.inputs import MOST_NUMBER
 
 M_PER_FT = 0.3048
@@ -222,8 +222,8 @@ def level_of_heights_m(
         begin = np.stack([longitude, latitude, 0.0 * height_m], axis=1)
         begin_m = earth_centred_positions(begin, True, None, height, where)
         return float(geodetic(begin_m).height_m[0])
-    units = units_of_heights(crs, where)
-    if crs is None or not units or _crs(crs_name(crs), where).is_geocentric:
+    _, units = units_of_crs(crs, where)
+    if crs is None or not units:
         return 0.0
     pyproj, own = optional_package("pyproj", "geo", f"{where}: {crs}"), _crs(crs_name(crs), where)
     lists = longitude.tolist(), latitude.tolist(), height_m.tolist()
@@ -250,34 +250,21 @@ class AxisUnit(NamedTuple):
 SAME_UNIT = 1e-4  # of it
 
 
-def units_of_grid(crs: str | None, where: str) -> list[AxisUnit]:
-    """List the units of x, y and, where it has one, of the height axis of a grid.
+def units_of_crs(crs: str | None, where: str) -> tuple[list[AxisUnit], list[AxisUnit]]:
+    """List the units of x and y, none of latitude and longitude, and that of heights of its own.
 
-    Empty for latitude and longitude, and for a CRS that is not known, which is told elsewhere.
+    None of a CRS that is not known, which is told elsewhere.
     """
     with suppress(VopdError):
-        if not crs_is_geographic(ELLIPSOIDAL if crs is None else crs_name(crs), where):
-            return _units(crs, where)
-    return []
-
-
-def units_of_heights(crs: str | None, where: str) -> list[AxisUnit]:
-    """List the unit of the heights that a CRS has itself; none where it has no heights.
-
-    None for a CRS that is not known, which is told elsewhere.
-    """
-    with suppress(VopdError):
-        return _units(crs, where)[2:]
-    return []
-
-
-def _units(crs: str | None, where: str) -> list[AxisUnit]:
-    if crs is None or crs_name(crs) in WGS84_NAMES:
-        return []
-    return [
-        AxisUnit(f"{one.unit_name}s".replace("foots", "feet"), float(one.unit_conversion_factor))
-        for one in _crs(crs_name(crs), where).axis_info
-    ]
+        name = ELLIPSOIDAL if crs is None else crs_name(crs)
+        if name not in WGS84_NAMES:
+            units = [
+                AxisUnit(f"{one.unit_name}s".replace("foots", "feet"), one.unit_conversion_factor)
+                for one in _crs(name, where).axis_info
+            ]
+            of_heights = [] if _crs(name, where).is_geocentric else units[2:]
+            return ([] if crs_is_geographic(name, where) else units[:2]), of_heights
+    return [], []
 
 
 def other_angle(crs: str | None, where: str) -> str:
@@ -303,8 +290,8 @@ def doubt_of_heights(section: str, named: bool, crs: str | None) -> list[str]:
         named: whether a column of the file names the unit of its heights
         crs: of its coordinates
     """
-    units = units_of_grid(crs, section)
-    if named or len(units) != 2 or units[0].is_metre:
+    units, heights = units_of_crs(crs, section)
+    if named or heights or not units or units[0].is_metre:
         return []
     return [
         f"[{section}] file: x and y are {units[0].name}, by the grid {crs}, and heights are taken "
@@ -312,6 +299,7 @@ def doubt_of_heights(section: str, named: bool, crs: str | None) -> list[str]:
     ]
 
 
+@np.errstate(all="ignore")
 def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     """Project positions on the grid of a projected CRS; None for one that is not projected.
 
@@ -321,15 +309,25 @@ def map_grid(name: str, position_m: Floats) -> MapGrid | None:
     """
     if name in WGS84_NAMES or not _crs(name, "crs").is_projected:
         return None
-    plane, known = _plane(name), np.isfinite(position_m[:, 0])
+    (to_wgs84, level_m, counted), known = _plane(name), np.isfinite(position_m[:, 0])
     where = geodetic(position_m[known])
     here = where.longitude_deg.tolist(), where.latitude_deg.tolist(), where.height_m.tolist()
     # a projection alone takes WGS 84 for the CRS's own datum, hundreds of metres from it
-    x_y = np.array(plane.to_wgs84.transform(*here, direction="INVERSE")[:2]).T
+    x_y = np.array(to_wgs84.transform(*here, direction="INVERSE")[:2]).T
     x_y[~np.isfinite(x_y[:, 0])] = np.nan  # outside the area of the transformation
+    aside = np.array([0.0, ASIDE_M]) @ np.linalg.inv(level_m)
+    ends = [to_wgs84.transform(*(x_y + side).T.tolist()) for side in (aside, -aside)]
+    ahead, behind = (earth_centred_m(end[1], end[0], 0.0) for end in ends)
+    east, north, _ = np.einsum("fij,fj->if", axes_at(where), ahead - behind)
     easting, northing, convergence_deg = columns = np.full((3, len(position_m)), np.nan)
-    columns[:, known] = *x_y.T, _convergence_deg(plane, x_y, where)
-    return MapGrid(name, easting, northing, convergence_deg, plane.counted)
+    columns[:, known] = *x_y.T, np.degrees(np.arctan2(east, north))
+    return MapGrid(name, easting, northing, convergence_deg, counted)
+
+
+ASIDE_M = 100.0
+"""Of a place on either side of it: by these the north of a grid is found. What the formulas of a
+projection say of it holds on the grid's own datum, which may be turned against WGS 84, and from its
+own meridian, which may be that of Paris."""
 
 
 def east_north_m(name: str, position_m: Floats) -> tuple[Floats, Floats]:
@@ -339,54 +337,32 @@ def east_north_m(name: str, position_m: Floats) -> tuple[Floats, Floats]:
         name: of a projected CRS, whatever its unit, and the way in which its axes count
         position_m: Earth-centred, (F, 3); NaN where not known
     """
-    grid = map_grid(name, position_m)
+    grid, (_, level_m, _) = map_grid(name, position_m), _plane(name)
     assert grid is not None
-    return np.stack([grid.easting, grid.northing], axis=1) @ _plane(name).level_m, (
-        grid.convergence_deg
-    )
+    return np.stack([grid.easting, grid.northing], axis=1) @ level_m, grid.convergence_deg
 
 
-@np.errstate(all="ignore")
-def _convergence_deg(plane: _Plane, x_y: Floats, where: Geodetic) -> Floats:
-    """Find the azimuth of a grid's north from true north at places of it, degrees (F,).
-
-    By places on either side: what a projection's formulas say holds on the grid's own datum, which
-    may be turned against WGS 84, and from its own meridian, which may be that of Paris.
-    """
-    aside = np.array([0.0, ASIDE_M]) @ np.linalg.inv(plane.level_m)
-    ends = [plane.to_wgs84.transform(*(x_y + side).T.tolist()) for side in (aside, -aside)]
-    ahead, behind = (earth_centred_m(end[1], end[0], 0.0) for end in ends)
-    east, north, _ = np.einsum("fij,fj->if", axes_at(where), ahead - behind)
-    return np.asarray(np.degrees(np.arctan2(east, north)))
-
-
-ASIDE_M = 100.0  # of a place, over which the north of a grid is found
 TOWARD = {"east": (1.0, 0.0), "west": (-1.0, 0.0), "north": (0.0, 1.0), "south": (0.0, -1.0)}
 """Metres east and north by one metre along an axis of a grid, by its direction."""
 
 
-class _Plane(NamedTuple):
-    """How x and y of a projected CRS count."""
-
-    to_wgs84: Any  # the transformation, x before y
-    level_m: Floats  # (2, 2) metres east and north, as columns, by x and y
-    counted: str  # what x and y are called, with their unit unless it is the metre
-
-
 @cache
-def _plane(name: str) -> _Plane:
-    """Look up how x and y of a projected CRS count: its transformation takes milliseconds."""
+def _plane(name: str) -> tuple[Any, Floats, str]:
+    """Look up how x and y of a projected CRS count.
+
+    Returns:
+        The transformation to WGS 84, which takes milliseconds to make; metres east and north, as
+        columns, by x and y; and what x and y are called, with their unit unless it is the metre.
+    """
     pyproj = optional_package("pyproj", "geo", f"the CRS {name}")
-    crs, (unit, *_) = _crs(name, "crs").to_2d(), units_of_grid(name, "crs")
+    crs, ((unit, *_), _) = _crs(name, "crs").to_2d(), units_of_crs(name, "crs")
     sides = [one.direction for one in crs.axis_info]
     if sides == ["north", "east"] or not {*sides} & {"east", "west"}:  # or about a pole
         sides = ["east", "north"]
     counted = " and ".join(f"{one}ing" for one in sides)
-    return _Plane(
-        _transformer(pyproj, crs, "EPSG:4326"),
-        unit.metres * np.array([TOWARD[one] for one in sides]),
-        counted if unit.is_metre else f"{counted} in {unit.name}",
-    )
+    level_m = unit.metres * np.array([TOWARD[one] for one in sides])
+    in_unit = counted if unit.is_metre else f"{counted} in {unit.name}"
+    return _transformer(pyproj, crs, "EPSG:4326"), level_m, in_unit
 
 
 def _transform(

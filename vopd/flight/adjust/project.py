@@ -22,8 +22,7 @@ from vopd.flight.coordinates import (
     crs_is_geographic,
     crs_name,
     earth_centred_positions,
-    units_of_grid,
-    units_of_heights,
+    units_of_crs,
 )
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.columns import coordinate_columns
@@ -219,9 +218,9 @@ def _write_landmarks(
     after = np.sqrt(np.diag(covariance_by_picks(joint)[0])[model.of_landmarks])
     sigma_m[model.free] = np.minimum(after.reshape(-1, 3), sigma_m[model.free])
     columns = ["lat_deg", "lon_deg", "h_m"] if rows.geodetic else ["x_m", "y_m", "z_m"]
-    heights = units_of_heights(crs, where)
-    units = [*units_of_grid(crs, where)[:2], *heights]
-    if degrees > rows.geodetic or not all(one.is_metre for one in units):  # the CRS's own units
+    grid, heights = units_of_crs(crs, where)
+    in_metres = all(one.is_metre for one in (*grid, *heights))
+    if degrees > rows.geodetic or not in_metres:  # as the CRS counts
         columns[:2] = columns[:2] if rows.geodetic else ["x", "y"]
         columns[2:] = [columns[2][:1]] if heights else columns[2:]
     order, digits = [1, 0, 2] if rows.geodetic else [0, 1, 2], (11, 11, 6) if degrees else (6,) * 3

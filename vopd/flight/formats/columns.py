@@ -194,9 +194,9 @@ def own_names(
 
 def _grid_in_feet(file: InputFile) -> bool:
     """Tell whether the grid of a table, as the project states it, counts in feet."""
-    from vopd.flight.coordinates import units_of_grid  # of few tables
+    from vopd.flight.coordinates import units_of_crs  # of few tables
 
-    return any(one.is_foot for one in units_of_grid(file.crs, file.name)[:2])
+    return any(one.is_foot for one in units_of_crs(file.crs, file.name)[0])
 
 
 def _time_name(cell: str, own: str) -> str:

@@ -20,8 +20,7 @@ from vopd.flight.coordinates import (
     crs_is_geographic,
     crs_name,
     other_angle,
-    units_of_grid,
-    units_of_heights,
+    units_of_crs,
 )
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.columns import GEODETIC, HEIGHTS, PLANE, coordinate_columns
@@ -159,10 +158,12 @@ def coordinates_of(table: CsvTable, geodetic: bool) -> Floats:
             "convert them to a coordinate reference system in degrees, as EPSG:4326"
         )
     crs, file = table.file.crs, table.file.name
-    grid = [] if geodetic else units_of_grid(crs, file)
-    names, units = (PLANE, grid) if grid else (columns[2:], units_of_heights(crs, file))
-    counts = f"the grid {crs} counts" if grid else f"{crs} counts heights"
-    for name, unit in zip(names, units, strict=False):
+    grid, heights = units_of_crs(crs, file)
+    names, counts = (
+        (columns, f"the grid {crs} counts") if grid else (columns[2:], f"{crs} counts heights")
+    )
+    units = {} if geodetic and grid else dict(zip(names, [*grid, *heights], strict=False))
+    for name, unit in units.items():
         said = table.unit_said(name)
         if said == "ft" and unit.is_foot and name in HEIGHTS:
             coordinate[:, 2] /= M_PER_FT  # the CRS takes feet
@@ -174,7 +175,7 @@ def coordinates_of(table: CsvTable, geodetic: bool) -> Floats:
                 f"{counts} in {unit.name}: if it has those, call it {call}",
                 column=table.own[table.header.index(name)],
             )
-    if len(grid) == 2 and not grid[0].is_metre and not table.unit_said("z_m"):
+    if [*units] == ["x_m", "y_m"] and not grid[0].is_metre and not table.unit_said("z_m"):
         raise table.file.error(
             f"x and y are {grid[0].name}, by the grid {crs}, and heights may be feet "
             "or metres: call it z_ft or z_m",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from math import inf
 from typing import NamedTuple
 
@@ -15,8 +16,7 @@ from vopd.flight.coordinates import (
     M_PER_FT,
     crs_is_geographic,
     crs_name,
-    units_of_grid,
-    units_of_heights,
+    units_of_crs,
 )
 from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.project.camera import CameraLens
@@ -310,16 +310,13 @@ def doubts_of_rounding(
 
 def _units_m(coordinate: Floats, geodetic: bool, crs: str | None, where: str) -> Floats:
     """Find the metres in a unit of each coordinate, (3,)."""
-    try:
-        degrees = geodetic or (crs is not None and crs_is_geographic(crs_name(crs), where))
-    except VopdError:  # a grid that is not known is told elsewhere
-        degrees = False
-    height_m = [one.metres for one in units_of_heights(crs, where)] or [1.0]
-    if degrees:
-        latitude = np.radians(np.median(coordinate[:, 1]))
-        return np.array([M_PER_DEG * np.cos(latitude), M_PER_DEG, *height_m])
-    level_m = [one.metres for one in units_of_grid(crs, where)[:2]] or [1.0, 1.0]
-    return np.array([*level_m, *height_m])
+    grid, heights = units_of_crs(crs, where)
+    height_m = [one.metres for one in heights] or [1.0]
+    with suppress(VopdError):  # a grid that is not known is told elsewhere
+        if geodetic or (crs is not None and crs_is_geographic(crs_name(crs), where)):
+            latitude = np.radians(np.median(coordinate[:, 1]))
+            return np.array([M_PER_DEG * np.cos(latitude), M_PER_DEG, *height_m])
+    return np.array([*([one.metres for one in grid] or [1.0, 1.0]), *height_m])
 
 
 def _step(values: Floats) -> float:

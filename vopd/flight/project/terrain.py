@@ -20,8 +20,7 @@ from vopd.flight.coordinates import (
     HeightDatum,
     earth_centred_positions,
     has_height_axis,
-    units_of_grid,
-    units_of_heights,
+    units_of_crs,
 )
 from vopd.flight.flight import LandmarkSet
 from vopd.flight.project.keys import Project, Section
@@ -59,7 +58,8 @@ class Terrain:
         self._refused = optional_package("rasterio._err", "terrain")  # GDAL's own, not public
         self._covered = np.zeros(0, bool)  # places that were read, whether they are in the file
         self._unit_m = M_PER_FT if FEET.fullmatch(dataset.units[0] or "") else 1.0
-        for own in units_of_heights(dataset.crs.to_wkt(), name):
+        self._units = units_of_crs(dataset.crs.to_wkt(), name)  # of its grid, and of its heights
+        for own in self._units[1]:
             self._unit_m = self._unit_m if own.is_metre else own.metres
         self._odd_m = float("nan")  # of a cell that was read, beyond the heights of land
 
@@ -188,7 +188,7 @@ class Terrain:
         else:
             own = self._dataset.crs
             x, y = self._converted("EPSG:4326", own, here.longitude_deg, here.latitude_deg)
-            raw_m = raw_m / units_of_heights(name, self.name)[0].metres
+            raw_m = raw_m / self._units[1][0].metres
         ground = np.stack([x, y, raw_m], axis=1)
         on_it = earth_centred_positions(ground, datum is not None, name, datum, self.name)
         return np.asarray(here.height_m - geodetic(on_it).height_m)
@@ -233,11 +233,10 @@ class Terrain:
         """Doubt heights of no declared unit on a grid in feet: they mostly are feet, too."""
         if self._dataset.units[0] or self._unit_m != 1.0:
             return []
-        units = units_of_grid(self._dataset.crs.to_wkt(), self.name)
         return [
             f"[landmarks] terrain: {self.name}: its grid counts in {one.name}, and its heights, of "
             "no declared unit, are taken for metres: declare it, gdal_edit.py -units ft, or m"
-            for one in units[:1]
+            for one in self._units[0][:1]
             if one.is_foot
         ]
 

@@ -17,8 +17,7 @@ from vopd.flight.coordinates import (
     crs_name,
     doubt_of_heights,
     earth_centred_positions,
-    units_of_grid,
-    units_of_heights,
+    units_of_crs,
 )
 from vopd.flight.flight import LEAPS, CameraPath, TrackFixes, TrackSlopes
 from vopd.flight.formats.columns import coordinate_columns
@@ -407,15 +406,13 @@ def not_in_metres(crs: str | None, where: str) -> str:
         crs: a grid, or of latitude and longitude, which may have heights of its own
         where: file or section, for errors
     """
-    grid = units_of_grid(crs, where)
-    for unit in grid or units_of_heights(crs, where):
-        if not unit.is_metre:
-            write = "write lat_deg, lon_deg and h_m, or a grid in metres"
-            if not grid:
-                write = "take one without heights, and say with height what they count from"
-            what = f"the grid {crs} counts" if grid else f"{crs} counts heights"
-            return f"is metres, and {what} in {unit.name}: {write}"
-    return ""
+    grid, heights = units_of_crs(crs, where)
+    what, write = f"the grid {crs} counts", "write lat_deg, lon_deg and h_m, or a grid in metres"
+    if not grid:
+        what = f"{crs} counts heights"
+        write = "take one without heights, and say with height what they count from"
+    other = [one.name for one in (*grid, *heights) if not one.is_metre]
+    return f"is metres, and {what} in {other[0]}: {write}" if other else ""
 
 
 def fixed_path(section: Section, times: FrameTimes, landmarks: Section | None = None) -> PathRead:
