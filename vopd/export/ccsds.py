@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
@@ -220,8 +220,7 @@ def quaternions_scalar_last(quaternion: Floats) -> Floats:
     Args:
         quaternion: w x y z, (T, 4)
     """
-    q = np.roll(continuous(quaternion), -1, axis=1)
-    return np.asarray(np.round(q, DECIMALS) + 0.0)
+    return np.asarray(np.round(scalar_last(quaternion), DECIMALS) + 0.0)
 
 
 def comment(text: str) -> list[str]:
@@ -418,8 +417,6 @@ def _seconds(microseconds: int) -> str:
 
 # Attitudes with dates that come from no attitude history, such as those of star photographs.
 
-MICROSECOND = timedelta(microseconds=1)
-
 
 class DatedAttitudes(NamedTuple):
     """T attitudes."""
@@ -467,11 +464,6 @@ def dated_aem(attitudes: DatedAttitudes, request: FileRequest, report: Report) -
     frames = ordered.frame_a, ordered.frame_b
     segment = aem_segment(ordered.title, frames, stamps, ordered.quaternion, request)
     return aem_message(ordered.stated, [segment], request)
-
-
-def seconds_after(moments: tuple[datetime, ...]) -> list[float]:
-    """Count seconds after the first of some moments."""
-    return [(moment - moments[0]) / MICROSECOND / 1e6 for moment in moments]
 
 
 def scalar_last(quaternion: Floats) -> Floats:

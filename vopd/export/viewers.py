@@ -19,10 +19,8 @@ from vopd.export import FileRequest, html, name, printable, statements, title, u
 from vopd.export.ccsds import (
     DatedAttitudes,
     TimedAttitude,
-    continuous,
     in_order,
     scalar_last,
-    seconds_after,
     timed_attitudes,
 )
 from vopd.export.tables import as_text
@@ -58,6 +56,10 @@ def render_czml(histories: Sequence[History], request: FileRequest, report: Repo
     about = {key: stated[key] for key in (source, *STATED) if key in stated}
     packets = [_document(found, request, about)]
     packets += [_vehicle(k, one, request, about) for k, one in enumerate(found, 1)]
+    return _page(packets)
+
+
+def _page(packets: Sequence[dict[str, Any]]) -> bytes:
     lines = ",\n".join(json.dumps(packet, allow_nan=False) for packet in packets)
     return f"[\n{lines}\n]\n".encode()
 
@@ -116,7 +118,7 @@ def _vehicle(
 def earth_fixed(one: TimedAttitude) -> Floats:
     """Convert to quaternions from body to Earth-fixed axes, x y z w, (T, 4)."""
     local = from_axes(one.history.estimate.position.north_east_down[one.frames])
-    return np.roll(continuous(product(local, one.quaternion)), -1, axis=1)
+    return scalar_last(product(local, one.quaternion))
 
 
 def _samples(one: TimedAttitude, values: Floats, decimals: int) -> list[float]:
@@ -276,7 +278,6 @@ def _leaf(parent: ET.Element, tag: str, text: str) -> None:
 
 # CZML of a camera that stands at one place: its position and orientation on the Earth.
 
-DECIMALS = 12
 STAR_BOX_M = (3.0, 1.0, 1.0)  # forward, right, down; large enough to be seen
 
 
@@ -292,10 +293,10 @@ def dated_czml(attitudes: DatedAttitudes, request: FileRequest, report: Report) 
     first, last = (utc(ordered.moments[k], 0) + "Z" for k in (0, -1))
     interval = f"{first}/{last}"
     called = printable(request.object_name.strip()) or printable(ordered.title)
-    rows = scalar_last(ordered.earth_fixed).round(DECIMALS).tolist()
+    rows = scalar_last(ordered.earth_fixed).round(12).tolist()
     samples: list[float] = []
-    for second, row in zip(seconds_after(ordered.moments), rows, strict=True):
-        samples += [second, *row]
+    for moment, row in zip(ordered.moments, rows, strict=True):
+        samples += [(moment - ordered.moments[0]).total_seconds(), *row]
     clock = {"interval": interval, "currentTime": first, "multiplier": 1}
     packets: list[dict[str, Any]] = [
         {
@@ -317,9 +318,8 @@ def dated_czml(attitudes: DatedAttitudes, request: FileRequest, report: Report) 
                 "interpolationDegree": 1,
                 "unitQuaternion": samples,
             },
-            "point": {"pixelSize": 6, "color": {"rgba": [255, 196, 0, 255]}},
+            "point": {"pixelSize": 6, "color": {"rgba": GOLD}},
             "box": {"dimensions": {"cartesian": list(STAR_BOX_M)}},
         },
     ]
-    lines = ",\n".join(json.dumps(packet, allow_nan=False) for packet in packets)
-    return f"[\n{lines}\n]\n".encode()
+    return _page(packets)
