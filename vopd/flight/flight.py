@@ -501,6 +501,12 @@ class Flight:
         return np.asarray(np.linalg.norm(away_m, axis=1))
 
     @property
+    def since_middle_s(self) -> Floats:
+        """Times of the frames since their mean, by which a clock's rate counts, (F,); or 0."""
+        known = self.time_s[np.isfinite(self.time_s)]
+        return np.nan_to_num(self.time_s - (known.mean() if len(known) else 0.0))
+
+    @property
     def grid_convergence_deg(self) -> float:
         """True azimuth less grid azimuth at the first position; NaN without a projected CRS."""
         if self.grid is None:

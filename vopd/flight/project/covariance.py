@@ -550,9 +550,7 @@ def _path(flight: Flight, added: dict[str, float]) -> CameraPath:
     named = any(axis in added for axis in SHIFT)
     path = replace(path, bias_sigma_m=np.zeros(3)) if named else path
     shift = np.array([added.get(axis, 0.0) for axis in SHIFT]) * (not path.stands)
-    middle = np.nanmean(flight.time_s) if np.isfinite(flight.time_s).any() else 0.0
-    since_s = np.nan_to_num(flight.time_s - middle)
-    late_s = added.get("clock", 0.0) + added.get("clock_rate", 0.0) * since_s
+    late_s = added.get("clock", 0.0) + added.get("clock_rate", 0.0) * flight.since_middle_s
     moved = np.tile(shift, (len(late_s), 1))
     speed, change = path.velocity_m_s, path.acceleration_m_s2
     slopes = None if path.fixes is None else path.fixes.slopes

@@ -318,8 +318,7 @@ class Model:
             change = slopes.acceleration_m_s2
             speed = slopes.velocity_m_s + change * slopes.late_s[:, None]
         self.velocity_m_s, self.acceleration_m_s2 = self._enu(speed), self._enu(change)
-        middle = np.nanmean(flight.time_s) if np.isfinite(flight.time_s).any() else 0.0
-        self.since_s = np.nan_to_num(flight.time_s - middle)
+        self.since_s = flight.since_middle_s
 
     def with_priors(self, priors: Priors) -> Model:
         """Take the same picks with other unknowns."""
