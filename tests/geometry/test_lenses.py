@@ -51,6 +51,15 @@ def test_fisheye_is_that_of_opencv() -> None:
     assert_close("flight pixel", project(lens, ray).pixel, expected[:, 0])
 
 
+@pytest.mark.parametrize("kind", LENSES)
+def test_a_smaller_picture_has_every_point_in_proportion_from_its_corner(kind: str) -> None:
+    """A picture of a quarter of the width and height."""
+    ray, small = rays(4, 0.3), LENSES[kind].scaled(0.25)
+    expected = 0.25 * (project(LENSES[kind], ray).pixel + 0.5) - 0.5
+    assert np.isfinite(expected).all()
+    assert_close("flight pixel", project(small, ray).pixel, expected)
+
+
 def test_skew_moves_u_by_the_distorted_y() -> None:
     ray = rays(3, 0.6)
     plain, skew = project(LENSES["brown"], ray), project(LENSES["skew"], ray)
