@@ -337,14 +337,14 @@ def _best_fits(gaps: Ints, time_s: Floats, rough: Roughness, bent: float) -> Int
     for which, (degree, n) in enumerate(_fits(len(time_s))):
         if degree != before:
             left, of_degree, before = np.arange(len(gaps)), np.full(len(gaps), np.inf), degree
-        cost = np.zeros(len(left))
-        for part in INSIDE:
-            at_s = (1.0 - part) * time_s[gaps[left]] + part * time_s[gaps[left] + 1]
-            index, tau = _window(n, at_s, time_s)
-            noise = rough.noise_m[index] ** 2
-            weight = polynomial_weights(tau, noise.mean(axis=2), degree)[:, 1]
-            missed = bent * jerk[left] * missed_curvature(tau, weight)[:, None]
-            cost += ((weight[..., None] ** 2 * noise).sum(axis=1) + missed).sum(axis=1)
+        first, behind = time_s[gaps[left]], time_s[gaps[left] + 1]
+        at_s = np.concatenate([(1.0 - part) * first + part * behind for part in INSIDE])
+        index, tau = _window(n, at_s, time_s)
+        noise = rough.noise_m[index] ** 2
+        weight = polynomial_weights(tau, noise.mean(axis=2), degree)[:, 1]
+        missed = bent * np.tile(jerk[left], (2, 1)) * missed_curvature(tau, weight)[:, None]
+        each = ((weight[..., None] ** 2 * noise).sum(axis=1) + missed).sum(axis=1)
+        cost = each.reshape(len(INSIDE), -1).sum(axis=0)
         best[left] = np.where(cost < least[left], which, best[left])
         least[left] = np.minimum(cost, least[left])
         of_degree[left] = np.minimum(cost, of_degree[left])
