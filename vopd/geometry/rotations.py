@@ -94,7 +94,8 @@ def body_angles_by_turns(radians: Floats) -> Floats:
 # The camera's axes in local east, north, up, and its yaw, pitch and roll (Appendix A)
 #
 # Yaw is the direction of the optical axis clockwise from north, pitch its angle above
-# the horizontal, roll the turn of the picture about it (sigma 1, 2, 3 of TM X-3050).
+# the horizontal, roll the turn of the picture about it (sigma 1, 2, 3 of TM X-3050): those of a
+# body whose forward axis is the optical one, and whose right and down are the picture's.
 
 
 def camera_axes(radians: Floats) -> Floats:
@@ -105,11 +106,12 @@ def camera_axes(radians: Floats) -> Floats:
     Args:
         radians: camera yaw, pitch, roll, (F, 3)
     """
-    (s1, s2, s3), (c1, c2, c3) = np.sin(radians).T, np.cos(radians).T
-    x = np.stack([-c1 * c3 - s1 * s2 * s3, s1 * c3 - c1 * s2 * s3, c2 * s3], axis=-1)
-    y = np.stack([c1 * s3 - s1 * s2 * c3, -s1 * s3 - c1 * s2 * c3, c2 * c3], axis=-1)
-    z = np.stack([s1 * c2, c1 * c2, s2], axis=-1)
-    return np.stack([x, y, z], axis=-2)
+    return _other_order(body_axes(radians).swapaxes(1, 2), [1, 2, 0], [-1.0, -1.0, 1.0])
+
+
+def _other_order(rows: Floats, order: list[int], signs: list[float]) -> Floats:
+    """Take body axes for image axes or back, as rows, and north, east, down for east, north, up."""
+    return np.asarray(rows[..., order, :][..., [1, 0, 2]] * np.outer(signs, [1.0, 1.0, -1.0]))
 
 
 def camera_angles_deg(axes: Floats) -> Floats:
@@ -121,22 +123,8 @@ def camera_angles_deg(axes: Floats) -> Floats:
     Args:
         axes: image x, image y and optical axis as rows, (..., 3, 3), east, north, up
     """
-    flat = np.hypot(axes[..., 2, 0], axes[..., 2, 1])
-    level = flat > POLE
-    steep = level & (flat < STEEP)
-    pitch = np.arcsin(np.clip(axes[..., 2, 2], -1.0, 1.0))
-    pitch = np.where(steep, np.arctan2(axes[..., 2, 2], flat), pitch)
-    yaw = np.where(
-        level,
-        np.arctan2(axes[..., 2, 0], axes[..., 2, 1]),
-        np.arctan2(axes[..., 0, 1], -axes[..., 0, 0]),
-    )
-    x, y, s, c = axes[..., 0, :], axes[..., 1, :], np.sin(yaw), np.cos(yaw)
-    left = np.arctan2(c * y[..., 0] - s * y[..., 1], s * x[..., 1] - c * x[..., 0])
-    roll = np.where(steep, left, np.arctan2(axes[..., 0, 2], axes[..., 1, 2]))
-    roll = np.where(level, roll, 0.0 * pitch)
-    angles = np.stack([yaw % (2 * np.pi), pitch, roll % (2 * np.pi)], axis=-1)
-    return np.asarray(np.degrees(angles))
+    body = _other_order(axes, [2, 0, 1], [1.0, -1.0, -1.0])
+    return body_angles_deg(body.swapaxes(-1, -2))
 
 
 def turns_by_angles(radians: Floats) -> Floats:
@@ -150,12 +138,9 @@ def turns_by_angles(radians: Floats) -> Floats:
     Returns:
         Derivatives, (F, 3, 3): rows are the rotations, columns the angles.
     """
-    (_, s2, s3), (_, c2, c3) = np.sin(radians).T, np.cos(radians).T
-    zero, one = np.zeros_like(s2), np.ones_like(s2)
-    yaw = np.stack([-c2 * s3, -c2 * c3, -s2], axis=-1)
-    pitch = np.stack([-c3, s3, zero], axis=-1)
-    roll = np.stack([zero, zero, one], axis=-1)
-    return np.stack([yaw, pitch, roll], axis=-1)
+    return np.asarray(
+        turns_by_body_angles(radians)[:, [1, 2, 0]] * np.array([[-1.0], [-1.0], [1.0]])
+    )
 
 
 def angles_by_turns(radians: Floats) -> Floats:
@@ -212,11 +197,7 @@ def mount_by_angles(yaw_pitch_roll_deg: ArrayLike) -> Floats:
     Args:
         yaw_pitch_roll_deg: about down, the new right and the new forward axis, (3,), degrees
     """
-    y, p, r = np.radians(yaw_pitch_roll_deg)
-    yaw = np.array([[np.cos(y), -np.sin(y), 0.0], [np.sin(y), np.cos(y), 0.0], [0.0, 0.0, 1.0]])
-    pitch = np.array([[np.cos(p), 0.0, np.sin(p)], [0.0, 1.0, 0.0], [-np.sin(p), 0.0, np.cos(p)]])
-    roll = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(r), -np.sin(r)], [0.0, np.sin(r), np.cos(r)]])
-    return np.asarray(yaw @ pitch @ roll @ FORWARD)
+    return np.asarray(body_axes(np.radians(np.asarray(yaw_pitch_roll_deg))[None])[0] @ FORWARD)
 
 
 # Rotations by their vector: the axis times the angle in radians

@@ -8,7 +8,7 @@ from vopd.flight.flight import VehicleAttitudes
 from vopd.flight.formats.tables import frame_names, read_csv
 from vopd.flight.project.keys import Project
 from vopd.flight.project.times import FrameTimes, refuse_seconds
-from vopd.geometry.rotations import FORWARD, mount_by_angles
+from vopd.geometry.rotations import body_axes
 
 
 def read_vehicle(project: Project, offset_s: float, times: FrameTimes) -> VehicleAttitudes:
@@ -32,7 +32,7 @@ def read_vehicle(project: Project, offset_s: float, times: FrameTimes) -> Vehicl
             "on the clock of the track, beside yaw_deg, pitch_deg and roll_deg"
         )
     angles = np.stack([table.numbers(f"{one}_deg") for one in ("yaw", "pitch", "roll")], axis=1)
-    body_to_ned = np.array([mount_by_angles(one) @ FORWARD.T for one in angles])
+    body_to_ned = body_axes(np.radians(angles))
     of_all = section.sigma("attitude_sigma_deg")
     sigma_deg = np.full(len(angles), np.nan if of_all is None else of_all[0])
     if table.has("sigma_deg"):
