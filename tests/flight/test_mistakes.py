@@ -543,13 +543,16 @@ def test_mistakes_are_tried_from_four_residuals_more_than_angles_on(
 
 @pytest.mark.parametrize("own", [None, 0.0, 5, -40.0])
 @pytest.mark.parametrize(
-    ("ahead_s", "hint"), [(18.0, "-18"), (-18.0, "+18"), (25.0, ""), (0.0, "")]
-)
+    ("ahead_s", "hint", "year"),
+    [(18.0, "-18", 2026), (-18.0, "+18", 2026), (25.0, "", 2026), (0.0, "", 2026),
+     (16.0, "-16", 2014), (-16.0, "+16", 2014), (18.0, "", 2005)],
+)  # fmt: skip
 def test_another_clock_is_tried_on_top_of_the_offset_of_the_project(
-    own: float | None, ahead_s: float, hint: str, tmp_path: Path
+    own: float | None, ahead_s: float, hint: str, year: int, tmp_path: Path
 ) -> None:
     """Times of the track are later by `ahead_s` than they should be with the project's offset."""
-    path = write_project(tmp_path, TOML + ("" if own is None else f"offset_s = {own}\n"))
+    toml = TOML.replace("2026-05-01", f"{year}-05-01")
+    path = write_project(tmp_path, toml + ("" if own is None else f"offset_s = {own}\n"))
     head, *rows = (tmp_path / "track.csv").read_text().splitlines()
     cells = [row.partition(",") for row in rows]
     late = [f"{float(one) + ahead_s - (own or 0.0)},{rest}" for one, _, rest in cells]

@@ -23,7 +23,7 @@ from vopd.flight.misfits.input_errors import (
 )
 from vopd.flight.project.keys import Project
 from vopd.flight.project.read import flight_of
-from vopd.flight.project.track import height_datum
+from vopd.flight.project.track import gps_ahead_s, height_datum
 from vopd.flight.solve.rotations import FlightBlocks, solve
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.geometry.lenses import MODELS, Lenses, LensKind
@@ -47,7 +47,6 @@ NEAR_PAD_M = 100.0  # by which the pad may be above or below the landmarks
 OTHER_MODEL = {LensKind.BROWN: LensKind.FISHEYE, LensKind.FISHEYE: LensKind.BROWN}
 LENS_SIZES = 2.0, 0.5, 1.5, 2.0 / 3.0  # of a calibration, in the size of the images
 MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
-GPS_AHEAD_S = 18.0
 SMALL = (
     "no usual mistake explains them, and careful picks have as much: is the standard deviation of "
     "a pick stated too small?"
@@ -307,7 +306,8 @@ def _by_another_clock(project: Project, flight: Flight, estimate: Estimate) -> C
     """Exchange GPS time and UTC."""
     if not project.has("track"):
         return
-    for shift, clock in ((-GPS_AHEAD_S, "GPS time"), (GPS_AHEAD_S, "UTC and not GPS time")):
+    ahead_s = gps_ahead_s(flight.epoch)
+    for shift, clock in ((-ahead_s, "GPS time"), (ahead_s, "UTC and not GPS time")):
         try:
             shifted = _with_offset(project, shift)
         except VopdError:
@@ -540,7 +540,8 @@ def other_clock(project: Project) -> str:
     if not project.has("track"):
         return ""
     offset = project.section("track").values.get("offset_s", 0.0)
-    for shift in (-GPS_AHEAD_S, GPS_AHEAD_S):
+    ahead_s = gps_ahead_s(project.section("flight").date("epoch"))
+    for shift in (-ahead_s, ahead_s):
         if isinstance(offset, int | float):
             try:
                 flight_of(project.changed("track", "offset_s", offset + shift))

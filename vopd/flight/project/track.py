@@ -66,6 +66,13 @@ GPS_AHEAD_S = (  # of UTC, from a date on
 )
 
 
+def gps_ahead_s(moment: datetime | None) -> float:
+    """Look up by how much GPS time is ahead of UTC, now where no date is known; NaN before 2006."""
+    if moment is None:
+        return GPS_AHEAD_S[0][1]
+    return next((seconds for since, seconds in GPS_AHEAD_S if moment >= since), float("nan"))
+
+
 def track_on_clock(section: Section, rows: TrackRows, times: FrameTimes) -> Floats:
     """Convert the track's times to the clock of the frames."""
     found = track_clock(section, rows)
@@ -89,8 +96,7 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
             raise section.error("clock", f"the file's times are {rows.clock}")
     if own != "gps":
         return rows.time_s
-    first = datetime.fromtimestamp(float(rows.time_s[0]), UTC)
-    ahead = next((seconds for since, seconds in GPS_AHEAD_S if first >= since), float("nan"))
+    ahead = gps_ahead_s(datetime.fromtimestamp(float(rows.time_s[0]), UTC))
     if not np.isfinite(ahead):
         raise section.error("clock", "GPS time before 2006 is not known: give UTC")
     return rows.time_s - ahead
