@@ -41,6 +41,7 @@ from tests.tolerances import assert_close
 from vopd.attitude.history import history
 from vopd.estimate import MapGrid
 from vopd.export import FORMATS, FileRequest
+from vopd.export.photogrammetry import COLUMNS
 from vopd.findings import Finding
 from vopd.pipeline import read_deck
 
@@ -440,6 +441,11 @@ def test_columns_of_angles_against_the_grid() -> None:
         "longitude_deg": [7.44, 7.441, 7.442],
     }.items():  # fmt: skip
         assert_close("ratio", [float(row[name]) for row in rows], expected)
+    straight = replace(GRID, convergence_deg=np.array([0.5 + 1e-9, -0.5 - 1e-9, -1e-9]))
+    _, *rows = csv.reader(text_of_ranges("opk", grid=straight).splitlines()[8:])
+    at = COLUMNS.index("azimuth_grid_deg")
+    assert [row[at] for row in rows] == ["0.000000", "0.000000", "180.000000"]
+    assert rows[2][at + 1] == "0.000000"
     counted = replace(GRID, crs="EPSG:2048", counted="westing and southing")
     assert "# x, y: westing and southing, EPSG:2048;" in text_of_ranges("opk", grid=counted)
 

@@ -364,11 +364,12 @@ def _rows(poses: CameraPoses) -> list[list[str]]:
     angles = omega_phi_kappa_deg(grid @ poses.local_from_camera)
     sigmas = omega_phi_kappa_sigma_deg(poses, grid)
     yaw, pitch = estimate.camera_deg[k, :2].T
-    azimuth = np.where(np.cos(np.radians(pitch)) < 0.0, yaw + 180.0, yaw) % 360.0  # of the axis
+    azimuth = np.where(np.cos(np.radians(pitch)) < 0.0, yaw + 180.0, yaw)  # of the axis
+    true_deg, grid_deg = np.round([azimuth, azimuth - convergence], 6) % 360.0
     columns: list[tuple[str, Floats]] = [
         (form, x), (form, y), ("%.4f", height),
         *(("%.6f", np.round(one, 6) + 0.0) for one in angles.T),
-        ("%.6f", azimuth), ("%.6f", (azimuth - convergence) % 360.0), ("%.6f", convergence),
+        ("%.6f", true_deg), ("%.6f", grid_deg), ("%.6f", np.round(convergence, 6) + 0.0),
         ("%.9f", longitude), ("%.9f", latitude), *(("%.6f", one) for one in sigmas.T),
     ]  # fmt: skip
     texts = [
