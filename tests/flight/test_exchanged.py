@@ -1,4 +1,4 @@
-"""Labels of two landmarks that are exchanged in a frame."""
+"""Labels of two landmarks, or more, that are exchanged in a frame."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from vopd.flight.misfits.blunders import ARE_EXCHANGED
 from vopd.flight.misfits.unsolved import picks_outside
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
+from vopd.flight.solve.rotations import FlightBlocks
 
 SEED = 12
 HELD = FlightOptions(solve_position=False)
@@ -52,6 +53,75 @@ def test_labels_of_a_frame_are_named_whatever_the_position(
     assert np.flatnonzero(flags.raised["misfit"]).tolist() == [frame]
     assert flags.detail["misfit"][frame].startswith(f"exchange {one}+{other} (chance 0.")
     assert flags.detail["outlier"][frame] == f"{one}+{other}"
+
+
+TWO_PAIRS, THREE, ALL = "two pairs", "three in a ring", "all a row on"
+
+
+@pytest.mark.parametrize(
+    ("landmarks", "dealt", "fix_m"),
+    [
+        (4, TWO_PAIRS, 0.02), (4, ALL, 2.0), (5, THREE, 2.0), (8, TWO_PAIRS, 2.0),
+        (8, ALL, 0.02), (12, THREE, 0.02),
+    ],
+)  # fmt: skip
+def test_more_labels_of_a_frame_are_named_with_what_they_rather_are(
+    landmarks: int, dealt: str, fix_m: float, tmp_path: Path
+) -> None:
+    """Picks were named that fit, or a flight that misfits without a word of the frame."""
+    plan = BlunderRow("", fix_m).plan._replace(landmarks=landmarks)
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    head, *rows = (line.split(",") for line in (tmp_path / "picks.csv").read_text().splitlines())
+    own = [row for row in rows if row[0] == "4"]
+    true = [row[1] for row in own]
+    first = {TWO_PAIRS: [1, 0, 3, 2], THREE: [1, 2, 0], ALL: [*range(1, landmarks), 0]}[dealt]
+    wrong = [true[k] for k in [*first, *range(len(first), landmarks)]]
+    for row, label in zip(own, wrong, strict=True):
+        row[1] = label
+    (tmp_path / "picks.csv").write_text("\n".join(map(",".join, [head, *rows])) + "\n")
+    result = vopd.solve_flight(tmp_path / "flight.toml")
+    (text,) = (one for one in messages(result) if one.startswith("frame 4: "))
+    moved = sorted(
+        (int(one[1:]), int(other[1:]))
+        for one, other in zip(wrong, true, strict=True)
+        if one != other
+    )
+    names, rather = [f"m{one}" for one, _ in moved], [f"m{one} to m{other}" for one, other in moved]
+    assert text.startswith(f"frame 4: {', '.join(names[:-1])} and {names[-1]} {ARE_EXCHANGED}: ")
+    assert f"px with {', '.join(rather[:-1])} and {rather[-1]} renamed; " in text
+    assert not result.misfits
+
+
+@pytest.mark.parametrize(("limit", "named"), [("MOST_DEALT", 8), ("LEAST_DEALT", 8)])
+def test_labels_are_dealt_anew_in_frames_of_so_many_landmarks(
+    limit: str, named: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blocks = FlightBlocks(uneven_flight([named]))
+    plain = exchanged._plain(blocks, 0)
+    plain = plain._replace(label=np.roll(plain.label, 1))
+    monkeypatch.setattr(exchanged, limit, named)
+    assert exchanged._dealt_anew(blocks.flight, plain)
+    monkeypatch.setattr(exchanged, limit, named + (1 if limit == "LEAST_DEALT" else -1))
+    assert exchanged._dealt_anew(blocks.flight, plain) == []
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_gross_picks_of_a_frame_are_no_labels(count: int, tmp_path: Path) -> None:
+    """12 frames, each with one or two picks 40 to 400 px off: named, and nothing is exchanged."""
+    plan = BlunderRow("", 0.02).plan._replace(landmarks=6, frames=24)
+    rng = np.random.default_rng(SEED)
+    write_flight(tmp_path, plan, rng)
+    head, *rows = (line.split(",") for line in (tmp_path / "picks.csv").read_text().splitlines())
+    for frame in range(0, 24, 2):
+        own = [row for row in rows if row[0] == str(frame)]
+        for k in rng.choice(6, count, replace=False):
+            size, way = rng.uniform(40.0, 400.0), rng.uniform(0.0, 2.0 * np.pi)
+            own[k][2] = str(float(own[k][2]) + size * np.cos(way))
+            own[k][3] = str(float(own[k][3]) + size * np.sin(way))
+    (tmp_path / "picks.csv").write_text("\n".join(map(",".join, [head, *rows])) + "\n")
+    result = vopd.solve_flight(tmp_path / "flight.toml")
+    assert not any(ARE_EXCHANGED in one for one in messages(result))
+    assert (result.estimate.outlier is not None) and result.estimate.outlier.sum() >= 12
 
 
 def test_labels_that_are_dropped_leave_the_flight_without_them(tmp_path: Path) -> None:
@@ -132,10 +202,10 @@ def test_frames_are_named_in_order() -> None:
 
 def test_of_exchanges_with_a_pick_in_common_the_likeliest_is_kept() -> None:
     def likely(gain: float, *pair: int) -> Any:
-        return SimpleNamespace(gain=gain, trial=SimpleNamespace(pair=pair))
+        return SimpleNamespace(gain=gain, trial=SimpleNamespace(moved=pair))
 
     found = [likely(3.0, 1, 2), likely(5.0, 2, 3), likely(4.0, 3, 4), likely(1.0, 0, 5)]
-    assert [one.trial.pair for one in exchanged._disjoint(found)] == [(0, 5), (2, 3)]
+    assert [one.trial.moved for one in exchanged._disjoint(found)] == [(0, 5), (2, 3)]
 
 
 def test_labels_exchanged_in_most_frames_are_the_flight_s() -> None:

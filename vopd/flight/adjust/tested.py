@@ -211,8 +211,8 @@ def _significant(tests: LeftOut, named: Sequence[Named], estimates: FlightEstima
             continue
         found.append(Named(tests.take(_alike(tests, evidence, own, flight))))
         searched[frame] = len(found) <= MOST_SEARCHED
-    pairs = exchanges(estimates, searched, ~estimates.solved.used).picks
-    exchanged = {int(flight.picks.frame[pair[0]]): tuple(pair.tolist()) for pair in pairs}
+    every = exchanges(estimates, searched, ~estimates.solved.used).picks
+    exchanged = {int(flight.picks.frame[picks[0]]): tuple(picks.tolist()) for picks in every}
     return [replace(one, exchanged=exchanged.get(int(one.tests.frame[0]), ())) for one in found]
 
 

@@ -198,9 +198,10 @@ def named_text(one: Named, tested: TestedFlight) -> str:
     """Say what does not fit, and how angles change without it."""
     flight, tests = tested.flight, one.tests
     if one.exchanged:
-        first, second = (flight.landmarks.name[flight.picks.landmark[k]] for k in one.exchanged)
+        *names, last = (flight.landmarks.name[flight.picks.landmark[k]] for k in one.exchanged)
         of = frame_label(flight, int(flight.picks.frame[one.exchanged[0]]))
-        return f"{of}: {first} and {second} are exchanged: with their labels so all picks fit"
+        which = f"{', '.join(names)} and {last}"
+        return f"{of}: {which} are exchanged: with their labels so all picks fit"
     texts = [label(tests, k, flight) + _fits(tests, k) for k in range(len(tests.kind))]
     turns = np.degrees(np.linalg.norm(tests.moved_rad[0]))
     moves = ""

@@ -53,9 +53,10 @@ SHOWN = 1e-6  # of the best direction of a shift: what is known less is not know
 
 
 class Exchanges(NamedTuple):
-    """Labels that are exchanged, each in one frame."""
+    """Labels that are exchanged, of two picks of a frame or more."""
 
-    picks: Ints  # (E, 2)
+    picks: tuple[Ints, ...]  # E times those of one frame
+    label: tuple[Ints, ...]  # and the landmarks that they rather are
     before_px: Floats  # (E,) root mean square of the frame's residuals; NaN: one has no image
     after_px: Floats  # (E,) with the labels exchanged
     chance: Floats  # (E,) of these; NaN: not known
@@ -65,17 +66,19 @@ class Exchanges(NamedTuple):
         """Spread the chances over the picks, as `Estimate.exchanged` has them, (P,)."""
         chance = np.zeros(count)
         known = np.nan_to_num(np.maximum(self.chance, NOT_ZERO), nan=-1.0)
-        chance[self.picks] = known[:, None]
+        for picks, one in zip(self.picks, known.tolist(), strict=True):
+            chance[picks] = one
         return chance
 
     def marked(self, count: int) -> Bools:
         """Mark the picks of all exchanges, (P,)."""
         marks = np.zeros(count, bool)
-        marks[self.picks.ravel()] = True
+        for picks in self.picks:
+            marks[picks] = True
         return marks
 
 
-NO_EXCHANGE = Exchanges(np.zeros((0, 2), np.int64), *np.zeros((3, 0)))
+NO_EXCHANGE = Exchanges((), (), *np.zeros((3, 0)))
 
 
 class Blunders(NamedTuple):
@@ -720,18 +723,23 @@ def exchange_findings(found: Exchanges, flight: Flight, left_out: Bools) -> list
         left_out: picks that are left out, (P,)
     """
     tell = []
-    for pair, before_px, after_px in zip(*found[:3], strict=True):
-        one, other = (flight.landmarks.name[k] for k in flight.picks.landmark[pair])
-        label = frame_label(flight, int(flight.picks.frame[pair[0]]))
+    for picks, label, before_px, after_px in zip(*found[:4], strict=True):
+        name = [flight.landmarks.name[k] for k in flight.picks.landmark[picks]]
+        rather = [flight.landmarks.name[k] for k in label]
+        frame = frame_label(flight, int(flight.picks.frame[picks[0]]))
         was = "one has no image" if np.isnan(before_px) else f"residuals are {before_px:.1f} px"
-        done = 'both are used; [solve] blunders = "drop" leaves them out'
+        every, with_ = "both", "each other's label"
+        if len(name) > 2:
+            pairs = [f"{one} to {other}" for one, other in zip(name, rather, strict=True)]
+            every, with_ = "all", f"{', '.join(pairs[:-1])} and {pairs[-1]} renamed"
+        done = f'{every} are used; [solve] blunders = "drop" leaves them out'
         if flight.options.drop_blunders:
-            done = "both are left out"
-            if not left_out[pair].all():
-                done = "both are used, as one landmark alone is left without them"
+            done = f"{every} are left out"
+            if not left_out[picks].all():
+                done = f"{every} are used, as one landmark alone is left without them"
         tell.append(
-            f"{label}: {one} and {other} {ARE_EXCHANGED}: {was}, and {after_px:.1f} px with each "
-            f"other's label; {done}"
+            f"{frame}: {', '.join(name[:-1])} and {name[-1]} {ARE_EXCHANGED}: {was}, and "
+            f"{after_px:.1f} px with {with_}; {done}"
         )
     if found.not_searched:
         count = count_text(found.not_searched, "frame")

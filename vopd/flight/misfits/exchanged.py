@@ -1,19 +1,21 @@
-"""Labels of two landmarks that are exchanged in a frame.
+"""Labels of two landmarks, or more, that are exchanged in a frame.
 
-Each two labels of a frame that does not fit are exchanged, and the frame's rotation and place are
-solved anew, its place under its own standard deviations; landmarks, lens and all else that frames
-have in common are held. In a frame of four landmarks two picks that do not fit cannot be named one
+Each two labels of a frame that does not fit are exchanged, and all of them are dealt anew by what
+the angles between its picks show; the frame's rotation and place are solved anew, its place under
+its own standard deviations; landmarks, lens and all else that frames have in common are held. In a
+frame of four landmarks two picks that do not fit cannot be named one
 by one: no three others would be left that agree.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
-from math import comb
+from itertools import combinations, permutations
+from math import comb, factorial
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 from scipy.special import chdtrc, fdtrc
 
 from vopd.arrays import Bools, Floats, Ints
@@ -25,6 +27,7 @@ from vopd.flight.misfits.blunders import NO_EXCHANGE, Exchanges
 from vopd.flight.solve.equations import LEAST_SIGMA_M, Priors
 from vopd.flight.solve.free import as_solved
 from vopd.flight.solve.joint import solve_jointly, widened_by
+from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.flight.solve.rotations import (
     FlightBlocks,
     SolvedFlight,
@@ -33,8 +36,15 @@ from vopd.flight.solve.rotations import (
     pick_errors_px,
     solve,
 )
+from vopd.geometry.lenses import ray_of_pixel
+from vopd.geometry.linear import norm
 
 LEAST_IN_FRAME = 3  # landmarks
+LEAST_DEALT, MOST_DEALT = 4, 12  # of a frame whose labels are dealt anew
+FRAMES_DEALT = 50  # of a flight, the first
+ROTATIONS_TRIED = 2_000  # of a frame: two picks and two landmarks that are as far apart
+ROTATIONS_DEALT = 20  # of a frame: those by which its picks are nearest to landmarks
+APART = 0.02  # sine of the angle between two picks that give a rotation
 MOST_LANDMARKS = 24  # of a frame, the worst, that are exchanged in twos
 MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
 SEARCHED_PICKS = 100_000  # of all exchanges together: frames beyond are not searched
@@ -128,13 +138,24 @@ class _Trial(NamedTuple):
     picks: Ints  # (n,) of the flight
     label: Ints  # (n,) their landmarks
     used: Bools  # (n,)
-    pair: tuple[int, ...] = ()  # the picks that are exchanged
+    moved: tuple[int, ...] = ()  # the picks whose labels are exchanged
 
     def exchanged(self, one: int, other: int) -> _Trial:
         """Exchange the labels of two picks, by their places in the frame."""
         label = self.label.copy()
         label[[one, other]] = label[[other, one]]
-        return self._replace(label=label, pair=(int(self.picks[one]), int(self.picks[other])))
+        return self.dealt(label)
+
+    def dealt(self, label: Ints) -> _Trial:
+        """Give the picks other labels of theirs, (n,)."""
+        moved = self.picks[label != self.label]
+        return self._replace(label=label, moved=tuple(moved.tolist()))
+
+    @property
+    def ways(self) -> float:
+        """In how many ways as many of the frame's labels are exchanged."""
+        count = len(self.moved)
+        return comb(int(self.used.sum()), count) * round(factorial(count) / np.e)
 
     def without(self, pick: int) -> _Trial:
         """Leave out a pick."""
@@ -145,7 +166,7 @@ class _Likely(NamedTuple):
     """An exchange that the picks speak for."""
 
     trial: _Trial
-    gain: float  # in twice the log likelihood
+    gain: float  # in twice the log likelihood, less that of as many ways
     cost: float  # with the labels exchanged
     freedom: float
     before_px: float
@@ -173,14 +194,18 @@ def _exchanges(
         others: degrees of freedom of the reading sigma by other frames, (F,); 0: it is not known
     """
     flight = replace(flight, options=replace(flight.options, loss="least-squares", free=()))
-    blocks, searched, total = FlightBlocks(flight), ~frames, 0
+    blocks, searched, total, dealt = FlightBlocks(flight), ~frames, 0, 0
     groups: list[list[_Trial]] = []
     for frame in np.flatnonzero(frames).tolist():
         plain = _plain(blocks, frame)
         more = _picks_of_trials(plain, out)
         if total + more <= SEARCHED_PICKS:
             searched[frame], total = True, total + more
-            groups += _groups_of_frame(plain, out, error_px) if more else []
+            own = _groups_of_frame(plain, out, error_px) if more else []
+            if own and dealt < FRAMES_DEALT:
+                own[0] += _dealt_anew(flight, plain)
+                dealt += 1
+            groups += own
     costs_alone = _costs_of_rotations(flight, groups)
     groups = [_best(group, cost) for group, cost in zip(groups, costs_alone, strict=True)]
     groups = [group for group in groups if len(group) > 1]
@@ -189,9 +214,9 @@ def _exchanges(
     for (plain, *rest), (costs, rms_px) in zip(groups, fits, strict=True):
         freedom, known = 2.0 * float(plain.used.sum()) - 3.0, float(others[plain.frame])
         gain = _gain(flight, costs[0], costs[1:], freedom, known)
+        gain -= 2.0 * np.log([one.ways for one in rest])
         best = int(gain.argmax())
-        pairs = len(flight.frame) * (freedom + 3.0) * (freedom + 1.0) / 8.0
-        if not gain[best] > 2.0 * np.log(pairs / SIGNIFICANCE):
+        if not gain[best] > 2.0 * np.log(len(flight.frame) / SIGNIFICANCE):
             continue
         cost = float(costs[1 + best])
         chance = _chance(cost, freedom, known)
@@ -201,7 +226,7 @@ def _exchanges(
             continue
         sizes = float(rms_px[0]), float(rms_px[1 + best])
         likely.append(_Likely(rest[best], float(gain[best]), cost, freedom, *sizes, chance))
-        alone.append([plain.without(pick) for pick in rest[best].pair])
+        alone.append([plain.without(pick) for pick in rest[best].moved])
     found = [
         one
         for one, (costs, _) in zip(likely, _fitted(flight, place_m, alone), strict=True)
@@ -253,9 +278,60 @@ def _groups_of_frame(plain: _Trial, out: Bools, error_px: Floats) -> list[list[_
     return groups
 
 
+def _dealt_anew(flight: Flight, plain: _Trial) -> list[_Trial]:
+    """Deal all labels of a frame anew: the best ways, but for those that exchange two alone.
+
+    Two picks that look at two landmarks give a rotation, and by a rotation the labels are dealt
+    so that the squares of what it leaves are least (the assignment problem).
+    """
+    used = np.flatnonzero(plain.used)
+    count = len(used)
+    if not LEAST_DEALT <= count <= MOST_DEALT:
+        return []
+    frame, label = np.full(count, plain.frame), plain.label[used]
+    ray = ray_of_pixel(flight.lens.of(frame), flight.picks.pixel[plain.picks[used]])
+    camera_m = flight.path.position_m[[plain.frame]]
+    lines = sight_lines(
+        camera_m, flight.landmarks.position_m, frame * 0, label, flight.refraction
+    )  # fmt: skip
+    if not np.isfinite(ray).all() or not np.isfinite(lines.direction).all():
+        return []
+    two = np.array(list(permutations(range(count), 2)))
+    picked, marks = two[two[:, 0] < two[:, 1]], two
+    axes_of_picks, apart = _axes_of_two(ray[picked])
+    axes_of_marks, own = _axes_of_two(lines.direction[marks])
+    alike = np.abs(apart[:, None] - own)
+    alike[np.minimum(apart[:, None], own) < APART] = np.inf
+    best = np.argsort(alike, axis=None, kind="stable")[:ROTATIONS_TRIED]
+    of_picks, of_marks = np.divmod(best, len(marks))
+    rotation = axes_of_picks[of_picks].swapaxes(1, 2) @ axes_of_marks[of_marks]
+    cosine = np.einsum("ki,hij,lj->hkl", ray, rotation, lines.direction)
+    nearest = np.argsort(-cosine.max(axis=2).sum(axis=1), kind="stable")[:ROTATIONS_DEALT]
+    found = dict[tuple[int, ...], _Trial]()
+    for one in cosine[nearest]:
+        order = linear_sum_assignment(-one)[1]
+        dealt = plain.label.copy()
+        dealt[used] = label[order]
+        trial = plain.dealt(dealt)
+        if len(trial.moved) > 2:
+            found.setdefault(tuple(order.tolist()), trial)
+    return list(found.values())
+
+
+def _axes_of_two(direction: Floats) -> tuple[Floats, Floats]:
+    """Make axes of two directions each, (n, 2, 3): rows (n, 3, 3), and the angle between them."""
+    first, second = direction[:, 0], direction[:, 1]
+    across = np.cross(first, second)
+    size = norm(across)
+    across = across / np.maximum(size, np.finfo(float).tiny)[:, None]
+    axes = np.stack([first, across, np.cross(first, across)], axis=1)
+    return axes, np.arctan2(size, (first * second).sum(axis=1))
+
+
 def _best(group: list[_Trial], cost: Floats) -> list[_Trial]:
     """Keep the labels as they are, and of the exchanges that fit better the best."""
-    better = [1 + k for k in np.argsort(cost[1:], kind="stable")[:KEPT]]
+    size = cost[1:] + 2.0 * np.log([one.ways for one in group[1:]])
+    better = [1 + k for k in np.argsort(size, kind="stable")[:KEPT]]
     return [group[0], *(group[k] for k in better if cost[k] < cost[0])]
 
 
@@ -369,24 +445,29 @@ def _disjoint(found: list[_Likely]) -> list[_Likely]:
     """Keep the likeliest of exchanges that have a pick in common, in the order of the picks."""
     kept: dict[tuple[int, ...], _Likely] = {}
     for one in sorted(found, key=lambda one: -one.gain):
-        if not {pick for pair in kept for pick in pair} & set(one.trial.pair):
-            kept[one.trial.pair] = one
-    return [kept[pair] for pair in sorted(kept)]
+        if not {pick for moved in kept for pick in moved} & set(one.trial.moved):
+            kept[one.trial.moved] = one
+    return [kept[moved] for moved in sorted(kept)]
 
 
 def _in_few_frames(flight: Flight, found: list[_Likely], searched: Bools) -> Exchanges:
-    """Leave out exchanges of the same two labels in most frames: the whole flight has them."""
+    """Leave out exchanges of the same labels in most frames: the whole flight has them."""
     picks, frames = flight.picks, len(flight.frame)
-    pairs = [frozenset(picks.landmark[list(one.trial.pair)].tolist()) for one in found]
+    labels = [frozenset(picks.landmark[list(one.trial.moved)].tolist()) for one in found]
     kept = []
-    for one, pair in zip(found, pairs, strict=True):
-        both = searched.copy()
-        for mark in pair:
-            both &= np.bincount(picks.frame[picks.landmark == mark], minlength=frames) > 0
-        count = pairs.count(pair)
-        if count < FEWEST_FRAMES or count <= IN_MOST * both.sum():
+    for one, some in zip(found, labels, strict=True):
+        every = searched.copy()
+        for mark in some:
+            every &= np.bincount(picks.frame[picks.landmark == mark], minlength=frames) > 0
+        count = labels.count(some)
+        if count < FEWEST_FRAMES or count <= IN_MOST * every.sum():
             kept.append(one)
     if not kept:
         return NO_EXCHANGE
     sizes = np.array([(one.before_px, one.after_px, one.chance) for one in kept])
-    return Exchanges(np.array([one.trial.pair for one in kept]), *sizes.T)
+    moved = [np.isin(one.trial.picks, one.trial.moved) for one in kept]
+    return Exchanges(
+        tuple(one.trial.picks[some] for one, some in zip(kept, moved, strict=True)),
+        tuple(one.trial.label[some] for one, some in zip(kept, moved, strict=True)),
+        *sizes.T,
+    )
