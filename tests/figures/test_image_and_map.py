@@ -174,7 +174,7 @@ def test_a_photograph_is_found_by_its_number(tmp_path: Path) -> None:
             project.write_text(text.replace("[picks]", '[picks]\nvideo = "../frames"'))
             found, why = embedded_photographs([solve_flight(project).history()])
             assert [frame for frame, _ in found] == [1, 3, 4] and "frame 0" in why
-        for frame in range(5):
+        for frame in range(5) if given else (2, 3):
             options = ("--figure", "image", "--frame", str(frame), *given)
             ran = vopd("plot", project, "-o", made, *options)
             assert ran.status == 0
