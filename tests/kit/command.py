@@ -87,9 +87,15 @@ def handed(monkeypatch: pytest.MonkeyPatch, module: Any, name: str, *words: Any)
 # Memory
 
 
-def peak(work: Callable[[], object]) -> int:
-    """The most memory that some work has at a time, bytes."""
-    work()  # tables that are made once
+def peak(work: Callable[[], object], begun: bool = False) -> int:
+    """The most memory that some work has at a time, bytes.
+
+    Args:
+        work: what is done
+        begun: whether tables that are made once are there already, by the same work before
+    """
+    if not begun:
+        work()
     tracemalloc.start()
     try:
         work()
