@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -90,6 +91,23 @@ def test_more_labels_of_a_frame_are_named_with_what_they_rather_are(
     assert text.startswith(f"frame 4: {', '.join(names[:-1])} and {names[-1]} {ARE_EXCHANGED}: ")
     assert f"px with {', '.join(rather[:-1])} and {rather[-1]} renamed; " in text
     assert not result.misfits
+
+
+def test_a_frame_whose_labels_are_all_exchanged_keeps_them_and_spoils_no_other(
+    tmp_path: Path,
+) -> None:
+    """With blunders = "drop" its picks were left in what all frames have in common."""
+    write_flight(tmp_path, BlunderRow("", 2.0).plan, np.random.default_rng(SEED))
+    flight = read_flight(str(tmp_path / "flight.toml"))
+    label = flight.picks.landmark.copy()
+    own = flight.picks.frame == 4
+    label[own] = np.roll(label[own], 1)
+    wrong = replace(flight, picks=replace(flight.picks, landmark=label))
+    options = replace(flight.options, drop_blunders=True)
+    named, dropped = (solve_flight_read(one) for one in (wrong, replace(wrong, options=options)))
+    assert not dropped.misfits and np.array_equal(dropped.estimate.used, named.estimate.used)
+    assert_close("table value", named.camera_deg, dropped.camera_deg)
+    assert_approved([re.sub(r"\d+\.\d px", "N px", one) for one in messages(dropped)])
 
 
 @pytest.mark.parametrize(("limit", "named"), [("MOST_DEALT", 8), ("LEAST_DEALT", 8)])

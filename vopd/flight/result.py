@@ -403,9 +403,9 @@ def solve_flight_read(
     found, swaps, without = search.found, search.swaps, search.without
     swapped = swaps.marked(len(gross))
     apart = found.left_out | swapped
-    if flight.options.drop_blunders:
-        apart &= found.left_out | _two_left(flight, apart)
-    else:
+    dropped = found.left_out | (swapped & _two_left(flight, apart))
+    if not flight.options.drop_blunders:
+        dropped = np.zeros_like(apart)
         few = (found.pick | swapped).sum() <= FEW * len(found.pick)
         apart = (found.pick | swapped) & few
     if without is None or not np.array_equal(apart, found.left_out | swapped):
@@ -413,8 +413,8 @@ def solve_flight_read(
             without = settled(flight, apart, search.estimates.joint)
         except VopdError:  # too little is left: they are named, and take part
             without, apart = search.estimates, gross | swapped
-    dropped = flight.options.drop_blunders
-    estimates = without if dropped else with_named_picks(flight, without, search.estimates)
+            dropped &= apart
+    estimates = with_named_picks(flight, without, search.estimates, dropped)
     more = least_held(without.joint)
     if more is not None:
         stated = replace(stated, options=read.options)
@@ -427,7 +427,9 @@ def solve_flight_read(
     estimates.mark_outliers(named, swaps.chances(len(swapped)))
     findings, misfits = list[Finding](), False
     if doubted:
-        findings, misfits = _findings_of(flight, estimates, without, search, apart, project)
+        findings, misfits = _findings_of(
+            flight, estimates, without, search, (apart, dropped), project
+        )
     if read.options.free:
         from vopd.flight.parameters import before_and_after  # of few flights
 
@@ -511,7 +513,7 @@ def _search_blunders(
 
 def _findings_of(
     flight: Flight, estimates: FlightEstimates, without: FlightEstimates, search: BlunderSearch,
-    apart: Bools, project: Callable[[], Project] | None,
+    out: tuple[Bools, Bools], project: Callable[[], Project] | None,
 ) -> tuple[list[Finding], bool]:  # fmt: skip
     """Warn of all that is doubtful in a solved flight.
 
@@ -520,13 +522,14 @@ def _findings_of(
         estimates: those that are given out
         without: those without the picks that do not fit
         search: what was found not to fit
-        apart: picks that took no part in what the frames have in common, (P,)
+        out: picks that took no part in what the frames have in common, and those of them that are
+            left out of their own frames, too, (P,)
         project: gives the project; None: mistakes that take another reading are not tried
 
     Returns:
         The warnings, and whether the flight misfits.
     """
-    found, swaps = search.found, search.swaps
+    found, swaps, (apart, dropped) = search.found, search.swaps, out
     every = found._replace(pick=found.pick | swaps.marked(len(found.pick)))
 
     def usual(named: bool) -> list[str]:
@@ -550,7 +553,7 @@ def _findings_of(
     if not doubts.misfits:  # the angles of one that does are not believed
         turned = doubted_angles(estimates.flight, vehicle_angles(estimates.solved))
         findings += [Finding(one, flight.source, severity="warning") for one in turned]
-    findings += exchange_findings(swaps, flight, apart)
+    findings += exchange_findings(swaps, flight, dropped)
     findings += blunder_findings(found, flight, doubts.misfits, doubts.explained)
     if flight.picks.followed is not None and without.joint is not None:
         from vopd.flight.project.tracked_picks import followed_findings  # of few flights

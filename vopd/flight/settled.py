@@ -139,7 +139,7 @@ def estimates_of(joint: JointSolution, flight: Flight) -> FlightEstimates:
 
 
 def with_named_picks(
-    flight: Flight, clean: FlightEstimates, earlier: FlightEstimates
+    flight: Flight, clean: FlightEstimates, earlier: FlightEstimates, dropped: Bools | None = None
 ) -> FlightEstimates:
     """Take blunders that are named and used back into their own frames' rotations.
 
@@ -150,21 +150,24 @@ def with_named_picks(
         flight: the flight
         clean: solved without the blunders
         earlier: solved before that, without gross picks
+        dropped: blunders that stay out, (P,); None: none
     """
     joint = clean.joint
+    if dropped is None:
+        dropped = np.zeros(len(flight.picks.frame), bool)
     assert joint is not None and clean.reading is not None
     if not joint.passes:
-        every = flight.landmarks.takes_part[flight.picks.landmark]
+        every = flight.landmarks.takes_part[flight.picks.landmark] & ~dropped
         for known in (clean, earlier):
             if np.array_equal(known.solved.used, every):
                 return known
-        return settled(flight, np.zeros(len(every), bool), joint)
+        return settled(flight, dropped, joint)
     scaled, places, marks = joint.model.flight, flight.path, flight.landmarks
     path = replace(places, position_m=clean.solved.camera_m, lever_arm_m=None)
     if clean.solved.landmark_m is not None:
         marks = replace(marks, position_m=clean.solved.landmark_m)
     own = replace(as_solved(scaled, joint), path=path, landmarks=marks)
-    found, first = solve(own, before=clean.solved), clean.solved.attitudes
+    found, first = solve(own, dropped, before=clean.solved), clean.solved.attitudes
     lost = np.isfinite(first.rotation[:, 0, 0]) & ~first.converged  # its place is no solution
     converged = found.attitudes.converged & ~lost
     found = replace(found, attitudes=found.attitudes._replace(converged=converged))

@@ -736,7 +736,7 @@ def exchange_findings(found: Exchanges, flight: Flight, left_out: Bools) -> list
         if flight.options.drop_blunders:
             done = f"{every} are left out"
             if not left_out[picks].all():
-                done = f"{every} are used, as one landmark alone is left without them"
+                done = f"{every} are used: without them fewer than two landmarks are left"
         tell.append(
             f"{frame}: {', '.join(name[:-1])} and {name[-1]} {ARE_EXCHANGED}: {was}, and "
             f"{after_px:.1f} px with {with_}; {done}"
