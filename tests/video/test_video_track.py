@@ -169,6 +169,17 @@ def test_a_karma_states_its_standard_deviations(tmp_path: Path) -> None:
     assert_approved([rows.said, rows.sigma_by])
 
 
+def test_of_two_receivers_in_a_packet_the_first_is_read(tmp_path: Path) -> None:
+    """Their samples are of the same times: those of the second were left in where they went on."""
+    one = karma([(100.0, 47.0, 1.5, 2.5), (100.3, 47.1, 1.75, 2.75)])
+    other = karma([(100.0, 48.0, 7.5, 8.5), (100.3, 48.1, 7.75, 8.75)])
+    rows = read(write_gpmf(tmp_path / "a.mp4", [(0, one + other), (1000, one + other)]))
+    assert rows.time_s is not None and rows.sigma_m is not None
+    assert_close("place or time as a file has it", rows.time_s, [0.0, 0.5, 1.0, 1.5])
+    assert_close("place or time as a file has it", rows.coordinate[:, 1], [47.0, 47.1] * 2)
+    assert_close("place or time as a file has it", rows.sigma_m[:, 2], [2.5, 2.75] * 2)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="the stub is a script")
 def test_ffmpeg_reads_gpmf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     packets = [(0, gps5([(47.1, 15.2, 400.5)])), (1000, gps5([(47.2, 15.3, 401.0)] * 2))]
@@ -280,6 +291,15 @@ def test_a_drone_that_hovers_at_the_end_stays_where_it_is(last: int, tmp_path: P
     path.write_text("\n".join(lines))
     rows = read(path)
     assert_close("place or time as a file has it", rows.time_s, [0.0, 1.0, 2.0, last])
+
+
+def test_parts_of_a_second_of_subtitles_may_have_fewer_digits(tmp_path: Path) -> None:
+    place = "[latitude: 47.{}] [longitude: 15.5] [abs_alt: 500.0]\n\n"
+    starts = ("00:00:01,5", "00:00:02,25", "01:00:03.125")
+    text = [f"{k}\n{one} --> 01:00:09,000\n{place.format(k)}" for k, one in enumerate(starts, 1)]
+    (tmp_path / "a.SRT").write_text("".join(text))
+    found = read(tmp_path / "a.SRT").time_s
+    assert_close("place or time as a file has it", found, [1.5, 2.25, 3603.125])
 
 
 def test_damaged_subtitles_cost_no_others(tmp_path: Path) -> None:

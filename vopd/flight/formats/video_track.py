@@ -94,7 +94,7 @@ def _track(kind: Gps, table: Floats, count: int) -> TrackRows:
         if 1e8 < ahead_s < LAST_S - DAY_ZERO.timestamp():
             first = DAY_ZERO + timedelta(seconds=round(ahead_s))
             said += f", UTC of the first frame about {first:%Y-%m-%dT%H:%M:%SZ}"
-    later = np.append(True, np.diff(time_s) > 0.0)
+    later = np.append(True, time_s[1:] > np.maximum.accumulate(time_s)[:-1])
     sigma: Floats = table[:, [5, 5, 6]]
     if kind.sigma is None:
         sigma = sigma_of_dilution_m(table[:, 5], table[:, 6])
