@@ -270,6 +270,9 @@ def test_landmarks_that_take_no_part_and_exact_heights_have_no_row() -> None:
     axes = ("east", "north", "up")
     wanted = {f"landmark:{name} {axis}" for name in marks.name[1:] for axis in axes}
     assert set(rows) == wanted - {f"landmark:{marks.name[1]} up"}
+    left = [row.sigma_after / row.sigma_before for row in rows.values()]
+    assert [row.held for row in rows.values()] == [part <= 0.7 for part in left]
+    assert min(left) < 0.7 < max(left) < 1.0
 
 
 def test_an_adjustment_draws_the_flight_as_it_is_solved() -> None:

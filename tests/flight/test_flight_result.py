@@ -24,9 +24,17 @@ from tests.kit.flight_project import (
 )
 from tests.kit.joint_flights import drone, flight_of
 from tests.tolerances import assert_close, within
+from vopd.attitude.sigmas import Sigmas
 from vopd.findings import VopdError
 from vopd.flight import result as result_module
-from vopd.flight.flight import CameraPath, FlightOptions, LandmarkSet, Picks, Refraction
+from vopd.flight.flight import (
+    CameraPath,
+    FlightOptions,
+    LandmarkSet,
+    Picks,
+    Refraction,
+    TrackFixes,
+)
 from vopd.flight.misfits.blunders import Blunders
 from vopd.flight.misfits.unsolved import require_two_landmarks
 from vopd.flight.result import freed_beside_blunders, solve_flight, solve_flight_read
@@ -45,6 +53,21 @@ def test_a_flight_is_solved_by_one_call(tmp_path: Path) -> None:
     assert flight.about[0] == "lens: brown, 5 coefficients, centre grid"
     assert np.isfinite(flight.attack_deg).all()
     assert repr(flight).endswith("flight.toml, 5 frames)")
+
+
+def test_between_exact_positions_a_held_path_is_as_uncertain_as_positions_of_its_sigma() -> None:
+    """2 m of every frame, as of positions that are good to 2 m; neither is solved for."""
+    rng = np.random.default_rng(7)
+    flight = flight_of(rng, drone(rng, 6, 6), 0.3, Priors())
+    frames = len(flight.frame)
+    flight = replace(flight, options=FlightOptions(solve_position=False))
+    stated = solve_flight_read(flight).history(Sigmas(position=2.0)).uncertainty.components
+    two_m = np.full((frames, 3), 2.0)
+    fixes = TrackFixes(np.arange(frames), np.ones((frames, 1)), two_m, np.ones(frames, bool))
+    between = solve_flight_read(replace(flight, path=replace(flight.path, fixes=fixes)))
+    found = between.history().uncertainty.components
+    assert (found["interpolation"][:, :3] > 0.0).all() and "position" not in found
+    assert_close("ratio", found["interpolation"], stated["position"])
 
 
 def test_its_table_has_the_columns_of_the_command(tmp_path: Path) -> None:
