@@ -118,6 +118,8 @@ def command(
         focal aspect centre k1 k2 p1p2     the lens
         clock clock-rate track-offset      the track: s, parts per million, m
         readout                            the rolling shutter, ms
+        mount                              the camera in the vehicle, degrees; needs
+                                           [vehicle] attitude
         landmarks landmark:NAME            listed in the table; landmarks with a
                                            sigma_m are solved for in any case
 
