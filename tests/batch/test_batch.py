@@ -183,10 +183,10 @@ def test_resume_solves_only_what_has_changed(tmp_path: Path) -> None:
 
 
 def test_resume_with_other_options_solves_all_again(tmp_path: Path) -> None:
-    """Tables of a format that is no longer asked for are removed."""
+    """Tables of a format that is no longer asked for are removed, and the page about all."""
     folder = small_decks(tmp_path / "in", 2)
-    for option in ("csv", "jsonl"):
-        ran = vopd("batch", folder, "-d", tmp_path / "out", "--resume", "--format", option)
+    for options in (("csv", "--report"), ("jsonl",)):
+        ran = vopd("batch", folder, "-d", tmp_path / "out", "--resume", "--format", *options)
         assert ran.status == 0, ran.stderr
     vopd("batch", folder, "-d", tmp_path / "new", "--format", "jsonl")
     assert contents(tmp_path / "out") == contents(tmp_path / "new")

@@ -431,6 +431,14 @@ def test_what_is_said_of_sources_in_their_order(
     assert heard == expected and capsys.readouterr().err == "b: wrong\n"
 
 
+def test_flights_that_are_doubted_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those whose inputs seem wrong; one that misfits is enough."""
+    jobs = [Job(name) for name in "abc"]
+    jobs[0].misfits = jobs[0].mistaken = jobs[1].mistaken = True
+    found, _ = collected(monkeypatch, *jobs)
+    assert (found.misfits, found.mistaken) == (True, 2)
+
+
 def test_where_parts_are_not_wanted_a_job_is_made_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     (job,) = collected(monkeypatch, Job("a", is_counted=False), by_parts=False)[0].jobs
     assert job.about == "part of whole a"  # type: ignore[comparison-overlap]

@@ -472,6 +472,7 @@ def test_the_status_of_a_run(
         (click.ClickException("wrong"), 1),
         (click.Abort(), 130),
         (FileNotFoundError(2, "No such file or directory"), 1),
+        (FileNotFoundError(2, "No such file or directory", "a.dat"), 1),
     ],
 )
 def test_what_each_exception_becomes(

@@ -17,7 +17,7 @@ import pyproj
 import pytest
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.command import vopd
+from tests.kit.command import ROOT, vopd
 from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
 from tests.kit.video import write_video
 from tests.tolerances import assert_close
@@ -519,6 +519,14 @@ def test_the_command_writes_a_project_and_starts_from_the_priors_of_the_first(
     once_more = vopd("adjust", new / "flight.toml", "--free", "focal", "--format", "csv")
     assert once_more.stdout == done.stdout
     assert_approved(once_more.stderr.splitlines()[0], parts=[source.as_posix()])
+
+
+def test_a_flight_that_misfits_is_status_3(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "examples" / "hill", tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "flight.toml"
+    sharp = file.read_text(encoding="utf-8").replace("[picks]\n", "[picks]\nsigma_px = 0.01\n")
+    file.write_text(sharp, encoding="utf-8")
+    assert vopd("adjust", file, "--free", "focal", "-q").status == 3
 
 
 def test_a_project_that_was_adjusted_needs_the_first(copied: Path) -> None:

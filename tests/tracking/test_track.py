@@ -115,6 +115,7 @@ def test_tracks_against_the_truth(flight: Path) -> None:
     found = rows(flight / "tracked.csv")
     assert {int(row["frame"]) for row in found} == {3, 8, 13}
     assert {row["status"] for row in found} == {"clicked", "tracked"}
+    assert vopd("track", "flight.toml", *part[2:], "--every", "1000", "-q").status == 3
     vopd("track", "flight.toml", *part, "--residual", "1e-4")
     strict = [row["status"] for row in rows(flight / "tracked.csv")]
     assert strict.count("tracked") < sum(row["status"] == "tracked" for row in found) / 2
