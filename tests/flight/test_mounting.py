@@ -124,6 +124,29 @@ def test_attitudes_of_images_are_those_of_their_frames(tmp_path: Path) -> None:
         adjust(project, ["mount"])
 
 
+def test_attitudes_of_images_with_a_frame_rate_go_by_number_or_by_name(tmp_path: Path) -> None:
+    """And by either before a time, here one of another clock; so do those of numbered frames."""
+    by_frame = [one.after for one in solved(tmp_path, 1).parameters]
+    head, *lines = (tmp_path / "picks.csv").read_text(encoding="utf-8").splitlines()
+    named = [
+        f"f{int(frame):03d}.png,{rest}" for frame, _, rest in (o.partition(",") for o in lines)
+    ]
+    picks = "\n".join([head.replace("frame", "image", 1), *named, ""])
+    head, *lines = (tmp_path / "ins.csv").read_text(encoding="utf-8").splitlines()
+    cells = [one.split(",", 2) for one in lines]
+    numbers = [f"{k},{float(s) + 100.0},{rest}" for k, s, rest in cells]
+    names = [f"f{int(k):03d}.png,{k},{rest}" for k, _, rest in cells]
+    for keys, rows, own in (
+        ("frame,t_s", numbers, ""), ("frame,t_s", numbers, picks), ("image,row", names, picks),
+    ):  # fmt: skip
+        text = "\n".join([head.replace("frame,second", keys), *rows, ""])
+        (tmp_path / "ins.csv").write_text(text, encoding="utf-8")
+        if own:
+            (tmp_path / "picks.csv").write_text(own, encoding="utf-8")
+        found = [one.after for one in adjust(tmp_path / "flight.toml", ["mount"]).parameters]
+        assert_close("symmetric flight", found, by_frame)
+
+
 def test_attitudes_in_seconds_need_the_date_of_their_zero_beside_frames_with_dates(
     tmp_path: Path,
 ) -> None:

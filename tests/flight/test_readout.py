@@ -236,6 +236,9 @@ def test_frames_half_a_second_apart_say_nothing_of_their_turning() -> None:
     rotation = solve(flight).attitudes.rotation
     named = replace(flight, image_name=("a", "b", "c"), time_s=np.array([0.0, 2.0, 4.0]))
     assert np.isnan(turning_rates(named, rotation)[0]).all()
+    for apart_s, known in ((0.6, False), (0.5, True), (-0.1, True)):  # or named backward
+        one = replace(named, time_s=apart_s * np.arange(3.0))
+        assert (np.isfinite(turning_rates(one, rotation)[0]) == known).all()
     unknown = replace(flight, time_s=np.full(3, np.nan))
     assert np.isnan(turning_rates(unknown, rotation)[0]).all()
     tenth = replace(flight, frame=10 * np.arange(3), time_s=np.arange(3) / 3.0, frame_rate_hz=30.0)
