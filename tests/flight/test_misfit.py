@@ -139,6 +139,25 @@ def test_four_coefficients_of_the_other_model_are_named(
     assert_approved(re.sub(r"\d+\.\d px", "N px", text), parts=[f'model = "{true}"'])
 
 
+@pytest.mark.parametrize("order", [[1, 2, 0], [1, 0, 3, 2]])
+@pytest.mark.parametrize("fix_m", [0.02, 2.0])
+def test_names_of_landmarks_that_are_dealt_otherwise_are_named(
+    order: list[int], fix_m: float, tmp_path: Path
+) -> None:
+    """Three in a ring, two pairs: each landmark was named with coordinates that are wrong."""
+    write_flight(tmp_path, MistakeRow("", fix_m).plan, np.random.default_rng(SEED))
+    marks = tmp_path / "landmarks.csv"
+    head, *rows = (line.split(",") for line in marks.read_text().splitlines())
+    name = [row[0] for row in rows]
+    for k, other in enumerate(order):
+        rows[k][0] = name[other]
+    marks.write_text("\n".join(map(",".join, [head, *rows])) + "\n")
+    *_, text = said(vopd.solve_flight(tmp_path / "flight.toml"))
+    renamed = [f"{name[k]} to {name[other]}" for k, other in enumerate(order)]
+    assert all(one in text for one in renamed) and " renamed in all frames: " in text
+    assert text.count(" to ") == len(order)
+
+
 def test_picks_in_smaller_pictures_are_named_with_the_other_cause(tmp_path: Path) -> None:
     """A lens of pictures of twice the size is the same: it was named alone."""
     write_flight(tmp_path, MistakeRow("", 0.02).plan, np.random.default_rng(SEED))

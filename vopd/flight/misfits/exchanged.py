@@ -42,9 +42,10 @@ from vopd.geometry.linear import norm
 LEAST_IN_FRAME = 3  # landmarks
 LEAST_DEALT, MOST_DEALT = 4, 12  # of a frame whose labels are dealt anew
 FRAMES_DEALT = 50  # of a flight, the first
+FRAMES_ASKED = 20  # of a flight, spread over it, how all its labels are dealt
 ROTATIONS_TRIED = 2_000  # of a frame: two picks and two landmarks that are as far apart
 ROTATIONS_DEALT = 20  # of a frame: those by which its picks are nearest to landmarks
-APART = 0.02  # sine of the angle between two picks that give a rotation
+APART_RAD = 0.02  # between two picks that give a rotation
 MOST_LANDMARKS = 24  # of a frame, the worst, that are exchanged in twos
 MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
 SEARCHED_PICKS = 100_000  # of all exchanges together: frames beyond are not searched
@@ -279,7 +280,27 @@ def _groups_of_frame(plain: _Trial, out: Bools, error_px: Floats) -> list[list[_
 
 
 def _dealt_anew(flight: Flight, plain: _Trial) -> list[_Trial]:
-    """Deal all labels of a frame anew: the best ways, but for those that exchange two alone.
+    """Deal all labels of a frame anew: the best ways, but for those that exchange two alone."""
+    trials = [plain.dealt(label) for label in _dealings(flight, plain)]
+    return [one for one in trials if len(one.moved) > 2]
+
+
+def labels_of_all_frames(flight: Flight) -> Ints:
+    """Deal all labels of a flight anew, as most frames show: the landmark of each label, (N,)."""
+    blocks = FlightBlocks(flight)
+    count = blocks.layout.count
+    frames = np.flatnonzero((count >= LEAST_DEALT) & (count <= MOST_DEALT))
+    votes = np.zeros((len(flight.landmarks.name),) * 2)
+    for frame in frames[:: len(frames) // FRAMES_ASKED + 1].tolist():
+        plain = _plain(blocks, frame)
+        for label in _dealings(flight, plain)[:1]:
+            np.add.at(votes, (plain.label, label), 1.0)
+    votes += 0.5 * np.eye(len(votes))  # as they are, where nothing speaks against it
+    return np.asarray(linear_sum_assignment(-votes)[1])
+
+
+def _dealings(flight: Flight, plain: _Trial) -> list[Ints]:
+    """List ways to deal the labels of a frame, (n,), the best first; none of too few or many.
 
     Two picks that look at two landmarks give a rotation, and by a rotation the labels are dealt
     so that the squares of what it leaves are least (the assignment problem).
@@ -291,31 +312,29 @@ def _dealt_anew(flight: Flight, plain: _Trial) -> list[_Trial]:
     frame, label = np.full(count, plain.frame), plain.label[used]
     ray = ray_of_pixel(flight.lens.of(frame), flight.picks.pixel[plain.picks[used]])
     camera_m = flight.path.position_m[[plain.frame]]
-    lines = sight_lines(
-        camera_m, flight.landmarks.position_m, frame * 0, label, flight.refraction
-    )  # fmt: skip
+    lines = sight_lines(camera_m, flight.landmarks.position_m, frame * 0, label, flight.refraction)
     if not np.isfinite(ray).all() or not np.isfinite(lines.direction).all():
         return []
-    two = np.array(list(permutations(range(count), 2)))
-    picked, marks = two[two[:, 0] < two[:, 1]], two
+    marks = np.array(list(permutations(range(count), 2)))
+    picked = marks[marks[:, 0] < marks[:, 1]]
     axes_of_picks, apart = _axes_of_two(ray[picked])
     axes_of_marks, own = _axes_of_two(lines.direction[marks])
     alike = np.abs(apart[:, None] - own)
-    alike[np.minimum(apart[:, None], own) < APART] = np.inf
+    alike[np.minimum(apart[:, None], own) < APART_RAD] = np.inf
     best = np.argsort(alike, axis=None, kind="stable")[:ROTATIONS_TRIED]
     of_picks, of_marks = np.divmod(best, len(marks))
     rotation = axes_of_picks[of_picks].swapaxes(1, 2) @ axes_of_marks[of_marks]
     cosine = np.einsum("ki,hij,lj->hkl", ray, rotation, lines.direction)
     nearest = np.argsort(-cosine.max(axis=2).sum(axis=1), kind="stable")[:ROTATIONS_DEALT]
-    found = dict[tuple[int, ...], _Trial]()
+    found = dict[tuple[int, ...], float]()
     for one in cosine[nearest]:
-        order = linear_sum_assignment(-one)[1]
-        dealt = plain.label.copy()
-        dealt[used] = label[order]
-        trial = plain.dealt(dealt)
-        if len(trial.moved) > 2:
-            found.setdefault(tuple(order.tolist()), trial)
-    return list(found.values())
+        picks, order = linear_sum_assignment(-one)
+        found.setdefault(tuple(order.tolist()), float(one[picks, order].sum()))
+    dealt = []
+    for order in sorted(found, key=lambda order: -found[order]):
+        dealt.append(plain.label.copy())
+        dealt[-1][used] = label[list(order)]
+    return dealt
 
 
 def _axes_of_two(direction: Floats) -> tuple[Floats, Floats]:

@@ -395,6 +395,18 @@ def _exchanged_labels(project: Project | None, flight: Flight, estimate: Estimat
         yield replace(flight, picks=replace(flight.picks, landmark=label)), names
 
 
+def _labels_dealt_anew(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
+    """Give all labels to other landmarks, as the angles between the picks show."""
+    from vopd.flight.misfits.exchanged import labels_of_all_frames  # of few flights
+
+    name, rather = flight.landmarks.name, labels_of_all_frames(flight)
+    moved = np.flatnonzero(rather != np.arange(len(rather))).tolist()
+    if len(moved) > 2:
+        told = [f"{name[k]} to {name[rather[k]]}" for k in moved]
+        picks = replace(flight.picks, landmark=rather[flight.picks.landmark])
+        yield replace(flight, picks=picks), (f"{', '.join(told[:-1])} and {told[-1]}",)
+
+
 def _names_a_row_off(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
     """Give each landmark the coordinates of the row below or above: one is left without, or not."""
     marks = flight.landmarks
@@ -474,6 +486,11 @@ LABEL_MISTAKES: tuple[Mistake[Flight], ...] = (
         "labels exchanged",
         _exchanged_labels,
         "with {} and {} exchanged in all frames: are their names right?",
+    ),
+    Mistake(
+        "labels dealt anew",
+        _labels_dealt_anew,
+        "with {} renamed in all frames: are their names right?",
     ),
     Mistake(
         "names a row off",
