@@ -121,7 +121,8 @@ class FlightScene:
         lenses = [self._lens(k) for k in frames.tolist()]
         border = {id(one): _border(one) for one in {id(one): one for one in lenses}.values()}
         around = np.array([border[id(one)] for one in lenses])
-        middle = np.array([_middle(one) for one in lenses])
+        middle_px = (np.array([one.size_px for one in lenses]) - 1.0) / 2.0
+        middle = ray_of_pixel(flight.lens.of(frames), middle_px)
 
         def pixel_of(direction: Floats) -> Floats:
             count, own = direction.shape[:2]
@@ -213,8 +214,3 @@ def _border(lens: Lens) -> Floats:
     side = np.stack([share, np.zeros(BORDER)], axis=1)
     sides = [side, [1.0, 0.0] + side[:, ::-1], 1.0 - side, [0.0, 1.0] - side[:, ::-1]]
     return ray_of_pixel(lens, np.concatenate(sides) * (np.array(lens.size_px) - 1.0))
-
-
-def _middle(lens: Lens) -> Floats:
-    """Trace the middle of an image, in camera axes."""
-    return np.asarray(ray_of_pixel(lens, (np.array([lens.size_px]) - 1.0) / 2.0)[0])

@@ -11,7 +11,6 @@ from typing import TypeVar
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.estimate import MapGrid
 from vopd.findings import (
     Finding,
     NeededError,
@@ -372,7 +371,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         offset_s=offset_s,
         options=flight_options(project, camera_lens, refraction, camera, landmarks),
         own_level=project.section("landmarks").values.get("height") == "same",
-        grid=landmark_grid(project, rows, camera),
+        grid=None if crs is None else map_grid(crs_name(crs), camera.position_m),
         folder=project.folder.absolute(),
         video=_video(project),
         about=(
@@ -643,9 +642,3 @@ def refraction_of(section: Section) -> Refraction:
         return Refraction(section.section("refraction").number("k"), False)
     standard = section.text("refraction") == "standard"
     return Refraction() if standard else Refraction(0.0, False)
-
-
-def landmark_grid(project: Project, rows: LandmarkRows, path: CameraPath) -> MapGrid | None:
-    """Project the camera's positions on the grid of the landmarks' CRS, if it has one."""
-    crs = landmark_crs(project.section("landmarks"), rows)
-    return None if crs is None else map_grid(crs_name(crs), path.position_m)

@@ -264,17 +264,14 @@ def relief_text(landmark_m: Floats) -> list[str]:
     Args:
         landmark_m: of those that are clicked, east, north, up, (N, 3)
     """
-    high_m, wide_m = (float(one) for one in (np.ptp(landmark_m[:, 2]), _extent(landmark_m[:, :2])))
+    *level_m, high_m = np.ptp(landmark_m, axis=0).tolist()
+    wide_m = float(np.hypot(*level_m))
     if high_m < max(RELIEF * wide_m, RELIEF_M):
         return []
     return [
         f"the landmarks' heights differ by {high_m:.0f} m: where the ground slopes, a match drifts "
         "by some hundredths of a pixel; [landmarks] terrain prevents that"
     ]
-
-
-def _extent(place_m: Floats) -> float:
-    return float(np.hypot(*np.ptp(place_m, axis=0)))
 
 
 def _bilinear(grid: Floats, column: Floats, row: Floats) -> Floats:
