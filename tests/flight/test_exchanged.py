@@ -13,6 +13,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved
+from tests.kit.command import peak
 from tests.kit.flight_blunders import BlunderRow
 from tests.kit.flight_project import uneven_flight, write_project
 from tests.kit.simulated_flights import write_flight
@@ -121,6 +122,25 @@ def test_labels_are_dealt_anew_in_frames_of_so_many_landmarks(
     assert exchanged._dealt_anew(blocks.flight, plain)
     monkeypatch.setattr(exchanged, limit, named + (1 if limit == "LEAST_DEALT" else -1))
     assert exchanged._dealt_anew(blocks.flight, plain) == []
+
+
+def test_labels_of_all_frames_are_dealt_in_memory_by_those_that_are_asked() -> None:
+    """Each of all landmarks was counted for each other: 30 GB for 60,000."""
+    flight = uneven_flight([6, 6, 6])
+    marks, more, label = flight.landmarks, 4000, flight.picks.landmark
+    many = replace(
+        marks,
+        name=(*(f"other {k}" for k in range(more)), *marks.name),
+        position_m=np.vstack([np.tile(marks.position_m[:1], (more, 1)), marks.position_m]),
+        sigma_m=np.vstack([np.tile(marks.sigma_m[:1], (more, 1)), marks.sigma_m]),
+    )
+    ring = np.array([1, 2, 3, 4, 5, 0])
+    wrong = replace(
+        flight, landmarks=many, picks=replace(flight.picks, landmark=more + ring[label])
+    )
+    rather = [*range(more), *(more + np.argsort(ring))]
+    assert exchanged.labels_of_all_frames(wrong).tolist() == rather
+    assert peak(lambda: exchanged.labels_of_all_frames(wrong), begun=True) < 30e6
 
 
 @pytest.mark.parametrize("count", [1, 2])

@@ -290,13 +290,16 @@ def labels_of_all_frames(flight: Flight) -> Ints:
     blocks = FlightBlocks(flight)
     count = blocks.layout.count
     frames = np.flatnonzero((count >= LEAST_DEALT) & (count <= MOST_DEALT))
-    votes = np.zeros((len(flight.landmarks.name),) * 2)
-    for frame in frames[:: len(frames) // FRAMES_ASKED + 1].tolist():
-        plain = _plain(blocks, frame)
+    asked = [_plain(blocks, frame) for frame in frames[:: len(frames) // FRAMES_ASKED + 1].tolist()]
+    rather = np.arange(len(flight.landmarks.name))
+    seen = np.unique(np.concatenate([rather[:0], *(plain.label for plain in asked)]))
+    votes = np.zeros((len(seen),) * 2)  # of few: each frame may have landmarks of its own
+    for plain in asked:
         for label in _dealings(flight, plain)[:1]:
-            np.add.at(votes, (plain.label, label), 1.0)
+            np.add.at(votes, tuple(np.searchsorted(seen, [plain.label, label])), 1.0)
     votes += 0.5 * np.eye(len(votes))  # as they are, where nothing speaks against it
-    return np.asarray(linear_sum_assignment(-votes)[1])
+    rather[seen] = seen[linear_sum_assignment(-votes)[1]]
+    return rather
 
 
 def _dealings(flight: Flight, plain: _Trial) -> list[Ints]:
