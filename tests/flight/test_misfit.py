@@ -139,6 +139,22 @@ def test_four_coefficients_of_the_other_model_are_named(
     assert_approved(re.sub(r"\d+\.\d px", "N px", text), parts=[f'model = "{true}"'])
 
 
+@pytest.mark.parametrize(
+    ("stated", "true", "pick_px"), [(0.17, -0.17, 1.0), (0.3, 0.0, 1.0), (0.17, -0.17, 3.0)]
+)
+def test_a_k1_that_is_mistaken_by_a_third_is_that_of_the_other_model_or_what_it_is(
+    stated: float, true: float, pick_px: float, tmp_path: Path
+) -> None:
+    """Of the other sign, or of pictures without distortion: the other model was named alone."""
+    plan = MistakeRow("", 0.02).plan._replace(distortion=(true, 0.0))
+    plan = plan._replace(errors=plan.errors._replace(pick_px=pick_px))
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    project = tmp_path / "flight.toml"
+    project.write_text(project.read_text().replace(f"k = [{true},", f"k = [{stated},"))
+    _, text = said(vopd.solve_flight(project))
+    assert_approved(re.sub(r"\d+\.\d px|[\d.-]+ \+- [\d.]+", "N", text))
+
+
 @pytest.mark.parametrize("order", [[1, 2, 0], [1, 0, 3, 2]])
 @pytest.mark.parametrize("fix_m", [0.02, 2.0])
 def test_names_of_landmarks_that_are_dealt_otherwise_are_named(

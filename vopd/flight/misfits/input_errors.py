@@ -406,19 +406,29 @@ NEAR_NONE = 0.35  # of the stated k1: what remains of it in pictures without dis
 MOST_ALIKE = 2.0  # times the stated k1, as which one of the other sign may be
 
 
+def of_other_model(kind: LensKind) -> float:
+    """Say by how much k1 of the other model's lens is more than that of a lens with its images."""
+    return THIRD if kind is LensKind.FISHEYE else -THIRD
+
+
+def of_stated_text(k1: float, stated: float) -> str:
+    """Say that a k1 is near 0, or has the other sign than the stated one; empty if neither."""
+    if abs(k1) < NEAR_NONE * abs(stated):
+        return "near 0: were the pictures free of distortion already?"
+    if stated and -MOST_ALIKE < k1 / stated < 0.0:
+        return "of the other sign: does the calibration lead from distorted pixels to true ones?"
+    return ""
+
+
 def _of_another_kind_text(kind: LensKind, k1: float, sigma: float, stated: float) -> str:
     """Say that a k1 is near 0, has the other sign, or is that of the other model's lens."""
-    third = THIRD * (1.0 if kind is LensKind.FISHEYE else -1.0)
-    if abs(k1 - stated - third) < NEAR_THIRD:
+    hints = []
+    if abs(k1 - stated - of_other_model(kind)) < NEAR_THIRD:
         other = next(one.value for one in (LensKind.BROWN, LensKind.FISHEYE) if one is not kind)
-        return f' (as if the coefficients were those of model = "{other}")'
-    if abs(stated) < 5.0 * sigma:
-        return ""
-    if abs(k1) < NEAR_NONE * abs(stated):
-        return " (near 0: were the pictures free of distortion already?)"
-    if -MOST_ALIKE < k1 / stated < 0.0:
-        return " (of the other sign: does the calibration lead from distorted pixels to true ones?)"
-    return ""
+        hints.append(f'as if the coefficients were those of model = "{other}"')
+    if abs(stated) >= 5.0 * sigma and (hint := of_stated_text(k1, stated)):
+        hints.append(hint)
+    return f" ({', or '.join(hints)})" if hints else ""
 
 
 def _common_errors(flight: Flight, names: list[str]) -> Iterator[TriedError]:

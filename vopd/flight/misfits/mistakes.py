@@ -18,6 +18,8 @@ from vopd.flight.misfits.input_errors import (
     OF_LANDMARK,
     TYPICAL,
     UNEXPLAINED,
+    of_other_model,
+    of_stated_text,
     times_as_far,
     within_stated_text,
 )
@@ -373,7 +375,10 @@ def _of_the_other_model(project: Project, flight: Flight, estimate: Estimate) ->
         return
     k = np.zeros(max(MODELS[kind].counts))
     k[:4] = flight.lens.k[:4]
-    yield replace(flight, lens=replace(flight.lens, kind=kind, k=k)), (kind.value,)
+    stated = float(k[0])  # a k1 that is mistaken by as much looks the same
+    hint = of_stated_text(stated + of_other_model(flight.lens.kind), stated)
+    also = f" Or is the true k1 {hint}" if hint else ""
+    yield replace(flight, lens=replace(flight.lens, kind=kind, k=k)), (kind.value, also)
 
 
 def _exchanged_labels(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
@@ -527,7 +532,7 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "a lens of the other model",
         _of_the_other_model,
-        'with a lens of model = "{}" and the same coefficients: was it calibrated as one?',
+        'with a lens of model = "{}" and the same coefficients: was it calibrated as one?{}',
     ),
     Mistake(
         RATE,
