@@ -93,6 +93,30 @@ def test_logs_without_text_are_named_with_what_makes_a_track_of_them(
     assert_approved(run("new", tmp_path / "p", "--track", tmp_path / "log").stderr)
 
 
+NOT_LOGS = {
+    "an own header": "$TIME,lat,lon\n",
+    "a landmark": "$LAND1,47.1,8.2,400\n",
+    "landmarks": "ANTENNA,47.1,8.2,400\nHFDTE1,47.2,8.2,400\n",
+    "an image of FITS": "IMG_0012.FIT,m1,3,4\n",
+}
+
+
+@pytest.mark.parametrize("name", NOT_LOGS)
+def test_tables_that_begin_as_logs_nearly_do_are_none(name: str) -> None:
+    assert not InputFile("x", Path("x"), NOT_LOGS[name]).logs
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "$GNRMC,091200,A\n", "$PUBX,00,1\n", "$PSRF103,0\n", "AFLA7AB\nHFDTE010124\n",
+        "AXCC001\nHFFXA035\nHFDTEDATE:010124,01\n",
+    ],
+)  # fmt: skip
+def test_logs_are_recognised_by_their_first_lines(text: str) -> None:
+    assert len(InputFile("x", Path("x"), text).logs) == 1
+
+
 def test_marks_whose_fields_are_not_as_known() -> None:
     lines = [
         *(mark().replace(f",{name}", f",{name}x")

@@ -44,11 +44,12 @@ FIRST_BYTES = 2048
 """By which a file is recognised."""
 GPSBABEL = "gpsbabel -i {} -f FILE -o gpx -F track.gpx makes GPX of it"
 OF_XML = r"[^A-Za-z]*(?:xml[^>]*>\s*)?"
+OF_IGC = r"A[A-Z0-9]{3}[^\n]*\n(?:[^\n]*\n){,20}?HFDTE"
 MAVTOGPX = "mavtogpx.py FILE (pip install pymavlink) makes GPX of it"
 LOGS = (
-    (r"\s*\$[A-Z]{4,6}\d*,", "NMEA of a receiver", GPSBABEL.format("nmea")),
-    (r"A[A-Z0-9]{3}[^\n]*\n(?:[^\n]*\n){,20}?HFDTE", "IGC of a glider", GPSBABEL.format("igc")),
-    (r".{8}\.FIT", "FIT of a watch", GPSBABEL.format("garmin_fit")),
+    (r"\s*\$(?:[A-Z]{5}|P[A-Z]{3,5}\d*),", "NMEA of a receiver", GPSBABEL.format("nmea")),
+    (f"{OF_IGC}(?:DATE:)?\\s*\\d{{6}}", "IGC of a glider", GPSBABEL.format("igc")),
+    (r"[\x0c\x0e].{7}\.FIT", "FIT of a watch", GPSBABEL.format("garmin_fit")),
     (f"{OF_XML}<TrainingCenter", "TCX of a watch", GPSBABEL.format("gtrnctr")),
     (f"{OF_XML}<kml", "KML", GPSBABEL.format("kml")),
     (r"\xa3\x95\x80|FMT, 128,", "a log of ArduPilot", MAVTOGPX),
