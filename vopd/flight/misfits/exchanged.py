@@ -15,7 +15,6 @@ from math import comb, factorial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 from scipy.special import chdtrc, fdtrc
 
 from vopd.arrays import Bools, Floats, Ints
@@ -298,15 +297,17 @@ def labels_of_all_frames(flight: Flight) -> Ints:
         for label in _dealings(flight, plain)[:1]:
             np.add.at(votes, tuple(np.searchsorted(seen, [plain.label, label])), 1.0)
     votes += 0.5 * np.eye(len(votes))  # as they are, where nothing speaks against it
-    rather[seen] = seen[linear_sum_assignment(-votes)[1]]
+    to = votes.argmax(axis=1)
+    if (np.bincount(to, minlength=len(to)) == 1).all():
+        rather[seen] = seen[to]
     return rather
 
 
 def _dealings(flight: Flight, plain: _Trial) -> list[Ints]:
     """List ways to deal the labels of a frame, (n,), the best first; none of too few or many.
 
-    Two picks that look at two landmarks give a rotation, and by a rotation the labels are dealt
-    so that the squares of what it leaves are least (the assignment problem).
+    Two picks that look at two landmarks give a rotation, by which each pick is nearest to one
+    landmark: these are all labels of the frame, or the rotation is none.
     """
     used = np.flatnonzero(plain.used)
     count = len(used)
@@ -329,14 +330,12 @@ def _dealings(flight: Flight, plain: _Trial) -> list[Ints]:
     rotation = axes_of_picks[of_picks].swapaxes(1, 2) @ axes_of_marks[of_marks]
     cosine = np.einsum("ki,hij,lj->hkl", ray, rotation, lines.direction)
     nearest = np.argsort(-cosine.max(axis=2).sum(axis=1), kind="stable")[:ROTATIONS_DEALT]
-    found = dict[tuple[int, ...], float]()
-    for one in cosine[nearest]:
-        picks, order = linear_sum_assignment(-one)
-        found.setdefault(tuple(order.tolist()), float(one[picks, order].sum()))
+    order = cosine[nearest].argmax(axis=2)
+    order = order[(np.sort(order, axis=1) == np.arange(count)).all(axis=1)]
     dealt = []
-    for order in sorted(found, key=lambda order: -found[order]):
+    for one in dict.fromkeys(map(tuple, order.tolist())):
         dealt.append(plain.label.copy())
-        dealt[-1][used] = label[list(order)]
+        dealt[-1][used] = label[list(one)]
     return dealt
 
 
