@@ -25,6 +25,8 @@ from vopd.flight.misfits.unsolved import picks_outside
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
 from vopd.flight.solve.rotations import FlightBlocks
+from vopd.geometry.earth import local_axes
+from vopd.geometry.lenses import ray_of_pixel
 
 SEED = 12
 HELD = FlightOptions(solve_position=False)
@@ -141,6 +143,21 @@ def test_labels_of_all_frames_are_dealt_in_memory_by_those_that_are_asked() -> N
     rather = [*range(more), *(more + np.argsort(ring))]
     assert exchanged.labels_of_all_frames(wrong).tolist() == rather
     assert peak(lambda: exchanged.labels_of_all_frames(wrong), begun=True) < 30e6
+
+
+def test_layouts_that_can_be_dealt_in_several_ways_are_not_dealt_in_one() -> None:
+    """A regular hexagon about the optical axis looks the same when it is turned by 60 degrees."""
+    flight = uneven_flight([6])
+    at = np.radians(60.0 * np.arange(6))
+    centre_px = flight.lens.by_rows("centre_px")
+    pixel = centre_px + 300.0 * np.stack([np.cos(at), np.sin(at)], axis=1)
+    camera_m = flight.path.position_m[0]
+    seen = ray_of_pixel(flight.lens, pixel) @ local_axes(camera_m)
+    marks = replace(flight.landmarks, position_m=camera_m + 500.0 * seen)
+    own = replace(flight, picks=replace(flight.picks, pixel=pixel), landmarks=marks)
+    plain = exchanged._plain(FlightBlocks(own), 0)
+    dealt = {tuple(np.argsort(one).tolist()) for one in exchanged._dealings(own, plain)}
+    assert dealt == {tuple(np.roll(range(6), k).tolist()) for k in range(6)}
 
 
 @pytest.mark.parametrize("count", [1, 2])

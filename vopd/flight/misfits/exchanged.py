@@ -43,7 +43,7 @@ LEAST_DEALT, MOST_DEALT = 4, 12  # of a frame whose labels are dealt anew
 FRAMES_DEALT = 50  # of a flight, the first
 FRAMES_ASKED = 20  # of a flight, spread over it, how all its labels are dealt
 ROTATIONS_TRIED = 2_000  # of a frame: two picks and two landmarks that are as far apart
-ROTATIONS_DEALT = 20  # of a frame: those by which its picks are nearest to landmarks
+DEALINGS = 6  # of a frame: what the picks of all these rotations say, the nearest first
 APART_RAD = 0.02  # between two picks that give a rotation
 MOST_LANDMARKS = 24  # of a frame, the worst, that are exchanged in twos
 MOST_IN_A_FRAME = 200  # landmarks: a frame with more is not searched
@@ -329,11 +329,10 @@ def _dealings(flight: Flight, plain: _Trial) -> list[Ints]:
     of_picks, of_marks = np.divmod(best, len(marks))
     rotation = axes_of_picks[of_picks].swapaxes(1, 2) @ axes_of_marks[of_marks]
     cosine = np.einsum("ki,hij,lj->hkl", ray, rotation, lines.direction)
-    nearest = np.argsort(-cosine.max(axis=2).sum(axis=1), kind="stable")[:ROTATIONS_DEALT]
-    order = cosine[nearest].argmax(axis=2)
+    order = cosine.argmax(axis=2)[np.argsort(-cosine.max(axis=2).sum(axis=1), kind="stable")]
     order = order[(np.sort(order, axis=1) == np.arange(count)).all(axis=1)]
     dealt = []
-    for one in dict.fromkeys(map(tuple, order.tolist())):
+    for one in [*dict.fromkeys(map(tuple, order.tolist()))][:DEALINGS]:
         dealt.append(plain.label.copy())
         dealt[-1][used] = label[list(one)]
     return dealt
