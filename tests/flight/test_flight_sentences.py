@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from tests.approved.texts import assert_approved, refused
 from tests.kit.flight_project import TOML, camera_m, marks_m, uneven_flight, write_project
 from tests.tolerances import within
 from vopd.findings import Finding, VopdError
-from vopd.flight.coordinates import HeightDatum, crs_name
+from vopd.flight.coordinates import HeightDatum, crs_name, map_grid
 from vopd.flight.flight import LEAPS, CameraPath
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import open_input
@@ -29,8 +28,8 @@ from vopd.flight.project.inspect import (
     look_at_picks,
     look_at_track,
 )
-from vopd.flight.project.keys import Project, Section
-from vopd.flight.project.read import landmark_grid, read_flight
+from vopd.flight.project.keys import Section
+from vopd.flight.project.read import landmark_crs, read_flight
 from vopd.flight.project.times import FrameTimes
 from vopd.flight.project.track import doubts_of_rounded_times, times_of_track
 from vopd.flight.result import solve_flight_read
@@ -156,10 +155,11 @@ def test_whole_seconds_are_doubted_where_nothing_allows_for_them(
 )  # fmt: skip
 def test_the_grid_of_a_flight_is_that_of_its_landmarks(crs: str, found: str | None) -> None:
     rows = LandmarkRows(["a"], np.zeros((1, 3)), False, crs, None, [1], "")
-    project: Any = Project("p.toml", Path(), {})
     position = camera_m(np.array([2.0, 3.0]))
     position[1] = np.nan
-    grid = landmark_grid(project, rows, CameraPath(position))
+    known = landmark_crs(Section("p.toml", "landmarks", {}), rows)
+    assert known is not None
+    grid = map_grid(crs_name(known), position)
     assert crs_name(crs) == (found or "EPSG:4326")
     if found is None:
         assert grid is None

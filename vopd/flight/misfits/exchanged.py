@@ -291,7 +291,9 @@ def labels_of_all_frames(flight: Flight) -> Ints:
     frames = np.flatnonzero((count >= LEAST_DEALT) & (count <= MOST_DEALT))
     asked = [_plain(blocks, frame) for frame in frames[:: len(frames) // FRAMES_ASKED + 1].tolist()]
     rather = np.arange(len(flight.landmarks.name))
-    seen = np.unique(np.concatenate([rather[:0], *(plain.label for plain in asked)]))
+    if not asked:
+        return rather
+    seen = np.unique(np.concatenate([plain.label for plain in asked]))
     votes = np.zeros((len(seen),) * 2)  # of few: each frame may have landmarks of its own
     for plain in asked:
         for label in _dealings(flight, plain)[:1]:
