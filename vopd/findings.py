@@ -121,6 +121,16 @@ def first_of(labels: Sequence[str], most: int) -> str:
     return ", ".join(labels[:most]) + f" and {left} more" * (left > 0)
 
 
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """Join two words or more for a sentence, such as "a, b and c".
+
+    Args:
+        words: the words
+        last: the word before the last of them, "and" or "or"
+    """
+    return f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
 def count_text(number: int, one: str, many: str = "") -> str:
     """Write a number with its noun: `1 frame`, `12 more frames`, `1 frame is left out`.
 

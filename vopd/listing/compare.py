@@ -13,7 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import BinaryIO, Literal
 
-from vopd.findings import VopdError
+from vopd.findings import VopdError, listed
 from vopd.listing.formats import LINES, Field, Line
 from vopd.listing.lines import (
     ILLEGIBLE,
@@ -265,7 +265,7 @@ def read_within(text: str) -> Within:
     for one in text.split(","):
         parts = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*([a-z]+)\s*", one, re.ASCII)
         if parts is None or parts[2] not in WITHIN_UNITS:
-            units = f"{', '.join(WITHIN_UNITS[:-1])} or {WITHIN_UNITS[-1]}"
+            units = listed([*WITHIN_UNITS], "or")
             raise VopdError(f"{one.strip()!r} is not a number with its unit, {units}")
         if parts[2] in found:
             raise VopdError(f"{parts[2]} is there twice: give one number for it")

@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.attitude.residuals import SIGNIFICANCE, chance_text
 from vopd.export.tables import not_a_formula
-from vopd.findings import count_text, size_text
+from vopd.findings import count_text, listed, size_text
 from vopd.flight.adjust.tested import Named, Prediction, TestedFlight
 from vopd.flight.angles import turned_vehicle_deg
 from vopd.flight.flight import Flight, frame_label, pick_label
@@ -198,9 +198,8 @@ def named_text(one: Named, tested: TestedFlight) -> str:
     """Say what does not fit, and how angles change without it."""
     flight, tests = tested.flight, one.tests
     if one.exchanged:
-        *names, last = (flight.landmarks.name[flight.picks.landmark[k]] for k in one.exchanged)
+        which = listed([flight.landmarks.name[flight.picks.landmark[k]] for k in one.exchanged])
         of = frame_label(flight, int(flight.picks.frame[one.exchanged[0]]))
-        which = f"{', '.join(names)} and {last}"
         return f"{of}: {which} are exchanged: with their labels so all picks fit"
     texts = [label(tests, k, flight) + _fits(tests, k) for k in range(len(tests.kind))]
     turns = np.degrees(np.linalg.norm(tests.moved_rad[0]))

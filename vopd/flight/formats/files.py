@@ -141,13 +141,15 @@ class InputFile:
                 while chunk := text.read(TEXT_AT_ONCE):
                     chunk += text.readline(LONGEST_LINE)
                     if "\0" in chunk:
-                        no_text = "not a text file: it has null characters"
-                        raise self.error(next(iter(self.logs.values()), no_text))
+                        raise self._no_text("not a text file: it has null characters")
                     yield chunk
         except UnicodeDecodeError as error:
             at = _first_wrong_byte(self.path)
-            no_text = not_utf8(self._first_bytes, at)
-            raise self.error(next(iter(self.logs.values()), no_text)) from error
+            raise self._no_text(not_utf8(self._first_bytes, at)) from error
+
+    def _no_text(self, message: str) -> VopdError:
+        """Make an error about a file that is not text: of a log, what makes a track of it."""
+        return self.error(next(iter(self.logs.values()), message))
 
     def refuse_folder(self) -> None:
         """Refuse a folder in the place of a file."""

@@ -29,7 +29,7 @@ from vopd.attitude.residuals import (
 from vopd.attitude.sigmas import Sigmas, given_components, in_force
 from vopd.attitude.uncertainty import HALF_WIDTH
 from vopd.estimate import Estimate
-from vopd.findings import Finding, count_text, first_of
+from vopd.findings import Finding, count_text, first_of, listed
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, FrameSlots, frame_label, pick_label
 from vopd.flight.solve.errors import priors_of
@@ -677,8 +677,8 @@ def blunder_findings(
     if found.unclear_landmark.any() and not explained:
         labels = [name[k] for k in np.flatnonzero(found.unclear_landmark)]
         tell.append(
-            f"the coordinates of {_one_of(labels)} do not fit the other landmarks, and nothing "
-            "tells which; all are used"
+            f"the coordinates of {listed(labels, 'or')} do not fit the other landmarks, and "
+            "nothing tells which; all are used"
         )
     together = where and misfits and (explained or len(where) > MOST_NAMED)
     if together:
@@ -693,8 +693,8 @@ def blunder_findings(
         own = np.flatnonzero(found.unclear & (picks.frame == frame))
         labels = [name[k] for k in picks.landmark[own]]
         tell.append(
-            f"{frame_label(flight, int(frame))}: {_one_of(labels)} does not fit the others, and "
-            "nothing tells which; all are used"
+            f"{frame_label(flight, int(frame))}: {listed(labels, 'or')} does not fit the others, "
+            "and nothing tells which; all are used"
         )
     return [Finding(one, flight.source, severity="warning") for one in tell]
 
@@ -708,10 +708,6 @@ def _together(labels: list[str], flight: Flight) -> str:
         f"not fitting the others, which may come of the misfit (mend that first): "
         f"{first_of(labels, MOST_NAMED)}; {done}"
     )
-
-
-def _one_of(labels: list[str]) -> str:
-    return f"{', '.join(labels[:-1])} or {labels[-1]}"
 
 
 def exchange_findings(found: Exchanges, flight: Flight, left_out: Bools) -> list[Finding]:
@@ -731,15 +727,15 @@ def exchange_findings(found: Exchanges, flight: Flight, left_out: Bools) -> list
         every, with_ = "both", "each other's label"
         if len(name) > 2:
             pairs = [f"{one} to {other}" for one, other in zip(name, rather, strict=True)]
-            every, with_ = "all", f"{', '.join(pairs[:-1])} and {pairs[-1]} renamed"
+            every, with_ = "all", f"{listed(pairs)} renamed"
         done = f'{every} are used; [solve] blunders = "drop" leaves them out'
         if flight.options.drop_blunders:
             done = f"{every} are left out"
             if not left_out[picks].all():
                 done = f"{every} are used: without them fewer than two landmarks are left"
         tell.append(
-            f"{frame}: {', '.join(name[:-1])} and {name[-1]} {ARE_EXCHANGED}: {was}, and "
-            f"{after_px:.1f} px with {with_}; {done}"
+            f"{frame}: {listed(name)} {ARE_EXCHANGED}: {was}, and {after_px:.1f} px with {with_}; "
+            f"{done}"
         )
     if found.not_searched:
         count = count_text(found.not_searched, "frame")

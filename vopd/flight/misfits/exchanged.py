@@ -3,8 +3,8 @@
 Each two labels of a frame that does not fit are exchanged, and all of them are dealt anew by what
 the angles between its picks show; the frame's rotation and place are solved anew, its place under
 its own standard deviations; landmarks, lens and all else that frames have in common are held. In a
-frame of four landmarks two picks that do not fit cannot be named one
-by one: no three others would be left that agree.
+frame of four landmarks two picks that do not fit cannot be named one by one: no three others would
+be left that agree.
 """
 
 from __future__ import annotations

@@ -401,6 +401,7 @@ def _other_size_text(ratio: float) -> str:
     return f" (near that of a calibration at {size} of the images: [camera] lens_size_px)"
 
 
+OTHER_MODEL = {LensKind.BROWN: LensKind.FISHEYE, LensKind.FISHEYE: LensKind.BROWN}
 THIRD, NEAR_THIRD = 1.0 / 3.0, 0.1  # k1 of the other model is as much more: tan t = t + t^3/3
 NEAR_NONE = 0.35  # of the stated k1: what remains of it in pictures without distortion
 MOST_ALIKE = 2.0  # times the stated k1, as which one of the other sign may be
@@ -424,8 +425,7 @@ def _of_another_kind_text(kind: LensKind, k1: float, sigma: float, stated: float
     """Say that a k1 is near 0, has the other sign, or is that of the other model's lens."""
     hints = []
     if abs(k1 - stated - of_other_model(kind)) < NEAR_THIRD:
-        other = next(one.value for one in (LensKind.BROWN, LensKind.FISHEYE) if one is not kind)
-        hints.append(f'as if the coefficients were those of model = "{other}"')
+        hints.append(f'as if the coefficients were those of model = "{OTHER_MODEL[kind].value}"')
     if abs(stated) >= 5.0 * sigma and (hint := of_stated_text(k1, stated)):
         hints.append(hint)
     return f" ({', or '.join(hints)})" if hints else ""

@@ -10,12 +10,13 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.estimate import Estimate
-from vopd.findings import VopdError
+from vopd.findings import VopdError, listed
 from vopd.flight.coordinates import M_PER_FT, level_of_heights_m
 from vopd.flight.estimate import FlightEstimates, flight_estimate
 from vopd.flight.flight import Flight
 from vopd.flight.misfits.input_errors import (
     OF_LANDMARK,
+    OTHER_MODEL,
     TYPICAL,
     UNEXPLAINED,
     of_other_model,
@@ -28,7 +29,7 @@ from vopd.flight.project.read import flight_of
 from vopd.flight.project.track import gps_ahead_s, height_datum
 from vopd.flight.solve.rotations import FlightBlocks, solve
 from vopd.geometry.earth import earth_centred_m, geodetic
-from vopd.geometry.lenses import MODELS, Lenses, LensKind
+from vopd.geometry.lenses import MODELS, Lenses
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 
 DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried
@@ -46,7 +47,6 @@ FRAME_RATES_HZ = (10.0, 15.0, 23.976, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 59.94
 MOST_RATIO, SAME = 3.0, 1e-4  # of frame rates that are tried, and of those that are the same
 LEAST_LEVEL_M = 150.0  # of the landmarks' heights: a smaller error of the level is estimated
 NEAR_PAD_M = 100.0  # by which the pad may be above or below the landmarks
-OTHER_MODEL = {LensKind.BROWN: LensKind.FISHEYE, LensKind.FISHEYE: LensKind.BROWN}
 LENS_SIZES = 2.0, 0.5, 1.5, 2.0 / 3.0  # of a calibration, in the size of the images
 MOST_EXCHANGED = 8  # landmarks of which each two are exchanged
 SMALL = (
@@ -409,7 +409,7 @@ def _labels_dealt_anew(project: Project | None, flight: Flight, estimate: Estima
     if len(moved) > 2:
         told = [f"{name[k]} to {name[rather[k]]}" for k in moved]
         picks = replace(flight.picks, landmark=rather[flight.picks.landmark])
-        yield replace(flight, picks=picks), (f"{', '.join(told[:-1])} and {told[-1]}",)
+        yield replace(flight, picks=picks), (listed(told),)
 
 
 def _names_a_row_off(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:

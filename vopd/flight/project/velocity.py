@@ -342,7 +342,9 @@ def _best_fits(gaps: Ints, time_s: Floats, rough: Roughness, bent: float) -> Int
         index, tau = _window(n, at_s, time_s)
         noise = rough.noise_m[index] ** 2
         weight = polynomial_weights(tau, noise.mean(axis=2), degree)[:, 1]
-        missed = bent * np.tile(jerk[left], (2, 1)) * missed_curvature(tau, weight)[:, None]
+        missed = (
+            bent * np.tile(jerk[left], (len(INSIDE), 1)) * missed_curvature(tau, weight)[:, None]
+        )
         each = ((weight[..., None] ** 2 * noise).sum(axis=1) + missed).sum(axis=1)
         cost = each.reshape(len(INSIDE), -1).sum(axis=0)
         best[left] = np.where(cost < least[left], which, best[left])

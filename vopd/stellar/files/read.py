@@ -24,6 +24,7 @@ from vopd.findings import (
     VopdError,
     count_text,
     input_error,
+    listed,
     strict,
 )
 from vopd.geometry.linear import norm
@@ -399,7 +400,7 @@ def lines_text(lines: list[int], word: str = "line") -> str:
     plural = f"{word}es" if word.endswith("ch") else f"{word}s"
     if len(lines) > 4 and lines == list(range(lines[0], lines[-1] + 1)):
         return f"{plural} {lines[0]} to {lines[-1]}"
-    return f"{plural} {', '.join(map(str, lines[:-1]))} and {lines[-1]}"
+    return f"{plural} {listed([*map(str, lines)])}"
 
 
 def _refuse(stars: StarFile, bad: Bools | np.bool_, message: str) -> None:
