@@ -270,6 +270,9 @@ def test_a_flight_with_v_turned_over_has_no_residuals_without_it(tmp_path: Path)
     ((found, advice),) = corrected("v counted the other way", project, turned)
     assert trial_px(found) < within("trial without noise")
     assert advice.endswith('give [picks] v = "up"?')
+    said = replace(turned, picks=replace(turned.picks, v_said=True))  # where the key is refused
+    ((_, advice),) = corrected("v counted the other way", project, said)
+    assert "[picks]" not in advice
 
 
 def columns_written(folder: Path, files: tuple[str, ...], write: Any) -> None:

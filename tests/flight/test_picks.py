@@ -18,7 +18,7 @@ from vopd.flight.flight import FrameSlots
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.lens import LensRead, make_lens
-from vopd.flight.formats.picks import PICK_FORMATS, Names, PickRows, clicks_of
+from vopd.flight.formats.picks import CLICKS, PICK_FORMATS, Names, PickRows, clicks_of
 from vopd.flight.project import picks as picks_module
 from vopd.flight.project.camera import CameraLens
 from vopd.flight.project.keys import Project, Section
@@ -254,6 +254,8 @@ IMAGES = (
         (IMAGES.format(64, 47), {}),
         (IMAGES.format(63, 48), {}),
         (IMAGES.format(48, 64), {}),
+        (IMAGES.format(64, 48), {"v": "up"}),
+        (f"{CLICKS}\n{PLAIN}", {"v": "up"}),
     ],
 )
 def test_picks_that_a_project_refuses(text: str, keys: dict[str, Any], tmp_path: Path) -> None:

@@ -104,6 +104,7 @@ class Picks:
     stated: bool = False  # whether the standard deviations are those of the project or a file
     part: Floats | None = None  # (P,) `row_parts`, where pixels are shifted to their frames' times
     v_up: bool = False  # whether v was counted upward where they were read
+    v_said: bool = False  # whether their file says that it counts down
     clicks: Clicks | None = None  # whose errors the picks carry, besides `sigma_px`
     followed: Bools | None = None  # (P,) by another program from frame to frame; None: not known
     unused: frozenset[int] = frozenset()  # landmarks that were picked, and no pick of them is used

@@ -99,6 +99,7 @@ class PickRows:
     up_from: Floats | None = (
         None  # the v of the last row, or (P,) of each pick's, where v counts upward
     )
+    v_said: bool = False  # whether the file says that v counts down
     stated: bool = False  # whether the project or the file states `sigma_px`
     interpolated: Bools | None = None  # (P,) by the program that wrote the file; None: unknown
     tracks: TrackedRows | None = None  # the same picks with the clicks that they are from

@@ -200,8 +200,9 @@ def _turned_over(project: Project | None, flight: Flight, estimate: Estimate) ->
     rows = flight.lens.of(flight.picks.frame).by_rows("size_px")[..., 1]
     upward = flight.picks.pixel * [1.0, -1.0]
     upward[:, 1] += rows - 1.0
-    values = ("downward", "down") if flight.picks.v_up else ("upward", "up")
-    yield replace(flight, picks=replace(flight.picks, pixel=upward)), values
+    way = "down" if flight.picks.v_up else "up"
+    advice = IN_FILE if flight.picks.v_said else f'give [picks] v = "{way}"?'
+    yield replace(flight, picks=replace(flight.picks, pixel=upward)), (f"{way}ward", advice)
 
 
 def _exchanged_axes(project: Project | None, flight: Flight, estimate: Estimate) -> Corrected:
@@ -437,6 +438,7 @@ def _without_a_landmark(project: Project, flight: Flight, estimate: Estimate) ->
         yield replace(flight, landmarks=replace(marks, used=tuple(left.tolist()))), (marks.name[k],)
 
 
+IN_FILE = "is that so, though the format of their file counts it downward?"
 RATE = "another frame rate"
 RATE_ADVICE = "with [picks] frame_rate_hz = {} in the place of {:g}: is that of the video right?"
 
@@ -444,7 +446,7 @@ AXES_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "v counted the other way",
         _turned_over,
-        'with v counted {}: give [picks] v = "{}"?',
+        "with v counted {}: {}",
     ),
     Mistake(
         "u and v exchanged",

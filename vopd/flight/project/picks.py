@@ -114,6 +114,7 @@ def join_picks(
         sigma_px=sigma[kept],
         repeatability_px=repeatability,
         v_up=read.up_from is not None,
+        v_said=read.v_said,
         followed=None if followed is None else followed[kept],
         unused=frozenset({*own.tolist()} - {*own[kept].tolist()}),
         **usual,

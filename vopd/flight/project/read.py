@@ -129,7 +129,9 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     grid = rows.grid or section.text("pixel_grid")
     if section.has("pixel_grid") and section.text("pixel_grid") != grid:
         raise section.error("pixel_grid", f"{rows.said} has the {grid} grid: leave the key out")
-    way = section.text("v")
+    way, v_said = section.text("v"), rows.grid is not None
+    if v_said and way == "up":
+        raise section.error("v", f"v counts down in {file.name}: leave the key out")
     up_from = size_px[..., 1] - 1.0 if way == "up" else None
     stated = section.number("sigma_px")
     if beyond := beyond_sigmas([stated]):
@@ -138,8 +140,11 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {count_text(len(sigma), 'pick')}, {grid} grid, v {way}"
     known = section.has("sigma_px") or bool(own.any())
-    rows = replace(rows, grid=grid, up_from=up_from, sigma_px=sigma, stated=known, said=said)
-    return replace(rows, doubts=(*rows.doubts, not_yet)) if not_yet else rows
+    doubts = (*rows.doubts, *filter(None, [not_yet]))
+    return replace(
+        rows, grid=grid, up_from=up_from, v_said=v_said, sigma_px=sigma, stated=known, said=said,
+        doubts=doubts,
+    )  # fmt: skip
 
 
 def require_clicks(project: Project) -> None:

@@ -157,7 +157,7 @@ def join_tracks(
     at = rows[first[:-1]]
     picks = Picks(
         frame[at], own_of[read.landmark.which[at]], pixel, np.asarray(total**-0.5),
-        one_sigma_px=usual, least_sigma_px=LEAST_MATCH_PX, clicks=clicks,
+        one_sigma_px=usual, least_sigma_px=LEAST_MATCH_PX, v_said=True, clicks=clicks,
     )  # fmt: skip
     return picks, findings
 
