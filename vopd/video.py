@@ -48,6 +48,7 @@ WITH_LUMA = (
 """Formats of pixels whose luminance in eight bits is taken as it is stored."""
 REORDERED = ("h264", "hevc")  # frames that refer to later ones, of which an AVI has no times
 ORIENTATION = 274  # EXIF's tag of how an image is turned; 1: upright
+SIDES = 256, 257  # TIFF's tags of width and height, as stored
 ON_ITS_SIDE = (5, 6, 7, 8)  # ORIENTATION of images whose rows are shown as columns
 BAND = 250_000  # pixels of more than eight bits that are scaled at once
 SOONER_S = 10.0  # than a frame that is asked for ffmpeg begins to decode
@@ -270,10 +271,21 @@ def upright_size(path: Path) -> tuple[int, int]:
     """
     try:
         with warnings.catch_warnings(action="ignore"), open_image(path) as image:
-            is_turned = image.getexif().get(ORIENTATION) in ON_ITS_SIDE
-            return image.size[::-1] if is_turned else image.size
+            return size_as_shown(image)
     except (OSError, ValueError, SyntaxError) as error:
         raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
+
+
+def size_as_shown(image: Image) -> tuple[int, int]:
+    """Read width and height of an opened image as it is shown upright.
+
+    Of a TIFF they are its tags': newer versions of Pillow exchange its size on opening, older ones
+    do not.
+    """
+    width, height = (
+        getattr(image, "tag_v2", {}).get(*one) for one in zip(SIDES, image.size, strict=True)
+    )
+    return (height, width) if image.getexif().get(ORIENTATION) in ON_ITS_SIDE else (width, height)
 
 
 def eight_bits(image: Image) -> Image:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image, ImageOps
+from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import vopd
@@ -43,6 +43,7 @@ from vopd.flight.project.keys import Section
 from vopd.flight.project.new import project_of_files
 from vopd.flight.project.times import times_of_images
 from vopd.geometry.earth import geodetic
+from vopd.video import open_frames, upright_size
 
 
 def test_exif_degrees_minutes_seconds_and_references(tmp_path: Path) -> None:
@@ -770,15 +771,21 @@ def test_a_lens_that_is_named_is_not_that_of_the_tags(tmp_path: Path) -> None:
     assert Path(given).name == lens.name
 
 
+@pytest.mark.parametrize("suffix", [".jpg", ".tif", ".png"])
 @pytest.mark.parametrize("orientation", range(1, 9))
-def test_the_size_of_an_image_is_that_of_the_upright_one(orientation: int, tmp_path: Path) -> None:
-    """Clicks on the page of a photograph in portrait were taken for those of one in landscape."""
-    exif = Image.Exif()
+def test_the_size_of_an_image_is_that_of_the_upright_one(
+    orientation: int, suffix: str, tmp_path: Path
+) -> None:
+    """Clicks on the page of a photograph in portrait were taken for those of one in landscape.
+
+    Of a TIFF newer versions of Pillow exchange width and height by themselves.
+    """
+    exif, path = Image.Exif(), tmp_path / f"a{suffix}"
     exif[274] = orientation
-    picture = Image.new("RGB", (64, 48))
-    picture.save(tmp_path / "a.jpg", exif=exif)
-    upright = ImageOps.exif_transpose(Image.open(tmp_path / "a.jpg"))
-    assert read_tags(tmp_path / "a.jpg").size_px == upright.size
+    Image.new("RGB", (64, 48)).save(path, exif=exif)
+    upright = (48, 64) if orientation > 4 else (64, 48)
+    assert read_tags(path).size_px == upright_size(path) == upright
+    assert [one.size for one in open_frames([str(path)]).pictures([0])] == [upright]
 
 
 @pytest.mark.parametrize(("reference", "sign"), [(0, 1), (1, -1), (2, 1), (3, -1)])

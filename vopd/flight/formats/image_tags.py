@@ -22,7 +22,7 @@ from vopd.files import optional_package, reason
 from vopd.findings import VopdError, first_of, shown, size_text
 from vopd.geometry.earth import earth_centred_m
 from vopd.inputs import no_file, plain_number
-from vopd.video import ON_ITS_SIDE, ORIENTATION, open_image, stills_in
+from vopd.video import open_image, size_as_shown, stills_in
 
 SUFFIXES = (".jpg", ".jpeg", ".tif", ".tiff")
 GPS, EXIF, XMP = 0x8825, 0x8769, 700  # tags of EXIF and of TIFF
@@ -96,8 +96,7 @@ def read_tags(path: Path) -> ImageTags:
             every = image.getexif()
             gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
             xmp = xmp_text(image)
-            size = (int(image.size[0]), int(image.size[1]))
-            size = size[::-1] if every.get(ORIENTATION) in ON_ITS_SIDE else size
+            size = size_as_shown(image)
     except UNREADABLE as error:
         raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
     why = "damaged tags" * bool(damage)
