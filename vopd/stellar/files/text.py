@@ -200,8 +200,8 @@ READ_ALIKE = "; their own readings count\nas good as those of the stars"
 
 def _points(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
     """Tabulate the directions of points that were asked for."""
-    first = (rows[0][1].points or [{}])[0]
-    shown = [name for name in POINT_ANGLES if name in first]
+    known = {name for _, one in rows for point in one.points or [] for name in point}
+    shown = [name for name in POINT_ANGLES if name in known]
     units = "/".join(dict.fromkeys(photograph.file.unit for photograph, _ in rows))
     angles = [cell for name in shown for cell in (POINT_ANGLES[name], "+-")]
     table = [
@@ -214,15 +214,15 @@ def _points(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
             for name in shown:
                 sigma = point.get(f"sigma_{name}")
                 half = None if sigma is None else half_widths([sigma], one.reading_freedom)[0]
-                cells += with_half(point[name], half)
+                cells += with_half(point[name], half) if name in point else ["", ""]
             at = (f"{point[axis]:g}" for axis in "xy")
             table.append([photograph.label, one.method, *at, *cells])
     keep = [k for k in range(len(table[0])) if k > 1 or len({row[k] for row in table[2:]}) > 1]
     table = [[row[k] for k in keep] for row in table]
     left = {k for k, cell in enumerate(table[0]) if cell in ("image", "method")}
     close = {k for k, cell in enumerate(table[0]) if cell == "+-"}
-    known = any(one.rotation_covariance_arcsec2 is not None for _, one in rows)
-    note = AS_SEEN + READ_ALIKE * known
+    sure = any(one.rotation_covariance_arcsec2 is not None for _, one in rows)
+    note = AS_SEEN + READ_ALIKE * sure
     return "\n".join([note, *aligned(table, left, close)]) + "\n"
 
 
