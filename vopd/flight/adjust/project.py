@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -35,7 +34,7 @@ from vopd.flight.project.covariance import (
     files_spoken_of,
 )
 from vopd.flight.project.inspect import NewProject
-from vopd.flight.project.keys import Project, project_text, toml_text
+from vopd.flight.project.keys import Project, from_toml, project_text, toml_text
 from vopd.flight.project.new import NAME
 from vopd.flight.project.read import landmark_crs
 from vopd.flight.project.track import height_datum
@@ -336,5 +335,5 @@ def _digests(project: Project, new: NewProject, changes: Changes) -> dict[str, s
         if value is None or not value.startswith('"'):  # it names no file any more
             files.pop(f"[{section}] {key}", None)
         if value is not None:
-            sections.setdefault(section, {})[key] = tomllib.loads(f"x = {value}")["x"]
+            sections.setdefault(section, {})[key] = from_toml(value)
     return digests(files) | digests_of_keys(sections)

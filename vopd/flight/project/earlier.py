@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from vopd.files import from_folder
 from vopd.findings import VopdError
-from vopd.flight.project.keys import ROWS, VIDEO, KeyValues, toml_text, written_keys
+from vopd.flight.project.keys import ROWS, VIDEO, KeyValues, from_toml, toml_text, written_keys
 from vopd.flight.project.new import NAME, OWN_HEAD, SAYS_EXAMPLE, Answer, sure_keys
 from vopd.video import stills_in
 
@@ -59,7 +58,7 @@ def _name_files(before: Earlier, folder: Path) -> None:
     values = before.values
 
     def names(section: str, key: str) -> list[str]:
-        found = tomllib.loads(f"x = {values[section, key]}")["x"]
+        found = from_toml(values[section, key])
         several = found if isinstance(found, list) else [found]
         return [os.path.normpath(folder / one) for one in several]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -738,6 +739,11 @@ def toml_text(text: str) -> str:
     if any("\ud800" <= one <= "\udfff" for one in quoted):
         raise VopdError(f"{shown(text)}: is not UTF-8, and has no place in a project: rename it")
     return quoted
+
+
+def from_toml(text: str) -> Any:
+    """Read a value that is written as TOML."""
+    return tomllib.loads(f"x = {text}")["x"]
 
 
 def toml_numbers(*numbers: float) -> str:

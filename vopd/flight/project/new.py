@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -46,6 +45,7 @@ from vopd.flight.project.keys import (
     KeyValues,
     Project,
     Section,
+    from_toml,
     keys_of,
     project_text,
     toml_numbers,
@@ -148,17 +148,17 @@ def project_of_files(
         for section, key in one.keys:
             values[section, key] = one.value
             if key == "columns":
-                new.columns[section] = tomllib.loads(f"x = {one.value}")["x"]
+                new.columns[section] = from_toml(one.value)
     for (section, key), value in (before or {}).items():
         if key in ("columns", "crs"):
             known: dict[str, Any] = new.columns if key == "columns" else new.crs
-            known.setdefault(section, tomllib.loads(f"x = {value}")["x"])
+            known.setdefault(section, from_toml(value))
     for one in answers:
         given_crs = [section for section, key in one.keys if key == "crs"]
-        new.crs |= dict.fromkeys(given_crs, str(tomllib.loads(f"x = {one.value}")["x"]))
+        new.crs |= dict.fromkeys(given_crs, str(from_toml(one.value)))
     own = "track", "clock"
     for clock in [(before or {}).get(own), *(one.value for one in answers if own in one.keys)]:
-        new.clock = tomllib.loads(f"x = {clock}")["x"] if clock else new.clock
+        new.clock = from_toml(clock) if clock else new.clock
     new.answered = {key for one in answers for key in one.keys}
     look_at_files(new, values, folder, given, video)
     for one in [one for one in answers if one.at_once]:
@@ -211,7 +211,7 @@ def _refuse_lost_files(folder: Path, answers: Sequence[Answer]) -> None:
     """Refuse files of `--set` that are not there; they count from the project's folder."""
     for one in [one for one in answers if one.option == "--set"]:
         key = one.keys[0]
-        given = tomllib.loads(f"x = {one.value}")["x"]
+        given = from_toml(one.value)
         names = given if isinstance(given, list) else [given]
         if ROWS[key].kind not in ("file", "files") or key in WRITTEN_LATER or VIDEO in names:
             continue
@@ -252,7 +252,7 @@ def share_receiver_error(new: NewProject, values: KeyValues) -> None:
     own, common = ("track", "sigma_m"), ("track", "sigma_bias_m")
     if own not in values or common in values:
         return
-    stated = tomllib.loads(f"x = {values[own]}")["x"]
+    stated = from_toml(values[own])
     sizes = stated if isinstance(stated, list) else [stated]
     if EXACT in sizes or max(sizes) < NO_BASE_M:
         return
@@ -438,7 +438,7 @@ def answer_value(option: str, key: tuple[str, str], text: str) -> str:
     elif row.kind == "texts" and not table:
         text = "[" + ", ".join(toml_text(one.strip()) for one in text.split(",")) + "]"
     try:
-        value = tomllib.loads(f"x = {text}")["x"]
+        value = from_toml(text)
     except (ValueError, RecursionError) as error:
         if table or row.kind == "other":
             raise VopdError(f"{option}: {text} is not a value of TOML: {reason(error)}") from error
