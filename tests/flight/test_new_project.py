@@ -218,6 +218,37 @@ def needs(new: NewProject) -> dict[str, str]:
     return {" ".join(key): why for key, why in new.needed.items()}
 
 
+OF_FOUR = '{"camera_matrix": [9, 0, 3, 0, 9, 2, 0, 0, 1], "d": [1, 2, 3, 4]}'
+
+
+@pytest.mark.parametrize(
+    ("lens", "keys", "size_px", "needed"),
+    [
+        (FILES["two.txt"].replace("2 PINHOLE 64 48", "2 PINHOLE 8 6"), {"camera": "2"}, [8, 6], ""),
+        (FILES["two.txt"], {"camera": "3"}, None, ""),
+        (FILES["four.json"], {"model": "fisheye"}, [64, 48], ""),
+        (OF_FOUR, {"model": "fisheye"}, None, "image_size_px"),
+        (OF_FOUR, {"model": "fisheye", "image_size_px": [64, 48]}, [64, 48], ""),
+        (FILES["lens.txt"], {"lens_size_px": [64, 48]}, None, "image_size_px"),
+        (FILES["lens.txt"], {"lens_size_px": [64, 48], "image_size_px": [32, 24]}, [32, 24], ""),
+    ],
+)
+def test_a_lens_is_read_with_what_is_said_of_it(
+    lens: str, keys: dict[str, Any], size_px: list[int] | None, needed: str, tmp_path: Path
+) -> None:
+    """Model, camera and sizes that `--set` gives: it was asked for the model again and again."""
+    (tmp_path / "lens").write_text(lens)
+    said = [f"--set=camera.{key}={value}" for key, value in keys.items()]
+    ran = run("new", tmp_path / "p", "--lens", tmp_path / "lens", *said)
+    if keys.get("camera") == "3":
+        assert (ran.status, "it has '1', '2'" in ran.stderr) == (1, True)
+        return
+    camera = tomllib.loads((tmp_path / "p" / "flight.toml").read_text())["camera"]
+    asked_for = [line for line in ran.stdout.splitlines() if line.startswith("needed: [camera]")]
+    assert [line.split()[2] for line in asked_for] == [needed] * bool(needed)
+    assert camera == {"lens": "../lens"} | keys | ({"image_size_px": size_px} if size_px else {})
+
+
 def test_a_new_project_without_any_file(tmp_path: Path) -> None:
     new, values = asked(tmp_path)
     assert values == {"flight name": '"my flight"'}

@@ -13,7 +13,7 @@ from tests.kit.command import vopd
 from tests.kit.video import SIZE, write_video
 from vopd.findings import VopdError
 from vopd.flight.project.inspect import NewProject
-from vopd.flight.project.new import NAME, project_of_files
+from vopd.flight.project.new import NAME, Answer, project_of_files
 
 LANDMARKS = "landmark,lat_deg,lon_deg,h_m,sigma_m\nmast,47.0,15.0,300.0,0.1\n"
 BLOCK = (
@@ -133,6 +133,10 @@ def test_a_calibration_for_pictures_of_another_size(folder: Path) -> None:
     new = project_of_files(folder, {"landmarks": "l.csv", "lens": "lens.txt"}, video=["a.mp4"])
     assert values(new)["camera"] == {"lens": "lens.txt", "image_size_px": list(SIZE)}
     assert_approved(new.said[2])
+    scaled = Answer("--set", [("camera", "lens_size_px")], "[128, 96]", at_once=True)
+    given = {"landmarks": "l.csv", "lens": "lens.txt"}
+    again = project_of_files(folder, given, [scaled], video=["a.mp4"])
+    assert again.said == [one for one in new.said if one != new.said[2]]
 
 
 def test_what_a_project_without_clicks_needs_is_named_at_once(folder: Path) -> None:

@@ -31,7 +31,14 @@ from vopd.flight.formats.track import (
     row_out_of_order,
 )
 from vopd.flight.formats.wind import WIND_FORMATS
-from vopd.flight.project.keys import ROWS, VIDEO, KeyValues, toml_numbers, toml_text
+from vopd.flight.project.keys import (
+    ROWS,
+    VIDEO,
+    KeyValues,
+    from_toml,
+    toml_numbers,
+    toml_text,
+)
 from vopd.flight.project.track import scatter_of
 from vopd.geometry.earth import earth_centred_m
 from vopd.inputs import is_number
@@ -116,8 +123,15 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
     file = open_input(name, Path())
     values["camera", "lens"] = named_from(file.name, folder)
     values.pop(("camera", "pixel_grid"), None)  # which was of a table
+    stated = {
+        key: from_toml(text)
+        for key in ("model", "camera", "image_size_px", "lens_size_px")
+        if (text := values.get(("camera", key)))
+    }
+    size = stated.get("lens_size_px", stated.get("image_size_px"))
+    question = LensQuestion(stated.get("model"), stated.get("camera"), size and tuple(size))
     try:
-        found = read_by_content(LENS_FORMATS, file, LensQuestion())
+        found = read_by_content(LENS_FORMATS, file, question)
     except VopdError as error:
         if "not recognised" in str(error):
             raise VopdError(f"{error}; numbers serve, too: --lens FX,FY,CX,CY,K1,K2") from error
@@ -129,7 +143,10 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
         new.needed["camera", keys[0]] = str(error)
         new.said.append(str(error))
         return
-    values["camera", "image_size_px"] = toml_numbers(*found.lens.size_px)
+    if "lens_size_px" not in stated:
+        values["camera", "image_size_px"] = toml_numbers(*found.lens.size_px)
+    elif "image_size_px" not in stated:
+        new.needed["camera", "image_size_px"] = "that of the lens is another, lens_size_px"
     new.said.append(found.said)
 
 
