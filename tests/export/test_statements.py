@@ -16,7 +16,9 @@ import vopd.export as file_request
 from tests.approved.texts import assert_approved, refused
 from tests.kit.estimates import ABOUT, estimate, level_flight
 from tests.kit.histories import about
+from vopd.attitude import summary
 from vopd.attitude.history import History, history
+from vopd.attitude.long_history import one_part
 from vopd.attitude.sigmas import Sigmas
 from vopd.export import (
     FORMATS,
@@ -39,27 +41,27 @@ REQUEST = FileRequest(epoch=EPOCH, created=EPOCH)
 
 
 def one() -> History:
-    """Three frames of a hand-made flight that has corrected errata, so that all is stated."""
-    fixed = ABOUT._replace(fixes="restart")
+    """Three frames of a hand-made flight with corrected errata that misfits: all is stated."""
+    fixed = ABOUT._replace(fixes="restart", doubt="it misfits")
     return history(estimate(np.tile([140.0, -60.0, 20.0], (3, 1)), about=fixed))
 
 
 EVERY = {
-    "program", "flight", "fixes", "from frame", "vertical", "to frame", "sequence", "quaternion",
-    "camera angles", "ranges", "angles of attack", "position", "time", "sigmas", "intervals",
+    "program", "flight", "doubtful", "fixes", "from frame", "vertical", "to frame", "sequence",
+    "quaternion", "camera angles", "ranges", "angles of attack", "position", "time", "sigmas", "intervals",
     "covariance", "common errors", "reading sigma",
 }  # fmt: skip
 MESSAGE = {
-    "program", "flight", "fixes", "REF_FRAME_A, NED", "REF_FRAME_B, SC_BODY_1", "vertical",
-    "quaternion", "position", "time",
+    "program", "flight", "doubtful", "fixes", "REF_FRAME_A, NED", "REF_FRAME_B, SC_BODY_1",
+    "vertical", "quaternion", "position", "time",
 }  # fmt: skip
 STATED = {
     "csv": EVERY,
     "jsonl": EVERY,
     "kml": EVERY | {"gx:angles"},
     "czml": {
-        "flight", "program", "fixes", "from frame", "vertical", "to frame", "orientation",
-        "position", "time",
+        "flight", "program", "doubtful", "fixes", "from frame", "vertical", "to frame",
+        "orientation", "position", "time",
     },
     "aem": MESSAGE,
     "acm": MESSAGE | {"sigmas", "common errors", "reading sigma"},
@@ -94,6 +96,20 @@ def test_every_format_states_these(form: str) -> None:
 @pytest.mark.parametrize("form", STATED)
 def test_the_moment_of_time_zero_is_stated(form: str) -> None:
     assert stated(form)["time"].endswith("; zero is 2026-05-01T09:00:00.000000Z")
+
+
+def test_sources_that_their_residuals_contradict_are_named() -> None:
+    jobs = [about(one(), source=f"{k}.toml", doubt="it misfits" * (k != 1)) for k in range(11)]
+    assert statements(jobs[:2], REQUEST)["doubtful"] == "0.toml: it misfits"
+    assert statements(jobs, REQUEST)["doubtful"].endswith("; 8.toml: it misfits; 2 more")
+    assert "doubtful" not in statements(jobs[1:2], REQUEST)
+    for form in ("odm", "colmap", "opk"):
+        text = FORMATS[form].render(jobs[:1], REQUEST, lambda _: None).decode()
+        assert "\n# doubtful: it misfits\n" in text
+    for told in (summary.text, summary.html):
+        assert told(map(one_part, jobs[:1])).count("it misfits") == 1
+    assert "it misfits" not in summary.text(map(one_part, jobs[:1]), printed=1)
+    assert summary.means_text(jobs[:1]).count("it misfits") == 1
 
 
 def test_a_viewer_s_own_meaning_of_the_altitude_is_stated() -> None:

@@ -114,10 +114,12 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
     sources = ", ".join(dict.fromkeys(h.about.source for h in histories))
     components = dict.fromkeys(c for h in histories for c in h.uncertainty.components)
     down = {h.about.source: h.about.down for h in histories[: MOST_JOBS + 1]}
-    more = len(histories) - MOST_JOBS
+    more, doubts = len(histories) - MOST_JOBS, doubts_text(histories)
+    left = [f"{len(doubts) - MOST_JOBS} more"] * (len(doubts) > MOST_JOBS)
     stated = {
         "program": f"vopd {__version__}",
         about.words.source: sources,
+        "doubtful": "; ".join(doubts[:MOST_JOBS] + left),
         "fixes": about.fixes or about.words.no_fixes,
         "from frame": f"north, east, down at the vehicle; down {of_each([*down.items()], more)}",
         "vertical": _vertical(histories),
@@ -133,6 +135,14 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
     }
     stated["position"] += farthest_from_own_text(histories)
     return {name: sentence for name, sentence in stated.items() if sentence}
+
+
+def doubts_text(histories: Sequence[History]) -> list[str]:
+    """Say which sources are contradicted by their residuals, and how: a sentence each."""
+    doubt = {h.about.source: h.about.doubt for h in histories}
+    if len(doubt) == 1:
+        return [one for one in doubt.values() if one]
+    return [f"{source}: {one}" for source, one in doubt.items() if one]
 
 
 def _own_words(histories: Sequence[History]) -> dict[str, str]:

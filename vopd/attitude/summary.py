@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.attitude.conventions import MOST_JOBS, of_each
+from vopd.attitude.conventions import MOST_JOBS, doubts_text, of_each
 from vopd.attitude.findings import HistorySummary, errata_text, misfits
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History, are_others
@@ -440,8 +440,8 @@ def _moment_text(epoch: datetime | None, time_s: float) -> str:
         return ""
 
 
-SURE, LEFT, NEXT = "how sure", "not in it", "next"
-LABELS = ("angles", "where", SURE, LEFT, "doubtful", NEXT)
+SURE, LEFT, DOUBTFUL, NEXT = "how sure", "not in it", "doubtful", "next"
+LABELS = ("angles", "where", SURE, LEFT, DOUBTFUL, NEXT)
 INDENT = " " * (max(map(len, LABELS)) + 2)
 
 
@@ -474,7 +474,7 @@ def text(
         if narrow:
             lines.append(wrapped(f"no room for {', '.join(narrow)}", columns_wide))
         doubts = doubt_lines(frames)
-        doubts += findings
+        doubts += findings or doubts_text([job.head for job in frames.jobs if not printed])
         if printed:
             doubts.append(f"{count_text(printed, 'warning')} above")
         hint = looks_down(frames) and not any(names_mount(job.head) for job in frames.jobs)
@@ -544,9 +544,11 @@ def means_text(
         told += [f"the sigmas include errors of: {included}"] * bool(included)
         left += [missing] * bool(missing)
     table = (steps or {"table": ".mean() has all"})["table"]
-    paragraphs = ("; ".join(told), "; ".join(left) or "nothing that can be stated", table)
-    for label, said in zip((SURE, LEFT, NEXT), paragraphs, strict=True):
-        lines.append(wrapped(f"{label:{len(INDENT)}}{said}", columns_wide, INDENT))
+    doubts = "; ".join(doubts_text(histories))
+    paragraphs = ("; ".join(told), "; ".join(left) or "nothing that can be stated", doubts, table)
+    for label, said in zip((SURE, LEFT, DOUBTFUL, NEXT), paragraphs, strict=True):
+        if said:
+            lines.append(wrapped(f"{label:{len(INDENT)}}{said}", columns_wide, INDENT))
     return "\n".join(lines) + "\n"
 
 
@@ -569,7 +571,9 @@ def html(jobs: Iterable[HistoryParts], findings: Sequence[Finding] = ()) -> str:
             f"<p>{escape(heading(frames))}</p><table><thead><tr>{head}</tr></thead>"
             f"<tbody>{rows}</tbody></table>" + "".join(f"<p>{escape(one)}</p>" for one in after)
         )
-        parts += [f"<p>{escape(one)}</p>" for one in doubt_lines(frames)]
+        doubts = doubt_lines(frames)
+        doubts += [] if findings else doubts_text([job.head for job in frames.jobs])
+        parts += [f"<p>{escape(one)}</p>" for one in doubts]
     return "".join([*parts, *(f"<p>{escape(one)}</p>" for one in finding_texts(findings))])
 
 

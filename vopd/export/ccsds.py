@@ -187,8 +187,8 @@ def stated_comments(
     """
     stated = statements(histories, request, quaternion=QUATERNION)
     source = histories[0].about.words.source
-    names = ("program", source, "fixes", *FRAMES, "vertical", "quaternion", "position", "time")
-    return {FRAMES.get(key, key): stated[key] for key in (*names, *more) if key in stated}
+    names = ("program", source, "doubtful", "fixes", *FRAMES, "vertical", "quaternion", "position")
+    return {FRAMES.get(key, key): stated[key] for key in (*names, "time", *more) if key in stated}
 
 
 def header(

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.attitude.conventions import doubts_text
 from vopd.attitude.history import History
 from vopd.estimate import Words
 from vopd.export import FileRequest, printable
@@ -77,9 +78,11 @@ def camera_poses(history: History, report: Report) -> CameraPoses:
 
 
 def source_text(histories: Sequence[History]) -> str:
-    """Name the program and the sources, for the beginning of a file."""
-    sources = printable(", ".join(dict.fromkeys(h.about.source for h in histories)))
-    return f"vopd {__version__}, {histories[0].about.words.source} {sources}"
+    """Name the program and the sources, and those that their residuals contradict, as comments."""
+    sources = ", ".join(dict.fromkeys(h.about.source for h in histories))
+    lines = [f"vopd {__version__}, {histories[0].about.words.source} {sources}"]
+    lines += [f"doubtful: {one}" for one in doubts_text(histories)]
+    return "\n# ".join(map(printable, lines))
 
 
 def poses_of(histories: Sequence[History], report: Report) -> list[CameraPoses]:

@@ -37,7 +37,7 @@ ORIENTATION = (
     "gives its Earth-fixed components (WGS 84); neighbours have signs that make them near"
 )
 STATED = (
-    *("program", "fixes", "from frame", "vertical", "to frame"),
+    *("program", "doubtful", "fixes", "from frame", "vertical", "to frame"),
     *("orientation", "position", "time"),
 )
 POSITION = "cartographicDegrees, degrees and metres; a viewer takes altitude as above the ellipsoid"

@@ -18,6 +18,7 @@ from unicodedata import bidirectional, east_asian_width
 import numpy as np
 
 from vopd.arrays import Bools, Floats
+from vopd.attitude.conventions import doubts_text
 from vopd.attitude.history import History
 from vopd.files import optional_package
 from vopd.findings import VopdError
@@ -252,14 +253,6 @@ def caption(histories: Sequence[History]) -> str:
     if fixes:
         text += f"\ncorrected run, not the original: {fixes}"
     return "\n".join(map(plain, [text, *doubts_text(histories)[:MOST_DOUBTS]]))
-
-
-def doubts_text(histories: Sequence[History]) -> list[str]:
-    """Say which sources are contradicted by their residuals, and how: a sentence each."""
-    doubt = {h.about.source: h.about.doubt for h in histories}
-    if len(doubt) == 1:
-        return [one for one in doubt.values() if one]
-    return [f"{source}: {one}" for source, one in doubt.items() if one]
 
 
 def label(history: History, histories: Sequence[History]) -> str:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Floats
-from vopd.attitude.conventions import included_statements
+from vopd.attitude.conventions import doubts_text, included_statements
 from vopd.attitude.findings import errata_text, summary_of
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History, is_turned
@@ -23,7 +23,6 @@ from vopd.figures.attitude import (
     unwrapped_about,
     values_of,
 )
-from vopd.figures.style import doubts_text
 from vopd.findings import angle_text, count_text
 
 Rows = list[list[str]]
