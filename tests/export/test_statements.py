@@ -48,8 +48,8 @@ def one() -> History:
 
 EVERY = {
     "program", "flight", "doubtful", "fixes", "from frame", "vertical", "to frame", "sequence",
-    "quaternion", "camera angles", "ranges", "angles of attack", "position", "time", "sigmas", "intervals",
-    "covariance", "common errors", "reading sigma",
+    "quaternion", "camera angles", "ranges", "angles of attack", "position", "time", "sigmas",
+    "intervals", "covariance", "common errors", "reading sigma",
 }  # fmt: skip
 MESSAGE = {
     "program", "flight", "doubtful", "fixes", "REF_FRAME_A, NED", "REF_FRAME_B, SC_BODY_1",
