@@ -771,6 +771,24 @@ def test_a_lens_that_is_named_is_not_that_of_the_tags(tmp_path: Path) -> None:
     assert Path(given).name == lens.name
 
 
+@pytest.mark.parametrize("lens", ["1500", str(ROOT / "examples" / "shore" / "intrinsics.json")])
+@pytest.mark.parametrize("stated", ["", "0.05", "0.01"])
+def test_a_later_lens_is_not_as_uncertain_as_that_of_the_tags(
+    lens: str, stated: str, tmp_path: Path
+) -> None:
+    """The calibration of a second `vopd new` was to 5 %, as the focal length of EXIF's tags is."""
+    (tmp_path / "images").mkdir()
+    tagged_image(tmp_path / "images" / "a.jpg", lens={0xA405: 27}, size_px=(1024, 768))
+    place = "--position", "47.6435,16.4759,540"
+    assert run("new", tmp_path / "p", "--images", tmp_path / "images", *place).status == 0
+    of_tags = tomllib.loads((tmp_path / "p" / "flight.toml").read_text())["uncertainty"]
+    more = [f"--set=uncertainty.focal_rel={stated}"] if stated else []
+    assert run("new", tmp_path / "p", "--lens", lens, *more).status == 0
+    now = tomllib.loads((tmp_path / "p" / "flight.toml").read_text())["uncertainty"]
+    assert of_tags == {"focal_rel": 0.05}
+    assert now == ({"focal_rel": float(stated)} if stated else {})
+
+
 @pytest.mark.parametrize("suffix", [".jpg", ".tif", ".png"])
 @pytest.mark.parametrize("orientation", range(1, 9))
 def test_the_size_of_an_image_is_that_of_the_upright_one(

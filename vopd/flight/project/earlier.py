@@ -10,6 +10,7 @@ from pathlib import Path
 
 from vopd.files import from_folder
 from vopd.findings import VopdError
+from vopd.flight.project.inspect import FOCAL_REL, OF_FOCAL
 from vopd.flight.project.keys import ROWS, VIDEO, KeyValues, from_toml, toml_text, written_keys
 from vopd.flight.project.new import NAME, OWN_HEAD, SAYS_EXAMPLE, Answer, sure_keys
 from vopd.video import stills_in
@@ -93,6 +94,9 @@ def _leave_out(
     gone = sure_keys(answers)
     if ("track", "sigma_m") in said - gone:  # of which a part is each position's own
         gone.add(("track", "sigma_bias_m"))
+    lens, other_lens = ("camera", "lens"), "lens" in files or ("camera", "lens") in gone
+    if other_lens and lens in before.values and before.values.get(OF_FOCAL) == f"{FOCAL_REL:g}":
+        gone.add(OF_FOCAL)  # of the focal length that tags had
     if video or "images" in files:
         gone |= {("picks", key) for key in ("times", "video", "frame_rate_hz")}
         before.files.pop("images", None)

@@ -196,7 +196,7 @@ def look_at_numbers(new: NewProject, values: KeyValues) -> None:
         new.needed["camera", "pixel_grid"] = "where the lens's cx_px and cy_px count from"
 
 
-FOCAL_REL = 0.05
+OF_FOCAL, FOCAL_REL = ("uncertainty", "focal_rel"), 0.05
 """Standard deviation of a focal length by EXIF, as a part of it: whole millimetres of film, and
 two ways to count them that differ by 4 %."""
 
@@ -276,7 +276,7 @@ def look_at_focal(new: NewProject, values: KeyValues, images: Path) -> None:
     new.said[:] = [one for one in new.said if one != NO_LENS]
     values["camera", "lens"] = f'{{ model = "brown", fx_px = {focal_px:g} }}'
     values["camera", "image_size_px"] = toml_numbers(*size_px)
-    values["uncertainty", "focal_rel"] = f"{FOCAL_REL:g}"
+    values[OF_FOCAL] = f"{FOCAL_REL:g}"
     for key in ("lens", "image_size_px"):
         new.needed.pop(("camera", key), None)
     new.said.append(
