@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,12 @@ from tests.approved.texts import assert_approved
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
+from vopd.flight.formats.track import TrackRows
+from vopd.flight.project.keys import Section
 from vopd.flight.project.read import read_flight
+from vopd.flight.project.stated import Notes
+from vopd.flight.project.times import FrameTimes
+from vopd.flight.project.track import doubts_of_leaps, doubts_of_own_velocities, path_by_image
 from vopd.flight.project.velocity import doubts_of_velocities, off_line
 from vopd.geometry.earth import earth_centred_m
 
@@ -82,6 +88,25 @@ def test_a_leap_does_not_make_velocities_wrong_and_few_positions_tell_nothing() 
     assert not doubts_of_velocities("t.csv", TIME_S, leaping, own, 0.1)
     assert doubts_of_velocities("t.csv", TIME_S[:5], path()[:5], -own[:5], 0.1)
     assert not doubts_of_velocities("t.csv", TIME_S[:4], path()[:4], -own[:4], 0.1)
+
+
+@pytest.mark.parametrize("order", [[0, 1, 2, 3, 4, 5, 6, 7], [3, 0, 7, 1, 6, 2, 5, 4]])
+def test_a_track_of_images_is_told_the_same_whatever_the_order_of_its_rows(
+    order: list[int],
+) -> None:
+    names, time_s, own = [f"{k}.jpg" for k in order], TIME_S[order], np.tile(-TRUE_M_S, (8, 1))
+    rows = TrackRows(path()[order], False, None, "utc", time_s, "", names, own)
+    section = Section("p.toml", "track", {"sigma_m": 0.0, "velocity_sigma_m_s": 0.1})
+    times = FrameTimes(TIME_S, tuple(sorted(names)), None)
+    found = path_by_image(section, rows, path()[order], times, time_s, Notes([], {}))
+    assert doubts_of_own_velocities(rows, path()[order], found, "t.csv") == doubts(-TRUE_M_S)
+    leaping = path()
+    leaping[5] += 500.0
+    for whole in (True, False):  # rounded to whole seconds they tell neither
+        one = replace(rows, whole_seconds=whole)
+        said = doubts_of_leaps(one, leaping[order], None, "t.csv")
+        assert ["5.jpg" in text for text in said] == [True] * (not whole)
+        assert bool(doubts_of_own_velocities(one, path()[order], found, "t.csv")) != whole
 
 
 @pytest.mark.parametrize("sign", ["", "-"])

@@ -788,7 +788,9 @@ def test_the_path_at_images() -> None:
     assert np.array_equal(path.velocity_m_s, [[3, 4, 5], [np.nan] * 3, [0, 1, 2]], equal_nan=True)
     gimbal = [[13, 14, 15], [np.nan] * 3, [10, 11, 12]]
     assert np.array_equal(path.gimbal_deg, gimbal, equal_nan=True)
-    assert said == ["t.csv: standard deviations by its own column"]
+    assert said == ["t.csv: standard deviations by its own column", "velocity as the track has it"]
+    assert path.acceleration_m_s2 is not None  # 3 m/s a second from row to row
+    assert np.array_equal(path.acceleration_m_s2[[0, 2]], [[3.0] * 3] * 2)
     assert path.fixes is not None and path.fixes.sigma_m.tolist() == [[3.0, 4.0, 5.0]] * 3
     assert path.fixes.first.tolist() == [1, 0, 0]
     assert path.fixes.weight.tolist() == [[1.0], [0.0], [1.0]]
@@ -800,7 +802,7 @@ def test_the_path_at_images() -> None:
                           times, None, Notes(said, {}))  # fmt: skip
     assert plain.velocity_m_s is None and plain.gimbal_deg is None and plain.lever_arm_m is None
     assert plain.fixes is not None and plain.fixes.sigma_m.tolist() == [[2.0] * 3] * 3
-    assert plain.velocity_sigma_m_s is None and len(said) == 1
+    assert plain.velocity_sigma_m_s is None and len(said) == 2
 
 
 def test_speeds_of_images_are_north_east_down_at_the_image() -> None:

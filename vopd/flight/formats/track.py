@@ -85,6 +85,12 @@ class TrackRows:
     by_video: bool = False  # seconds after the first frame of the video that it came with
     doubts: Sequence[str] = ()  # sentences for warnings
 
+    def label(self, row: int) -> str:
+        """Name a row: by its line, its image, or its place in the file."""
+        if self.line:
+            return f"line {self.line[row]}"
+        return self.image[row] if self.image else f"position {row + 1}"
+
     @property
     def asks_ground(self) -> str:
         """The question for the height of the ground, where heights count from it."""
@@ -101,12 +107,11 @@ def row_out_of_order(rows: TrackRows) -> str:
     if not len(backward):
         return ""
     row = int(backward[0]) + 1
-    line = f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
     advice = "sort the rows by time"
     if rows.time_s[row] == rows.time_s[row - 1]:
         same = np.array_equal(rows.coordinate[row], rows.coordinate[row - 1])
         advice = "it repeats that one, remove it" if same else "remove one of the two"
-    return f"{line}: its time is not after the one before; {advice}"
+    return f"{rows.label(row)}: its time is not after the one before; {advice}"
 
 
 # A track as a CSV: times, images or both, positions, and perhaps velocities and sigmas

@@ -172,6 +172,22 @@ def rows_of_images(section: Section, rows: TrackRows, image: tuple[str, ...]) ->
     return find_images(rows.image, map(rows.image_key, image))
 
 
+def order_of_times(time_s: Floats | None, whole_seconds: bool) -> Ints:
+    """List the positions that have a time, in the order of time.
+
+    Args:
+        time_s: of all positions, (T,); None: there is none
+        whole_seconds: whether these are rounded, which tells no velocity
+
+    Returns:
+        Their indices; none where times do not tell two positions apart.
+    """
+    if time_s is None or whole_seconds:
+        return np.zeros(0, np.int64)
+    order = np.argsort(time_s, kind="stable")[: np.isfinite(time_s).sum()]
+    return order if len(order) > 1 and (np.diff(time_s[order]) > 0.0).all() else order[:0]
+
+
 def path_by_image(
     section: Section,
     rows: TrackRows,
@@ -195,21 +211,20 @@ def path_by_image(
     here = np.where(missing, np.nan, position[found])
     sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
     velocity, acceleration = rows.velocity_m_s, None
-    if velocity is None and time_s is not None:
-        order = np.argsort(time_s, kind="stable")[: np.isfinite(time_s).sum()]
-        if rows.whole_seconds or len(order) < 2 or not (np.diff(time_s[order]) > 0.0).all():
-            why = "the images' times are whole seconds, or too few, or alike"
-            notes.said.append(f"no velocity: {why}")
-        else:
-            at_s = time_s[order]
-            rough = track_roughness(at_s, position[order], sigma_m[order])
-            fitted = velocity_by_fit(at_s, position[order], at_s, position[order], rough, notes)
-            of_rows = np.full((3, *position.shape), np.nan)
-            for own, one in zip(of_rows, fitted, strict=True):
-                own[order] = np.nan if one is None else one
-            velocity, acceleration = of_rows[:2]
-            by_fit = None if fitted[2] is None else of_rows[2]
-            sigma_m_s = by_fit if sigma_m_s is None else sigma_m_s
+    order = order_of_times(time_s, rows.whole_seconds)
+    if time_s is not None and len(order):
+        at_s, at_m = time_s[order], position[order]
+        own, own_sigma = (None if one is None else one[order] for one in (velocity, sigma_m_s))
+        rough = track_roughness(at_s, at_m, sigma_m[order])
+        by_time = path_velocity(at_s, at_m, at_s, at_m, rough, own, own_sigma, notes)
+        of_rows = np.full((3, *position.shape), np.nan)
+        for every, one in zip(of_rows, by_time, strict=True):
+            every[order] = np.nan if one is None else one
+        velocity, acceleration = of_rows[:2]
+        sigma_m_s = None if by_time[2] is None else of_rows[2]
+    elif velocity is None and time_s is not None:
+        why = "the images' times are whole seconds, or too few, or alike"
+        notes.said.append(f"no velocity: {why}")
     gimbal = None
     if rows.gimbal_deg is not None:
         gimbal = np.where(missing, np.nan, rows.gimbal_deg[found])
@@ -286,6 +301,33 @@ def velocity_by_fit(
     sizes = sizes if noise.max() >= LEAST_TOLD_M else "less than 1 mm"
     notes.said.append(f"{said}, whose noise is {sizes}")
     return velocity, acceleration, np.sqrt(variance)
+
+
+def path_velocity(
+    at: Floats, here: Floats, time_s: Floats, position: Floats, rough: Roughness,
+    velocity_m_s: Floats | None, sigma_m_s: Floats | None, notes: Notes,
+) -> tuple[Floats, Floats, Floats | None]:  # fmt: skip
+    """Find the velocity at some moments: between those that the track has itself, or by a fit.
+
+    The first five arguments, and what is returned, are those of `velocity_by_fit`.
+
+    Args:
+        velocity_m_s: of the track, north, east, down, (T, 3); None: it has none
+        sigma_m_s: stated standard deviations, (T, 3); None: none are
+        notes: added to
+    """
+    if velocity_m_s is None:
+        velocity, acceleration, sigma = velocity_by_fit(at, here, time_s, position, rough, notes)
+    else:
+        velocity, sigma = _columns_at(at, time_s, velocity_m_s), None
+        acceleration = _columns_at(at, time_s, np.gradient(velocity_m_s, time_s, axis=0))
+        notes.said.append("velocity as the track has it")
+    if sigma_m_s is not None:
+        sigma = _columns_at(at, time_s, sigma_m_s)
+        if velocity_m_s is not None:  # those that are called exact stay so
+            off_m_s = off_line(at, time_s, velocity_m_s, sigma_m_s)
+            sigma = np.where(sigma > 0.0, np.hypot(sigma, off_m_s), 0.0)
+    return velocity, acceleration, sigma
 
 
 # The camera's path: a fixed position, or a track by time or by image
@@ -365,6 +407,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         times, time_s = times_of_track(section, rows, times)
         path = path_by_image(section, rows, position, times, time_s, notes)
         doubts += unused_by_image(project, rows)
+        doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
     else:
         if rows.clock == "seconds":
             refuse_seconds(project, times, "the track has")
@@ -373,7 +416,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         doubts += doubts_of_holes(times.time_s, path.row_s, file.name)
         doubts += doubts_of_leaps(rows, position, path.fixes, file.name)
         doubts += doubts_of_scatter(rows, position, path.fixes, file.name)
-        doubts += doubts_of_own_velocities(section, rows, position, path, file.name)
+    doubts += doubts_of_own_velocities(rows, position, path, file.name)
     if path.fixes is not None and not path.fixes.exact:
         doubts += doubts_of_rounding(
             "track", file.name, rows.coordinate, rows.geodetic, crs, path.fixes.of_positions_m
@@ -475,20 +518,10 @@ def path_by_time(
     at = np.where(inside, times.time_s, time_s[0])
     here = _interpolated(way, time_s, position, at)
     rough = track_roughness(time_s, position, sigma_m)
-    if velocity_m_s is None:
-        fitted = velocity_by_fit(at, here, time_s, position, rough, notes)
-        velocity, acceleration, of_frames = fitted
-    else:
-        velocity_m_s = velocity_m_s[near]
-        velocity = _columns_at(at, time_s, velocity_m_s)
-        acceleration = _columns_at(at, time_s, np.gradient(velocity_m_s, time_s, axis=0))
-        of_frames = None
-        notes.said.append("velocity as the track has it")
-    if sigma_m_s is not None:
-        of_frames = _columns_at(at, time_s, sigma_m_s)
-        if velocity_m_s is not None:  # those that are called exact stay so
-            off_m_s = off_line(at, time_s, velocity_m_s, sigma_m_s)
-            of_frames = np.where(of_frames > 0.0, np.hypot(of_frames, off_m_s), 0.0)
+    velocity_m_s = None if velocity_m_s is None else velocity_m_s[near]
+    velocity, acceleration, of_frames = path_velocity(
+        at, here, time_s, position, rough, velocity_m_s, sigma_m_s, notes
+    )
     unknown = ~inside[:, None]
     key_sigma(section, "sigma_t_s", "", notes)
     fixes = path_errors(at, inside, time_s, position, sigma_m, rough, way)
@@ -655,17 +688,19 @@ def doubts_of_leaps(
     Such a path, taken for one that bends so between its positions, would be uncertain by as much.
 
     Args:
-        rows: of a track by time
+        rows: of a track
         position: its positions, Earth-centred, (T, 3)
         fixes: their errors; None where they are exact
         name: of its file
     """
-    assert rows.time_s is not None
+    order = order_of_times(rows.time_s, rows.whole_seconds)
+    if rows.time_s is None or not len(order):
+        return []
     least_m = LEAST_LEAP_M
     if fixes is not None:
         least_m += NOISY_LEAP * float(np.linalg.norm(fixes.of_positions_m, axis=1).max())
-    step_s = np.diff(rows.time_s)[:, None]
-    turned = np.linalg.norm(np.diff(np.diff(position, axis=0) / step_s, axis=0), axis=1)
+    step_s = np.diff(rows.time_s[order])[:, None]
+    turned = np.linalg.norm(np.diff(np.diff(position[order], axis=0) / step_s, axis=0), axis=1)
     before_s, after_s = step_s[:-1, 0], step_s[1:, 0]
     leap = turned * np.minimum(before_s, after_s) > least_m
     bent = np.where(leap, 2.0 * turned / (before_s + after_s), 0.0)
@@ -675,38 +710,36 @@ def doubts_of_leaps(
     # a position that is off bends the path half as much at those before and behind it
     about = np.pad(bent, 1)
     far = (bent > MOST_BENT_M_S2) & (bent >= about[:-2]) & (bent >= about[2:])
-    labels = [
-        f"line {rows.line[row]}" if rows.line else f"position {row + 1}"
-        for row in (np.flatnonzero(far) + 1).tolist()
-    ]
+    labels = [rows.label(row) for row in order[np.flatnonzero(far) + 1].tolist()]
     bend = f"{'up to ' * (len(labels) > 1)}{most:.3g} m/s^2"
     return [f"{name}: {first_of(labels, MANY)}: the path bends by {bend} there: {LEAPS}"]
 
 
 def doubts_of_own_velocities(
-    section: Section, rows: TrackRows, position: Floats, path: CameraPath, name: str
+    rows: TrackRows, position: Floats, path: CameraPath, name: str
 ) -> list[str]:
     """Warn of velocities of a track that contradict its positions.
 
     Args:
-        section: `[track]`
-        rows: of a track by time
+        rows: of a track
         position: its positions, Earth-centred, (T, 3)
         path: the camera's, with the errors of positions and velocities
         name: of its file
     """
-    assert rows.time_s is not None
-    if rows.velocity_m_s is None:
+    order = order_of_times(rows.time_s, rows.whole_seconds)
+    if rows.time_s is None or rows.velocity_m_s is None or not len(order):
         return []
+    time_s = rows.time_s[order]
     variance = 0.0
     of_frames = path.velocity_sigma_m_s
     if of_frames is not None and (known := np.isfinite(of_frames[:, 0])).any():
         variance += float((np.median(of_frames[known], axis=0) ** 2).sum()) / 2.0  # of a mean
     if path.fixes is not None:  # of a difference
-        usual_s = float(np.median(np.diff(rows.time_s)))
+        usual_s = float(np.median(np.diff(time_s)))
         of_fix_m = np.median(path.fixes.of_positions_m, axis=0)
         variance += 2.0 * float((of_fix_m**2).sum()) / usual_s**2
-    return doubts_of_velocities(name, rows.time_s, position, rows.velocity_m_s, variance**0.5)
+    own_m_s = rows.velocity_m_s[order]
+    return doubts_of_velocities(name, time_s, position[order], own_m_s, variance**0.5)
 
 
 ORDERS = (3, 4, 5, 6)  # of differences: those of a smooth path become less from one to the next
