@@ -22,6 +22,7 @@ from tests.tolerances import within
 from vopd.arrays import Floats
 from vopd.cli.adjust_deck import landmark_number
 from vopd.convert import feature_trials
+from vopd.convert.deck_to_flight import deck_flight
 from vopd.convert.feature import (
     STEP,
     coordinates_of,
@@ -33,7 +34,10 @@ from vopd.convert.feature import (
 from vopd.convert.feature_trials import FeatureTrials, search_feature
 from vopd.errata import NO_FIXES, Fixes, fixes
 from vopd.findings import VopdError
+from vopd.flight.adjust import tested
+from vopd.flight.adjust.adjustment import adjust
 from vopd.flight.coordinates import coordinates_at
+from vopd.flight.misfits.leave_out import PICK
 from vopd.job import Job
 from vopd.synthetic import Plan as DemoPlan
 from vopd.synthetic.flight import make
@@ -340,11 +344,23 @@ def test_what_cannot_be_located_says_what_to_do() -> None:
         (one_frame(job), 12),
         (ignored(job, 11, 13, 14, 15), 12),
         (replace(job, trajectory=replace(job.trajectory, position_ft=still)), 12),
+        (with_coordinates(job, 12, coordinates_of(job, 12) * [1.0, 1.0, 1000.0]), 12),  # in space
+        (with_coordinates(job, 12, np.array([90.0, -106.0, 0.0])), 12),
     ):
         with refused(VopdError):
             locate_feature(wrong, number, ALL, "film.dat")
         with refused(VopdError):
             search_feature(wrong, number, ALL, "film.dat")
+
+
+def test_a_landmark_without_an_image_is_predicted_by_no_others() -> None:
+    """Its latitude is south: it lies behind the camera that the other three landmarks tell."""
+    (job,) = make(DemoPlan(frames=12, landmarks=4, noise_in=0.001, seed=7, earth="wgs84"))[0]
+    south = coordinates_of(job, 2) * [-1.0, 1.0, 1.0]
+    flight = deck_flight(with_coordinates(job, 2, south), NO_FIXES)
+    tests = tested.tested_flight(adjust(flight, []).result).tests
+    predicted = [flight.landmarks.name[k] for k in tests.landmark[tests.kind == PICK]]
+    assert set(predicted) == {"1", "3", "4"}
 
 
 def test_one_frame_holds_a_landmark_across_its_line_of_sight_alone() -> None:

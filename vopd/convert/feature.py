@@ -31,11 +31,12 @@ from vopd.program.ignored import kept
 NAMES = ("latitude", "longitude", "altitude")
 UNITS = ("deg", "deg", "ft")
 GROUP_9, FORMAT_9, NUMBER_COLUMNS, LAST_COLUMN = 9, 83, 10, 60
+POLE_DEG = 90.0
 MINUTE_DECIMALS, FOOT_DECIMALS = 5, 1  # .00001 minute is .06 ft; ten columns hold both
 
 
 def check_feature(job: Job, number: int, name: str) -> None:
-    """Check that a landmark stands once in group 9, and is read.
+    """Check that a landmark stands once in group 9, not at a pole, and is read.
 
     Raises:
         VopdError: if it is not
@@ -52,6 +53,11 @@ def check_feature(job: Job, number: int, name: str) -> None:
     if number not in job.readings.points.landmark:
         raise VopdError(
             f"{name}: landmark {number} is read in no frame: read it on the film, or free another"
+        )
+    if abs(coordinates_of(job, number)[0]) == POLE_DEG:
+        raise VopdError(
+            f"{name}: group 9 has landmark {number} at a pole, where longitudes meet: look at its "
+            "card"
         )
 
 
@@ -244,6 +250,11 @@ def locate_feature(
     sigma_m[at] = (UNKNOWN_FT if sigma_ft is None else sigma_ft) * M_PER_FT
     flight = replace(flight, landmarks=replace(flight.landmarks, sigma_m=sigma_m))
     solved = adjust(flight, [f"landmark:{number}"])
+    if not solved.parameters:
+        raise VopdError(
+            f"{name}: landmark {number} lies behind the camera in all frames, as the others have "
+            "them: look at its card in group 9"
+        )
     doubts = solved.result.findings  # lines of sight are spoken of in feet, by the notes
     doubts = tuple(one for one in doubts if not one.message.startswith(f"free landmark:{number}:"))
     axes, stated = flight.landmarks.axes[at], flight.landmarks.position_m[at]

@@ -327,7 +327,14 @@ def _every(joint: JointSolution, beside: Bools | None) -> Model:
         used[clicks.pick[~np.isin(clicks.click, model.clicked)]] = False
     used[model.pick] = True
     solved = np.bincount(flight.picks.frame[model.pick], minlength=model.frames) > 1
-    return Model(flight, priors, used, solved, flight.picks.sigma_px, model.readout, model.loss)
+
+    def of_those() -> Model:
+        return Model(flight, priors, used, solved, flight.picks.sigma_px, model.readout, model.loss)
+
+    every = of_those()
+    for rows in every.rows(joint.state):  # a landmark behind the camera has no image
+        used[every.pick[rows.picks]] = np.isfinite(rows.residual).all(axis=-1)
+    return every if used[every.pick].all() else of_those()
 
 
 def _known_frames(joint: JointSolution, every: Model) -> Iterator[_Frame]:
