@@ -899,7 +899,7 @@ def test_broken_json_and_yaml_say_where() -> None:
 def test_pixels_one_and_a_half_times_as_wide_as_high_are_doubted(fy_px: float, told: int) -> None:
     middle = np.array([959.5, 539.5])
     lens = Lens(LensKind.BROWN, (1920, 1080), np.array([1500.0, fy_px]), middle, np.zeros(12))
-    assert len(list(doubts_of_lens(lens))) == told
+    assert len(list(doubts_of_lens(lens, "[camera] lens"))) == told
 
 
 @pytest.mark.parametrize(
@@ -915,7 +915,7 @@ def test_a_principal_point_far_from_the_middle_is_doubted(
 ) -> None:
     """By more than a tenth of 1920 or of 1080; (c + .5) over half of them is the other size's."""
     lens = Lens(LensKind.BROWN, (1920, 1080), np.full(2, 1500.0), np.array(centre_px), np.zeros(12))
-    found = list(doubts_of_lens(lens))
+    found = list(doubts_of_lens(lens, "[camera] lens"))
     assert bool(found) == told
     assert [one for one in found if "It is the middle of " in one] == found[: bool(size)]
     assert not size or found[0].endswith(f"It is the middle of {size}.")

@@ -290,6 +290,16 @@ def test_a_table_of_one_lens_is_that_lens(tmp_path: Path) -> None:
     assert not isinstance(read_flight(str(path)).lens, Lenses)
 
 
+def test_each_lens_of_a_table_is_doubted_by_its_name(tmp_path: Path) -> None:
+    """A calibration at half of the size, beside one that is right: landmarks were blamed."""
+    path = two_cameras(tmp_path)
+    assert not read_flight(str(path)).findings
+    half = replace(OTHER, centre_px=OTHER.centre_px / 2.0)
+    (tmp_path / "cameras" / "b.json").write_text(camera_file(half, "fisheye"))
+    (doubt,) = read_flight(str(path)).findings
+    assert doubt.message.startswith("cameras/lenses.csv: b.json: the principal point ")
+
+
 def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:
     path = two_cameras(tmp_path)
     toml, table = path.read_text(), tmp_path / "cameras" / "lenses.csv"

@@ -194,7 +194,7 @@ class CameraLens(NamedTuple):
 
     read: LensRead  # of all images, or the first of several
     table: InputFile | None = None  # which lens each image has; None: no table says it
-    lenses: tuple[Lens, ...] = ()  # of the table
+    lenses: Mapping[str, Lens] = {}  # that, or all of the table, by what a sentence calls them
     of_image: Mapping[str, int] = {}  # which of them
 
     @property
@@ -202,7 +202,9 @@ class CameraLens(NamedTuple):
         """The lens, or all of several."""
         if not self.several:
             return self.read.lens
-        return Lenses.join(self.lenses, np.array([*self.of_image.values()], np.int64))
+        return Lenses.join(
+            tuple(self.lenses.values()), np.array([*self.of_image.values()], np.int64)
+        )
 
     @property
     def several(self) -> bool:
@@ -238,7 +240,8 @@ def read_camera(project: Project) -> CameraLens:
     """
     section = project.section("camera")
     if not section.has("of_images"):
-        return CameraLens(read_lens(project))
+        read = read_lens(project)
+        return CameraLens(read, None, {"[camera] lens": read.lens})
     if project.section("solve").text("frames") == "one":
         raise section.error(
             "of_images", 'several cameras: [solve] frames = "one" is of one; leave it out'
@@ -270,7 +273,10 @@ def read_camera(project: Project) -> CameraLens:
         for name in dict.fromkeys(name for one in found.values() for name in one.sigma)
     }
     read = LensRead(first.lens, said, sigma)
-    return CameraLens(read, table, tuple(one.lens for one in found.values()), of_image)
+    lenses = {
+        f"{table.name}: {' '.join(filter(None, own))}": one.lens for own, one in found.items()
+    }
+    return CameraLens(read, table, lenses, of_image)
 
 
 def _by_first(read: LensRead, first: LensRead) -> dict[str, float]:
@@ -294,34 +300,39 @@ ALIKE = 0.05  # of a side, by which the two parts of it differ in a smaller pict
 SHORT = 0.1  # of the longer side: an image without the distortion of a fisheye is 157 degrees wide
 
 
-def doubts_of_lens(lens: Lens) -> Iterator[str]:
-    """Doubt a principal point far from the middle, oblong pixels, a focal length in millimetres."""
+def doubts_of_lens(lens: Lens, where: str) -> Iterator[str]:
+    """Doubt a principal point far from the middle, oblong pixels, a focal length in millimetres.
+
+    Args:
+        lens: one lens
+        where: what a sentence calls it
+    """
     wide, high = lens.size_px
     aside = np.abs(lens.centre_px + 0.5 - np.array(lens.size_px) / 2.0) / lens.size_px
     if (np.abs(lens.centre_px) <= 1.0).all():
         yield (
-            "[camera] lens: the principal point {:g}, {:g} is in the corner of the image: was it "
+            "{}: the principal point {:g}, {:g} is in the corner of the image: was it "
             "set? Without cx_px and cy_px a table's is the image's middle"
-        ).format(*lens.centre_px)
+        ).format(where, *lens.centre_px)
     elif (aside > ASIDE).any():
         (part, other), of = 2.0 * (lens.centre_px + 0.5) / lens.size_px, ""
         if abs(part - other) < ALIKE:
             part = (part + other) / 2.0
             of = f" It is the middle of {part * wide:.0f} x {part * high:.0f}."
         yield (
-            f"[camera] lens: the principal point {lens.centre_px[0]:g}, {lens.centre_px[1]:g} is "
+            f"{where}: the principal point {lens.centre_px[0]:g}, {lens.centre_px[1]:g} is "
             f"{aside.max():.0%} of the side from the middle of an image of {wide} x {high}: is it "
             f"of images of another size (lens_size_px), or cut off at a side?{of}"
         )
     (fx_px, fy_px), side_px = lens.focal_px.tolist(), max(lens.size_px)
     if max(fx_px, fy_px) > OBLONG * min(fx_px, fy_px):
         yield (
-            f"[camera] lens: fx_px = {fx_px:g} and fy_px = {fy_px:g}: pixels of most cameras are "
+            f"{where}: fx_px = {fx_px:g} and fy_px = {fy_px:g}: pixels of most cameras are "
             "square; is one of the two something else? Numbers are FX,FY,CX,CY,K1,K2,P1,P2"
         )
     if lens.kind is LensKind.BROWN and fx_px < SHORT * side_px:
         wide = np.rad2deg(2.0 * np.arctan(side_px / 2.0 / fx_px))
         yield (
-            f"[camera] lens: fx_px = {fx_px:g}: the image would be {wide:.0f} degrees wide; is "
+            f"{where}: fx_px = {fx_px:g}: the image would be {wide:.0f} degrees wide; is "
             "that millimetres? focal_mm and sensor_mm take those"
         )

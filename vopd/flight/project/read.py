@@ -334,8 +334,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     )
     if (sigma_px := project.section("picks").number("sigma_px")) < LEAST_PX:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
-    if camera_lens.table is None:
-        doubts += doubts_of_lens(lens.lens)
+    for where, own in camera_lens.lenses.items():
+        doubts += doubts_of_lens(own, where)
     shutter, section = shutter_of(project.section("camera")), project.section("picks")
     rate_hz = section.number("frame_rate_hz") if section.has("frame_rate_hz") else None
     interval_s = frame_interval_s(number, times.time_s, times.image, rate_hz)
