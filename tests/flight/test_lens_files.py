@@ -349,6 +349,11 @@ REFUSED = {
     "no sensor": ((4, 3), {"model": "brown", "focal_mm": 35}),
     "sensor of 0": ((4, 3), {"model": "brown", "focal_mm": 35, "sensor_mm": [0, 24]}),
     "focal length of 1": ((4, 3), FX | {"fx_px": 1.0}),
+    "focal length in metres": (
+        (400, 300),
+        {"model": "brown", "focal_mm": 0.035, "sensor_mm": [36, 27]},
+    ),
+    "focal length of no camera": ((4, 3), FX | {"fx_px": 2e9}),
     "of the other side": ((4, 3), FX | {"fy_px": 1.0}),
     "one row": ((4, 3), TABLE | {"table_px": [[100, 1.0]]}),
     "not finite": ((4, 3), TABLE | {"table_px": [[1, 2], [2, float("inf")]]}),

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
 
 from vopd.files import optional_package, reason
-from vopd.findings import count_text, first_of, shown
+from vopd.findings import VopdError, count_text, first_of, shown
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.files import UNEXPECTED, InputFile
 from vopd.geometry.lenses import MODELS, Lens, LensKind
@@ -75,22 +75,26 @@ def make_lens(
 MOST_PX = 1e9  # of a focal length, centre or size; no camera has more
 
 
-def checked(file: InputFile, lens: Lens) -> Lens:
+def checked(lens: Lens, error: Callable[[str], VopdError]) -> Lens:
     """Check that the numbers of a lens can be those of one.
+
+    Args:
+        lens: of a file or a table
+        error: makes one of its place there
 
     Raises:
         VopdError: where they cannot
     """
     numbers = np.concatenate([lens.focal_px, lens.centre_px, lens.k, [lens.skew_px]])
     if not np.isfinite(numbers).all():
-        raise file.error("the lens has a number that is not finite")
+        raise error("the lens has a number that is not finite")
     if (np.abs(numbers) > MOST_PX).any() or max(lens.size_px) > MOST_PX:
         largest = max(np.abs(numbers).max(), *lens.size_px)
-        raise file.error(f"the lens has a number of {largest:g}: {MOST_PX:.0e} at most")
+        raise error(f"the lens has a number of {largest:g}: {MOST_PX:.0e} at most")
     if min(lens.size_px) < 1:
-        raise file.error("the image's size is {} x {} px".format(*lens.size_px))
+        raise error("the image's size is {} x {} px".format(*lens.size_px))
     if not (lens.focal_px > 1.0).all():
-        raise file.error(f"focal length {lens.focal_px.min():g} px: is it in pixels?")
+        raise error(f"focal length {lens.focal_px.min():g} px: is it in pixels?")
     return lens
 
 
@@ -176,7 +180,7 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
         raise file.error(f"{name} has {4 + COUNTS_MRCAL[kind]} intrinsics, not {len(values)}")
     lens = make_lens("brown", (width, height), values[:2], values[2:4], values[4:])
     said = f"{file.name}: mrcal, {coefficients_said(values[4:], 'brown')}, centre grid"
-    return LensRead(checked(file, lens), said)
+    return LensRead(checked(lens, file.error), said)
 
 
 # Agisoft Metashape's XML: a calibration file, or the cameras of a project
@@ -250,7 +254,7 @@ def _calibration(
     sigma = _calibration_sigma(file, found)
     if sigma:
         said += f"; standard deviations of {', '.join(sigma)}, without their correlations"
-    return LensRead(checked(file, lens), said, sigma)
+    return LensRead(checked(lens, file.error), said, sigma)
 
 
 METASHAPE_PARAMETERS = {
@@ -398,7 +402,7 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         k,
     )
     said = f"{file.name}: OpenSfM, {kind}, from the image's centre"
-    return LensRead(checked(file, lens), said)
+    return LensRead(checked(lens, file.error), said)
 
 
 # OpenCV's FileStorage: .yml, .yaml, .xml and .json with a camera matrix and coefficients
@@ -476,7 +480,7 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     lens = make_lens(model, size_px, (matrix[0], matrix[4]), centre, k, skew)
     said = f"{file.name}: OpenCV, {coefficients_said(k, model)}, centre grid"
     said += f", a skew of {skew:g} px" if skew else ""
-    return LensRead(checked(file, lens), said)
+    return LensRead(checked(lens, file.error), said)
 
 
 def _size(
@@ -675,7 +679,7 @@ def read_kalibr(file: InputFile, question: LensQuestion) -> LensRead:
     model = MODELS_KALIBR[bent]
     lens = make_lens(model, size_px, focal_and_centre[:2], focal_and_centre[2:], k)
     return LensRead(
-        checked(file, lens), f"{file.name}: Kalibr, {name}, pinhole, {bent}, centre grid"
+        checked(lens, file.error), f"{file.name}: Kalibr, {name}, pinhole, {bent}, centre grid"
     )
 
 
@@ -744,7 +748,7 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
     size_px = size_of(file, width, height)
     lens = make_lens(model, size_px, (values[0], values[focals - 1]), centre, k)
     said = f"{file.name}: COLMAP, {name}, corner grid, half a pixel taken off"
-    return LensRead(checked(file, lens), said)
+    return LensRead(checked(lens, file.error), said)
 
 
 # MATLAB files of the Caltech calibration toolbox and of CIRN's, which begins from it
@@ -806,7 +810,7 @@ def _toolbox_lens(file: InputFile, found: Mapping[str, Any], question: LensQuest
     size = size_of(file, float(width), float(height))
     lens = make_lens("brown", size, focal.tolist(), (centre + shift).tolist(), k, skew)
     said = f"{file.name}: {said}, 5 coefficients, principal point from {corner}"
-    return LensRead(checked(file, lens), said)
+    return LensRead(checked(lens, file.error), said)
 
 
 # Formats of lens files, one row each; the next format is one more row

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ from vopd.flight.formats.lens import (
     LENS_FORMATS,
     LensQuestion,
     LensRead,
+    checked,
     coefficients_said,
     image_centre,
     make_lens,
@@ -126,13 +128,14 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
     for key in ("k", "skew_px") if by_table else ("table_px",):
         if table.has(key) and table.values[key] != []:
             raise table.error(key, f"a lens of the model {model} has none: leave it out")
+    error = partial(section.error, "lens")
     if found is not None:
-        return LensRead(found, f"lens: radial table{assumed}")
+        return LensRead(checked(found, error), f"lens: radial table{assumed}")
     k = table.numbers("k") if table.has("k") and table.values["k"] != [] else ()
     if len(k) not in MODELS[LensKind(model)].counts:
         raise table.error("k", wrong_count_text(len(k), LensKind(model)))
     skew = table.number("skew_px")
-    lens = make_lens(model, size, focal, centre, k, skew)
+    lens = checked(make_lens(model, size, focal, centre, k, skew), error)
     return LensRead(lens, f"lens: {coefficients_said(k, model)}{assumed}")
 
 
@@ -144,7 +147,11 @@ def _focal(table: Section, size: tuple[int, int]) -> tuple[tuple[float, float], 
         for key in [one for one in ("fx_px", "fy_px") if table.has(one)]:
             raise table.error("focal_mm", f"{key} is there too: give one of them")
         f = table.number("focal_mm")
-        return (f * size[0] / width, f * size[1] / height), ", focal length by the sensor's size"
+        px = f * size[0] / width, f * size[1] / height
+        if min(px) <= 1.0:
+            message = f"{f:g} is {min(px):.3g} px of this sensor: are both in millimetres?"
+            raise table.error("focal_mm", message)
+        return px, ", focal length by the sensor's size"
     if not table.has("fx_px"):
         raise table.error("fx_px", "is needed, or focal_mm and sensor_mm")
     if table.has("sensor_mm"):
@@ -334,5 +341,5 @@ def doubts_of_lens(lens: Lens, where: str) -> Iterator[str]:
         wide = np.rad2deg(2.0 * np.arctan(side_px / 2.0 / fx_px))
         yield (
             f"{where}: fx_px = {fx_px:g}: the image would be {wide:.0f} degrees wide; is "
-            "that millimetres? focal_mm and sensor_mm take those"
+            "that in pixels? focal_mm and sensor_mm take millimetres"
         )
