@@ -197,12 +197,13 @@ def recognises_metashape(file: InputFile) -> bool:
 def read_metashape(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens; of two calibrations of a sensor the adjusted one."""
     root = file.xml()
-    sensors = root.findall(".//sensor")
-    if question.camera is not None:
-        sensors = [one for one in sensors if question.camera in (one.get("id"), one.get("label"))]
-    if len(sensors) > 1 or (question.camera is not None and not sensors):
-        raise file.error(f"{len(sensors)} sensors: name one by its label with [camera] camera")
-    inside = sensors[0] if sensors else root
+    inside, sensors = root, root.findall(".//sensor")
+    if sensors:
+        ids, names = ([one.get(key, "") for one in sensors] for key in ("id", "label"))
+        names = ids if question.camera in ids else names
+        inside = sensors[names.index(_chosen(file, names, question, "name one by its label"))]
+    else:
+        refuse_camera(file, question)
     found = inside.findall("calibration") or ([root] if root.tag == "calibration" else [])
     found = [one for one in found if one.get("class") == "adjusted"] or found[-1:]
     if not found:
