@@ -303,9 +303,10 @@ MODELS_OPENSFM = {  # model here, keys of the coefficients in OpenCV's order
 
 
 def recognises_opensfm(file: InputFile) -> bool:
-    """Tell whether it is JSON that speaks of a focal length and a projection or a size."""
+    """Tell whether it is JSON that speaks of a focal length and a size, and not of a matrix."""
     text = file.text.lstrip()
-    return text[:1] in "{[" and '"width"' in text and '"focal' in text
+    sized = text[:1] in "{[" and '"width"' in text and '"focal' in text
+    return sized and ('"projection_type"' in text or not recognises_opencv(file))
 
 
 def read_opensfm(file: InputFile, question: LensQuestion) -> LensRead:
