@@ -127,6 +127,23 @@ def test_the_frames_of_a_video_as_images(folder: Path) -> None:
     assert_approved("\n".join(said).replace(str(folder), "FOLDER"))
 
 
+def test_the_frames_of_a_video_that_were_picked_in_by_their_names(folder: Path) -> None:
+    """They were refused as having no place in a video, and --images was advised."""
+    Path("film").mkdir()
+    for k in range(3):
+        Image.new("RGB", SIZE).save(f"film/f_{k}.png")
+    Path("p.csv").write_text("image,landmark,u_px,v_px\nf_0.png,x,1,2\nf_2.png,x,1,2\n")
+    Path("t.csv").write_text("t_s,lat_deg,lon_deg,h_m,sigma_m\n0,47,15,9,1\n1,47.001,15,9,1\n")
+    given = {"landmarks": "l.csv", "track": "t.csv", "images": "film", "picks": "p.csv"}
+    new = project_of_files(folder, given)
+    assert values(new)["picks"] == {"file": "p.csv", "video": "film"}
+    assert values(new)["camera"] == {"image_size_px": list(SIZE)}
+    assert [("picks", "frame_rate_hz") in new.needed, ("picks", "times") in new.needed] == [
+        True,
+        False,
+    ]
+
+
 def test_a_calibration_for_pictures_of_another_size(folder: Path) -> None:
     """The size is that of the frames, so that vopd check asks about the lens, too."""
     Path("lens.txt").write_text("1 OPENCV 128 96 150 150 64 48 0 0 0 0\n")

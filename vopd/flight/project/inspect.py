@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -328,6 +329,16 @@ def look_at_picks(
     return len(rows.frame) == 0 or not isinstance(rows.frame, Names)
 
 
+def name_images(new: NewProject, picks: str | None) -> bool:
+    """Tell whether the frames of a file of picks have names; not of one that cannot be read."""
+    if picks is None:
+        return False
+    with suppress(VopdError):
+        file = open_input(picks, Path(), new.columns.get("picks"))
+        return isinstance(read_by_content(PICK_FORMATS, file).frame, Names)
+    return False
+
+
 def look_at_landmarks(new: NewProject, values: KeyValues, folder: Path, name: str | None) -> None:
     """Say what the landmarks are, and ask what they leave open.
 
@@ -568,7 +579,7 @@ def look_at_times(
             new.needed["picks", "utc_offset_h"] = "the images' times do not say their zone"
         if rows.clock == "seconds":
             new.needed[EPOCH] = "UTC of the track's t = 0, as the images have dates"
-    elif by_number or ("picks", "frame_rate_hz") in {*new.answered, *values}:
+    elif by_number or {("picks", "frame_rate_hz"), ("picks", "video")} & {*new.answered, *values}:
         new.needed["picks", "frame_rate_hz"] = "that of the video; the track is by time"
         _begin(new, rows)
     else:

@@ -36,6 +36,7 @@ from vopd.flight.project.inspect import (
     look_at_track,
     look_at_video,
     look_at_wind,
+    name_images,
     named_from,
     take_size,
 )
@@ -312,7 +313,9 @@ def look_at_files(
     # images of kinds that have no tags bring no positions
     bare = images is not None and bool(stills_in(Path(images))) and not images_in(Path(images))
     if images is not None and is_film(Path(images)):
-        video, images, tagged = [images], None, None
+        tagged = None
+        if not name_images(new, named.get("picks")):
+            video, images = [images], None
     of_tags = None if bare or fixed or "track" in named else tagged
     if of_tags is not None and look(has_positions, of_tags):
         named["track"] = of_tags
