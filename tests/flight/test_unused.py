@@ -29,6 +29,9 @@ OPENCV = (
     '[0, 1500, 540], [0, 0, 1]], "distortion_coefficients": [0, 0, 0, 0, 0]}'
 )
 TABLE = TOML[TOML.index("lens =") : TOML.index("[picks]")]
+PLACE = (
+    '[position]\nlat_deg = 47.6\nlon_deg = 16.4\nh_m = 540\nheight = "ellipsoid"\nsigma_m = 1\n'
+)
 
 
 def flight(folder: Path, *changes: tuple[str, str]) -> Flight:
@@ -62,6 +65,9 @@ KEYS = {
     "a zone without images": [("[landmarks]", "utc_offset_h = 2.0\n[landmarks]")],
     "a first frame without a rate": [("frame_rate_hz = 10.0", 'times = "times.csv"')],
     "attitudes without a file": [("[picks]\n", "[vehicle]\nattitude_sigma_deg = 0.2\n[picks]\n")],
+    "a clock of a camera in one place": [
+        (TOML[TOML.index("[track]") :], f"{PLACE}[uncertainty]\nclock_rate_ppm = 20\n"),
+    ],
     "a sensor of another shape": [
         ("fx_px = 1500.0, fy_px = 1490.0", "focal_mm = 28.0, sensor_mm = [36.0, 24.0]"),
     ],
@@ -137,10 +143,7 @@ NOT_OF_ONE_FRAME = [
     "2",
 ]
 OPTIONS = HistoryOptions(Sigmas(time_s=1.0, velocity=2.0, wind=2.0), max_rate_deg_s=3.0)
-STANDING = (
-    TOML[TOML.index("[track]") :],
-    '[position]\nlat_deg = 47.6\nlon_deg = 16.4\nh_m = 540\nheight = "ellipsoid"\nsigma_m = 1\n',
-)
+STANDING = TOML[TOML.index("[track]") :], PLACE
 
 
 def test_options_without_an_effect(tmp_path: Path) -> None:

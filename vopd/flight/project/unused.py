@@ -34,6 +34,8 @@ def _reasons(project: Project) -> dict[tuple[str, str], str]:
     if not picks.has("frame_rate_hz") and times != VIDEO:
         why = f'it takes frame_rate_hz or times = "{VIDEO}"'
         found["picks", "first_frame_t_s"] = why
+    if project.has("position"):
+        found["uncertainty", "clock_rate_ppm"] = "a camera in one place is there at every time"
     if not project.section("vehicle").has("attitude"):
         found["vehicle", "attitude_sigma_deg"] = "[vehicle] attitude names no file"
     return found
