@@ -203,7 +203,7 @@ def test_components_stand_apart_and_only_those_asked_for() -> None:
     assert {f"sigma_centre_{angle}_deg" for angle in ANGLES} <= set(plain)
 
 
-@pytest.mark.parametrize("value", [-1.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("value", [-1.0, float("nan"), float("inf"), 1e-10])
 @pytest.mark.parametrize("name", [field.name for field in fields(Sigmas)])
 def test_what_is_no_standard_deviation(name: str, value: float) -> None:
     with refused(VopdError):

@@ -29,9 +29,7 @@ OPENCV = (
     '[0, 1500, 540], [0, 0, 1]], "distortion_coefficients": [0, 0, 0, 0, 0]}'
 )
 TABLE = TOML[TOML.index("lens =") : TOML.index("[picks]")]
-PLACE = (
-    '[position]\nlat_deg = 47.6\nlon_deg = 16.4\nh_m = 540\nheight = "ellipsoid"\nsigma_m = 1\n'
-)
+PLACE = '[position]\nlat_deg = 47.6\nlon_deg = 16.4\nh_m = 540\nheight = "ellipsoid"\nsigma_m = 1\n'
 
 
 def flight(folder: Path, *changes: tuple[str, str]) -> Flight:

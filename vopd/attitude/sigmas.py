@@ -14,11 +14,11 @@ from vopd.estimate import Estimate, InputErrors
 from vopd.findings import VopdError
 from vopd.geometry.linear import pseudo_inverse, singular_values
 from vopd.geometry.rotations import angles_by_turns, body_angles_by_turns, turns_by_body_angles
+from vopd.inputs import MOST_SIGMA, beyond_sigmas
 
 # Standard deviations of the inputs: the user's, or those the source states.
 
 
-LARGEST_SIGMA = 1e9  # of any input, in its unit
 HALF_A_TURN_DEG = 180.0
 AS_SIGMAS = "standard deviations as vopd.Sigmas has them"
 
@@ -50,7 +50,7 @@ class Sigmas:
             vehicle's axes, the same in all frames, degrees
 
     Raises:
-        VopdError: if one is negative, not a number, or too large
+        VopdError: if one is negative, not a number, too large, or too small to be meant
     """
 
     reading: float | None = None
@@ -66,13 +66,15 @@ class Sigmas:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            most = HALF_A_TURN_DEG if field.name.endswith("_deg") else LARGEST_SIGMA
+            most = HALF_A_TURN_DEG if field.name.endswith("_deg") else MOST_SIGMA
             is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
             may_lack = field.default is None and value is None
+            name = field.name.removesuffix("_s").removesuffix("_deg").replace("_", " ")
             if not may_lack and not (is_number and 0.0 <= value <= most):
-                name = field.name.removesuffix("_s").removesuffix("_deg").replace("_", " ")
                 shown = f"{value:g}" if is_number and value < 2.0 * most else repr(value)[:80]
                 raise VopdError(f"{name} sigma: {shown} is not a standard deviation: 0 to {most:g}")
+            if value is not None and (beyond := beyond_sigmas([float(value)])):
+                raise VopdError(f"{name} sigma: {beyond}, or 0")
             if value is not None:  # numpy's scalars bring their own precision and comparisons
                 object.__setattr__(self, field.name, float(value))
 

@@ -19,9 +19,9 @@ from vopd.cli.options import (
     NUMBER,
     SOURCE_NAME,
     WholeRange,
-    above_zero,
     fix_options,
     quiet_option,
+    stated_sigma,
 )
 from vopd.cli.output import refuse_to_overwrite
 from vopd.errata import Fixes
@@ -81,7 +81,7 @@ if TYPE_CHECKING:
     "--landmark-sigma",
     type=NUMBER,
     metavar="FT",
-    callback=above_zero,
+    callback=stated_sigma,
     help="In a deck: standard deviation of the landmark's coordinates in group 9, along each "
     "axis.  [default: none]",
 )

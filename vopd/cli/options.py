@@ -14,7 +14,7 @@ import click
 from vopd.errata import Fix, Fixes, fixes
 from vopd.findings import VopdError, count_text
 from vopd.geometry.ellipsoids import ELLIPSOIDS
-from vopd.inputs import plain_digits
+from vopd.inputs import beyond_sigmas, plain_digits
 
 if TYPE_CHECKING:
     from vopd.attitude.history import HistoryOptions
@@ -200,6 +200,13 @@ def above_zero(ctx: click.Context, option: click.Parameter, value: float | None)
     """Refuse a number that is not above 0: a callback of options."""
     if value is not None and not value > 0.0:
         raise click.UsageError(f"{option.opts[0]}: must be above 0, not {value:g}.")
+    return value
+
+
+def stated_sigma(ctx: click.Context, option: click.Parameter, value: float | None) -> float | None:
+    """Refuse a number that is no standard deviation above 0: a callback of options."""
+    if above_zero(ctx, option, value) is not None and (beyond := beyond_sigmas([value or 0.0])):
+        raise click.UsageError(f"{option.opts[0]}: {beyond}.")
     return value
 
 
