@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 import vopd
 from tests.approved.texts import assert_approved, refused
 from tests.kit.clicked_flights import clicked_flight
+from tests.kit.command import ROOT
 from tests.kit.command import vopd as command
 from tests.kit.dense_minimum import NAMES, dense_minimum, drawn, freed_problem
 from tests.kit.flight_project import write_project
@@ -304,6 +306,19 @@ def test_the_library_takes_a_project() -> None:
 )
 def test_names_of_one_text(text: str, names: list[str]) -> None:
     assert names_of(text) == names
+
+
+def test_a_comma_in_the_name_of_a_known_landmark_splits_nothing(tmp_path: Path) -> None:
+    known = ["a", "a,b", "old mill, north (1)"]
+    text = "focal, landmark:old mill, north (1) ,k1,landmark:a,b,landmark:a,bc"
+    marks = ["landmark:old mill, north (1)", "k1", "landmark:a,b", "landmark:a", "bc"]
+    assert names_of(text, known) == ["focal", *marks]
+    shutil.copytree(ROOT / "examples" / "summits", tmp_path / "p")
+    for path in (tmp_path / "p").glob("*.csv"):
+        path.write_text(path.read_text().replace("Rotmoos", '"Rotmoos, N"'))
+    done = command("adjust", tmp_path / "p", "--free", "landmark:Rotmoos, N,focal")
+    assert done.status == 0
+    assert "landmark:Rotmoos, N east" in done.stdout
 
 
 def test_one_text_or_any_names_of_a_project_or_its_folder_free_the_same() -> None:

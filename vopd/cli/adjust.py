@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -185,7 +184,7 @@ def command(
             from vopd.flight.project.new import NAME
 
             refuse_existing(Path(output), [NAME, COVARIANCE])
-        made, project = _adjusted(source, names, test)
+        made, project = _adjusted(source, ",".join(free) if names else "", test)
         if output is not None:
             _write_project(project, made, Path(output), quiet)
     messages = Messages(quiet)
@@ -230,12 +229,12 @@ def _check_options(deck: bool, given: dict[str, object]) -> None:
             raise click.UsageError(f"{name} is not for --trials{why}.")
 
 
-def _adjusted(source: str, names: Sequence[str], test: bool) -> tuple[Adjustment, Project]:
+def _adjusted(source: str, free: str, test: bool) -> tuple[Adjustment, Project]:
     """Read and solve a flight, with a line of progress on a terminal."""
     from vopd.flight.adjust.adjustment import adjust, flight_to_adjust
 
     flight, project = flight_to_adjust(source)
-    names = names or flight.options.free
+    names = free or flight.options.free
     if not names and not test:
         raise click.UsageError(
             "name what is to be solved for: --free focal,k1, or [solve] free in the project."

@@ -88,7 +88,7 @@ def adjust(
         flight = source
     else:
         flight = flight_to_adjust(project_file(source, None, "vopd.adjust")[0])[0]
-    given = names_of(free) if isinstance(free, str) else [*free]
+    given = names_of(free, flight.landmarks.name) if isinstance(free, str) else [*free]
     for name in given:
         refuse_other_kind(name, str, "vopd.adjust", NAMES)
     names = tuple(dict.fromkeys(given))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -62,9 +63,16 @@ FACTOR = {"clock_rate": 1e6, "readout": 1e3}
 """Values in a table over those of `vopd.flight.solve.equations`."""
 
 
-def names_of(text: str) -> list[str]:
-    """Split a list of names at commas; at spaces too, but for landmarks'. Each is there once."""
-    parts = [part.strip() for part in text.split(",")]
+def names_of(text: str, landmarks: Sequence[str] = ()) -> list[str]:
+    """Split a list of names at commas; at spaces too, but for landmarks'. Each is there once.
+
+    Args:
+        text: the list
+        landmarks: names that are known, whose own commas split nothing
+    """
+    whole = sorted((re.escape(LANDMARK + one) for one in landmarks if "," in one), key=len)
+    own = "|".join([*(rf"{one}(?=\s*(?:,|$))" for one in whole[::-1]), "[^,]*"])
+    parts = [part.strip() for part in re.findall(rf"(?:^|,)\s*({own})", text)]
     each = ([part] if part.startswith(LANDMARK) else part.split() for part in parts)
     return list(dict.fromkeys(name for names in each for name in names))
 
