@@ -147,25 +147,56 @@ def test_attitudes_of_images_with_a_frame_rate_go_by_number_or_by_name(tmp_path:
         assert_close("symmetric flight", found, by_frame)
 
 
-def test_attitudes_in_seconds_need_the_date_of_their_zero_beside_frames_with_dates(
-    tmp_path: Path,
-) -> None:
-    write(tmp_path, [0.0] * 3, "row,t_s", np.random.default_rng(1))
+def with_dates(path: Path, column: int, ahead_s: int = 0) -> None:
+    """Write seconds of a table as dates, 40 s after a minute and so many ahead of UTC."""
+    head, *lines = path.read_text(encoding="utf-8").splitlines()
+    rows = [line.split(",") for line in lines]
+    for row in rows:
+        minutes, seconds = divmod(float(row[column]) + 40.0 + ahead_s, 60.0)
+        row[column] = f"2026-05-01T11:{58 + minutes:02.0f}:{seconds:06.3f}{'' if ahead_s else 'Z'}"
+    text = "\n".join([head.replace("t_s", "t_utc", 1), *map(",".join, rows), ""])
+    path.write_text(text, encoding="utf-8")
+
+
+def frames_with_dates(folder: Path, ahead_s: int = 0) -> Path:
+    """Write a flight whose frames and track have dates, the track's on the clock of GPS or UTC."""
+    write(folder, [1.0, -2.0, 3.0], "row,t_s", np.random.default_rng(1))
     times = "".join(f"{k},2026-05-01T11:58:{k / 5.0 + 40:06.3f}Z\n" for k in range(PLAN.frames))
-    (tmp_path / "times.csv").write_text(f"frame,t_utc\n{times}", encoding="utf-8")
-    project = tmp_path / "flight.toml"
-    head, *rows = (tmp_path / "track.csv").read_text(encoding="utf-8").splitlines()
-    dated = [f"2026-05-01T11:58:{float(s) + 40:06.3f}Z,{more}" for s, _, more in (
-        one.partition(",") for one in rows)]  # fmt: skip
-    text = "\n".join([head.replace("t_s", "t_utc", 1), *dated, ""])
-    (tmp_path / "track.csv").write_text(text, encoding="utf-8")
+    (folder / "times.csv").write_text(f"frame,t_utc\n{times}", encoding="utf-8")
+    with_dates(folder / "track.csv", 0, ahead_s)
+    project = folder / "flight.toml"
     lines = project.read_text(encoding="utf-8").splitlines()
     kept = [one for one in lines if not one.startswith(("frame_rate_hz", "first_frame_t_s"))]
     kept.insert(kept.index("[picks]") + 1, 'times = "times.csv"')
-    kept.insert(kept.index("[track]") + 1, 'clock = "utc"')
+    kept.insert(kept.index("[track]") + 1, f'clock = "{"gps" if ahead_s else "utc"}"')
     project.write_text("\n".join([*kept, ""]), encoding="utf-8")
+    return project
+
+
+def test_attitudes_in_seconds_need_the_date_of_their_zero_beside_frames_with_dates(
+    tmp_path: Path,
+) -> None:
+    project = frames_with_dates(tmp_path)
     with refused():
         adjust(project, ["mount"])
+
+
+@pytest.mark.parametrize("ahead_s", [0, 18])
+def test_attitudes_may_have_dates_on_the_clock_of_the_track(ahead_s: int, tmp_path: Path) -> None:
+    (tmp_path / "own").mkdir()
+    (tmp_path / "dated").mkdir()
+    by_seconds = solved(tmp_path / "own", 1, "row,t_s").parameters
+    project = frames_with_dates(tmp_path / "dated", ahead_s)
+    with_dates(tmp_path / "dated" / "ins.csv", 1, ahead_s)
+    found = adjust(project, ["mount"]).parameters
+    assert_close("mount", [one.after for one in found], [one.after for one in by_seconds])
+
+
+def test_attitudes_with_dates_need_the_date_of_frames_in_seconds(tmp_path: Path) -> None:
+    write(tmp_path, [1.0, -2.0, 3.0], "row,t_s", np.random.default_rng(1))
+    with_dates(tmp_path / "ins.csv", 1)
+    with refused():
+        adjust(tmp_path / "flight.toml", ["mount"])
 
 
 def test_attitudes_are_on_the_clock_of_the_track(tmp_path: Path) -> None:

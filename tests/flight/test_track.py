@@ -484,6 +484,7 @@ def test_leap_seconds(day: tuple[int, int, int], before: float, after: float) ->
 def test_gps_time_before_the_table_is_refused() -> None:
     start = datetime(2006, 1, 1, tzinfo=UTC).timestamp()
     assert on_clock(start) == start - 14.0
+    assert on_clock(3e11) == 3e11 - 18.0  # after the year 9999
     with refused(VopdError):
         on_clock(start - 1.0)
 

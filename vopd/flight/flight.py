@@ -392,7 +392,7 @@ class VehicleAttitudes(NamedTuple):
     """Attitudes of the vehicle that a file has, T of them, and the mount that they show."""
 
     name: str  # of the file
-    by: str  # the column that says when: frame, image, t_s
+    by: str  # the column that says when: frame, image, one of times
     keys: tuple[str, ...]  # (T,) its texts
     time_s: Floats  # (T,) on the frames' clock; NaN: by frame or image
     body_to_ned: Floats  # (T, 3, 3)

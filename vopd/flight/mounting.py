@@ -101,7 +101,7 @@ def _at_frames(flight: Flight, late_s: Floats) -> tuple[Floats, Floats]:
     rows, frames = flight.vehicle, len(flight.frame)
     assert rows is not None
     out, sigma = np.full((frames, 3, 3), np.nan), np.full(frames, np.nan)
-    if rows.by == "t_s":
+    if np.isfinite(rows.time_s).any():
         at_s, step_s = flight.time_s + late_s, np.diff(rows.time_s)
         if len(step_s):
             after = np.clip(np.searchsorted(rows.time_s, at_s), 1, len(step_s))

@@ -271,8 +271,8 @@ KEYS: tuple[Key, ...] = (
         "standard deviation of the mount, a turn about each of the vehicle's axes, degrees"),
     Key("vehicle", "attitude", "file", "",
         "the vehicle's attitudes, from which `free = [\"mount\"]` finds the mount: a CSV with "
-        "`yaw_deg` from true north, `pitch_deg`, `roll_deg` and `frame`, `image` or `t_s`, seconds "
-        "on the clock of the track"),
+        "`yaw_deg` from true north, `pitch_deg`, `roll_deg` and `frame`, `image`, `t_s` or "
+        "`t_utc`, seconds or dates on the clock of the track"),
     Key("vehicle", "attitude_sigma_deg", "sigma", "",
         "standard deviation of each of these attitudes by itself, degrees about each axis; needed "
         "unless the file has a column `sigma_deg`"),

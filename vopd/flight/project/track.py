@@ -66,11 +66,16 @@ GPS_AHEAD_S = (  # of UTC, from a date on
 )
 
 
-def gps_ahead_s(moment: datetime | None) -> float:
-    """Look up by how much GPS time is ahead of UTC, now where no date is known; NaN before 2006."""
+def gps_ahead_s(moment: datetime | float | None) -> float:
+    """Look up by how much GPS time is ahead of UTC, now where no date is known; NaN before 2006.
+
+    Args:
+        moment: a date, or seconds since 1970, of any size
+    """
     if moment is None:
         return GPS_AHEAD_S[0][1]
-    return next((seconds for since, seconds in GPS_AHEAD_S if moment >= since), float("nan"))
+    at_s = moment.timestamp() if isinstance(moment, datetime) else moment
+    return next((ahead for since, ahead in GPS_AHEAD_S if at_s >= since.timestamp()), float("nan"))
 
 
 def track_on_clock(section: Section, rows: TrackRows, times: FrameTimes) -> Floats:
@@ -96,7 +101,7 @@ def track_clock(section: Section, rows: TrackRows) -> Floats:
             raise section.error("clock", f"the file's times are {rows.clock}")
     if own != "gps":
         return rows.time_s
-    ahead = gps_ahead_s(datetime.fromtimestamp(float(rows.time_s[0]), UTC))
+    ahead = gps_ahead_s(float(rows.time_s[0]))
     if not np.isfinite(ahead):
         raise section.error("clock", "GPS time before 2006 is not known: give UTC")
     return rows.time_s - ahead

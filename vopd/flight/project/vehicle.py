@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from vopd.flight.flight import VehicleAttitudes
+from vopd.flight.formats.columns import TIME
 from vopd.flight.formats.tables import frame_names, read_csv
 from vopd.flight.project.keys import Project
 from vopd.flight.project.times import FrameTimes, refuse_seconds
+from vopd.flight.project.track import gps_ahead_s
 from vopd.geometry.rotations import body_axes
 
 
@@ -23,13 +27,14 @@ def read_vehicle(project: Project, offset_s: float, times: FrameTimes) -> Vehicl
         VopdError: where the file does not say when each attitude is, or how well it is known
     """
     section, file = project.section("vehicle"), project.open("vehicle", "attitude")
-    table = read_csv(file, ("frame", "image", "t_s"))
-    ways = ("image", "frame", "t_s") if times.image else ("frame", "t_s", "image")
+    gps = project.section("track").values.get("clock") == "gps"
+    table = read_csv(replace(file, clock="gps") if gps else file, ("frame", "image", *TIME))
+    ways = ("image", "frame", *TIME) if times.image else ("frame", *TIME, "image")
     by = next(filter(table.has, ways), None)
     if by is None:
         raise file.error(
-            "does not say when each attitude is: it needs a column frame, image or t_s, seconds "
-            "on the clock of the track, beside yaw_deg, pitch_deg and roll_deg"
+            "does not say when each attitude is: it needs a column frame, image, t_s or t_utc, "
+            "seconds or dates on the clock of the track, beside yaw_deg, pitch_deg and roll_deg"
         )
     angles = np.stack([table.numbers(f"{one}_deg") for one in ("yaw", "pitch", "roll")], axis=1)
     body_to_ned = body_axes(np.radians(angles))
@@ -46,11 +51,19 @@ def read_vehicle(project: Project, offset_s: float, times: FrameTimes) -> Vehicl
         )
     if not len(angles):
         raise file.error("no attitude is in the file")
-    keys = table.column(by) if by == "t_s" else frame_names(table, by == "image")
+    keys = table.column(by) if by in TIME else frame_names(table, by == "image")
     time_s = np.full(len(angles), np.nan)
-    if by == "t_s":
-        refuse_seconds(project, times, f"{file.name} has")
-        time_s = table.clock((by,))[0] + offset_s
+    if by in TIME:
+        time_s, dated = table.clock((by,))
+        if not dated:
+            refuse_seconds(project, times, f"{file.name} has")
+        elif times.epoch is None:
+            message = f"is needed: {file.name} has dates, and the frames are in seconds"
+            raise project.section("flight").error("epoch", message)
+        else:
+            ahead_s = gps_ahead_s(float(time_s[0])) if gps else 0.0
+            time_s = time_s - ahead_s - times.epoch.timestamp()
+        time_s = time_s + offset_s
         back = np.flatnonzero(~(np.diff(time_s) > 0.0))
         if len(back):
             raise table.error("its time is not after the one before", int(back[0]) + 1, by)
