@@ -95,7 +95,10 @@ def test_logs_without_text_are_named_with_what_makes_a_track_of_them(
 
 NOT_LOGS = {
     "an own header": "$TIME,lat,lon\n",
+    "an own header of five letters": "$TIMES,lat,lon\n1,47.1,8.2\n",
+    "landmarks of a currency": "$POINT,47.1,8.2,400\n$TOWER,47.1,8.2,400\n",
     "a landmark": "$LAND1,47.1,8.2,400\n",
+    "a landmark of another log": "FMT, 128, 89, 400\n",
     "landmarks": "ANTENNA,47.1,8.2,400\nHFDTE1,47.2,8.2,400\n",
     "an image of FITS": "IMG_0012.FIT,m1,3,4\n",
 }
@@ -110,7 +113,9 @@ def test_tables_that_begin_as_logs_nearly_do_are_none(name: str) -> None:
     "text",
     [
         "$GNRMC,091200,A\n", "$PUBX,00,1\n", "$PSRF103,0\n", "AFLA7AB\nHFDTE010124\n",
-        "AXCC001\nHFFXA035\nHFDTEDATE:010124,01\n",
+        "AXCC001\nHFFXA035\nHFDTEDATE:010124,01\n", "$SDDBT,7.8,f,2.4,M,1.3,F*0D\r\n$",
+        '<?xml version="1.0"?>\n<!-- of <a> logger -->\n<!-- 2 --><kml xmlns="x">',
+        "<!-- TCX --> <TrainingCenterDatabase>", "FMT, 128, 89, FMT, BBnNZ, Type\n",
     ],
 )  # fmt: skip
 def test_logs_are_recognised_by_their_first_lines(text: str) -> None:

@@ -43,16 +43,21 @@ UNEXPECTED = (
 FIRST_BYTES = 2048
 """By which a file is recognised."""
 GPSBABEL = "gpsbabel -i {} -f FILE -o gpx -F track.gpx makes GPX of it"
-OF_XML = r"[^A-Za-z]*(?:xml[^>]*>\s*)?"
+OF_NMEA = (  # a sentence that is known, or any with its checksum: a header may begin with $, too
+    r"\s*\$(?:[A-Z]{2}(?:GGA|GLL|GNS|GSA|GST|GSV|RMC|TXT|VTG|ZDA)"
+    r"|P(?:ASHR|GRM[A-Z]|MTK\d+|SRF\d+|TNL|UBX)|[A-Z]{4,6}\d*,[^\n]*\*[0-9A-Fa-f]{2}\s*?(?=\n|\Z))"
+    r"(?=[,\s]|\Z)"
+)
+OF_XML = r"[^A-Za-z]*(?:xml[^>]*>\s*)?(?:<!--.*?-->\s*)*"
 OF_IGC = r"A[A-Z0-9]{3}[^\n]*\n(?:[^\n]*\n){,20}?HFDTE"
 MAVTOGPX = "mavtogpx.py FILE (pip install pymavlink) makes GPX of it"
 LOGS = (
-    (r"\s*\$(?:[A-Z]{5}|P[A-Z]{3,5}\d*),", "NMEA of a receiver", GPSBABEL.format("nmea")),
+    (OF_NMEA, "NMEA of a receiver", GPSBABEL.format("nmea")),
     (f"{OF_IGC}(?:DATE:)?\\s*\\d{{6}}", "IGC of a glider", GPSBABEL.format("igc")),
     (r"[\x0c\x0e].{7}\.FIT", "FIT of a watch", GPSBABEL.format("garmin_fit")),
     (f"{OF_XML}<TrainingCenter", "TCX of a watch", GPSBABEL.format("gtrnctr")),
     (f"{OF_XML}<kml", "KML", GPSBABEL.format("kml")),
-    (r"\xa3\x95\x80|FMT, 128,", "a log of ArduPilot", MAVTOGPX),
+    (r"\xa3\x95\x80|FMT, 128, \d+, FMT,", "a log of ArduPilot", MAVTOGPX),
     (r"ULog\x01", "a log of PX4", "ulog2csv FILE (pip install pyulog) makes tables of it"),
 )
 """Logs of positions: how they begin, what they are, and what makes another file of them."""
