@@ -355,6 +355,17 @@ def test_hostile_numbers_as_text() -> None:
     ]  # fmt: skip
 
 
+def test_an_azimuth_that_is_rounded_to_a_whole_turn_is_0() -> None:
+    (yaw,) = [one for one in FIXED if one.name == "camera_yaw_deg"]
+    other = replace(yaw, name="altitude_ft")
+    near = np.array([359.9999996, 359.9999994, 360.0, 36.0, np.nan])
+    text = csv_table.as_text({yaw.name: near, other.name: near}, [yaw, other])
+    assert text[yaw.name] == ["0.000000", "359.999999", "0.000000", "36.000000", ""]
+    assert text[other.name][0] == "360.000000"
+    whole = ["360", "3600.0", "360.01", "360.00"]
+    assert csv_table.below_360(whole) == ["0", "3600.0", "360.01", "0.00"]
+
+
 def test_rows_of_a_csv() -> None:
     """Cells in quotes where they need them, and no cell a formula."""
     values = {name: VALUES[name] for name in ("word", "whole", "number")}

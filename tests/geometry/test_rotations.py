@@ -192,6 +192,12 @@ def test_yaw_and_roll_are_0_to_360_and_roll_is_0_straight_up_and_down(
     assert ((found >= [0.0, -90.0, 0.0]) & (found <= [360.0, 90.0, 360.0])).all()
 
 
+def test_an_angle_below_0_by_rounding_is_no_whole_turn() -> None:
+    axes = turned(np.array([[0.0, 0.0, 0.0]])).as_matrix()
+    axes[0, 1, 0] = axes[0, 2, 1] = -1e-20
+    assert body_angles_deg(axes)[0].tolist() == [0.0, 0.0, 0.0]
+
+
 def test_an_element_beyond_one_by_rounding_is_straight_up_and_nan_stays_so() -> None:
     axes = turned(np.array([[0.0, 90.0, 0.0]])).as_matrix()
     axes[0, 2, 0] = -1.0 - 1e-15

@@ -20,6 +20,10 @@ from vopd.findings import VopdError, nearest_word, several
 # Columns.
 
 
+WHOLE_TURN = ("camera_yaw_deg", "camera_roll_deg", "vehicle_yaw_deg", "vehicle_roll_deg")
+"""Columns of angles from 0 to 360."""
+
+
 @dataclass(frozen=True)
 class TableColumn:
     """One column of the attitude table.
@@ -35,6 +39,11 @@ class TableColumn:
     source: str
     meaning: str
     lowest: float | None = None  # values are brought into the full circle that begins there
+
+    @property
+    def is_whole_turn(self) -> bool:
+        """Whether the values are from 0 to below 360, so that 360 is written as 0."""
+        return self.name in WHOLE_TURN and self.lowest is None
 
     @cached_property
     def path(self) -> tuple[str, tuple[int, ...]]:
@@ -351,7 +360,7 @@ def chosen_columns(
     """
     every = {one.name: one for one in columns_of(histories)}
     if roll_180:
-        for name in ("camera_roll_deg", "vehicle_roll_deg"):
+        for name in WHOLE_TURN[1::2]:
             meaning = every[name].meaning.replace("0 to 360", "-180 to 180")
             every[name] = replace(every[name], meaning=meaning, lowest=-180.0)
     several = len({(h.about.source, h.about.job) for h in histories}) > 1

@@ -45,12 +45,23 @@ if TYPE_CHECKING:
 # A spreadsheet takes a cell that begins with = + - or @ for a formula. File names and
 # titles come from others, so such a text is preceded by an apostrophe.
 
+NO_TURN = re.compile(r"360(?=(?:\.0*)?$)")
+
 TableText = dict[str, list[str]]  # the columns of a table as text
 
 
 def as_text(values: TableArrays, columns: Sequence[TableColumn]) -> TableText:
     """Write the values of columns as text: numbers with their decimals, empty for NaN."""
-    return {one.name: _texts_csv(values[one.name], one.decimals) for one in columns}
+    texts = {one.name: _texts_csv(values[one.name], one.decimals) for one in columns}
+    for one in columns:
+        if one.is_whole_turn:
+            texts[one.name] = below_360(texts[one.name])
+    return texts
+
+
+def below_360(texts: list[str]) -> list[str]:
+    """Write 0 for an angle that is rounded to 360."""
+    return [NO_TURN.sub("0", text) if text.startswith("360") else text for text in texts]
 
 
 def _texts_csv(values: NDArray[Any], decimals: int | None) -> list[str]:

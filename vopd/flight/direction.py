@@ -124,7 +124,7 @@ def direction_of(
         total = sigma / [cos_e, 1.0]
     return Direction(
         label,
-        float(np.degrees(azimuth) % 360.0),
+        float(np.degrees(azimuth) % 360.0 % 360.0),
         float(np.degrees(elevation)),
         total,
         total * student_factor(freedom),

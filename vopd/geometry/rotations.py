@@ -42,7 +42,9 @@ def body_angles_deg(body_to_ned: Floats) -> Floats:
     left = np.arctan2(s * m[..., 0, 2] - c * m[..., 1, 2], c * m[..., 1, 1] - s * m[..., 0, 1])
     roll = np.where(steep, left, np.arctan2(m[..., 2, 1], m[..., 2, 2]))
     roll = np.where(level, roll, 0.0 * pitch)
-    angles = np.stack([yaw % (2.0 * np.pi), pitch, roll % (2.0 * np.pi)], axis=-1)
+    turn = 2.0 * np.pi
+    yaw, roll = (one % turn % turn for one in (yaw, roll))  # of -1e-17 the first is a whole turn
+    angles = np.stack([yaw, pitch, roll], axis=-1)
     return np.asarray(np.degrees(angles))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
@@ -612,4 +613,5 @@ def truth_csv(truth: Truth) -> str:
     )  # fmt: skip
     line = ",".join(["%d", "%.5f", *["%.6f"] * 6, *["%.4f"] * 3]) + "\n"
     rows = np.column_stack(columns).tolist()
-    return ",".join(COLUMNS) + "\n" + "".join([line % tuple(row) for row in rows])
+    text = "".join([line % tuple(row) for row in rows])
+    return ",".join(COLUMNS) + "\n" + re.sub(r"\b360(?=\.0{6}\b)", "0", text)  # of angles alone
