@@ -463,6 +463,13 @@ def test_a_project_of_clicks_is_solved_from_its_tracked_file(tmp_path: Path) -> 
     history = result.history()
     assert (history.uncertainty.components["click"][:, :3] > 0.0).all()
     assert "6 clicks and 24 tracked places" in " ".join(result.about)
+    assert not any("by vopd track" in one for one in result.about)
+    tracked = tmp_path / "tracked.csv"
+    tracked.write_text(
+        tracked.read_text().replace("# clicks:", "# options: --every 2\n# clicks:", 1)
+    )
+    about = solve_flight(tmp_path / "flight.toml").about
+    assert any(one.endswith("from them, by vopd track --every 2") for one in about)
 
 
 def test_other_clicks_need_another_track(tmp_path: Path) -> None:

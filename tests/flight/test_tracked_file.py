@@ -39,7 +39,7 @@ def test_rows_that_are_written_are_read(tmp_path: Path) -> None:
         by_click=np.array([np.eye(2), [[1.01, 0.02], [-0.02, 1.01]], np.full((2, 2), np.nan)]),
         correlation=np.array([1.0, 0.95, np.nan]),
         status=np.array([0, 1, 4]),
-        digest={"clicks": "ab" * 32, "project": "cd" * 32},
+        digest={"clicks": "ab" * 32, "project": "cd" * 32, "options": "--to 0.4 --patch 21"},
     )
     (tmp_path / "tracked.csv").write_text("".join(tracked_lines(rows)))
     again = read_tracked(open_input("tracked.csv", tmp_path))

@@ -146,6 +146,7 @@ def test_patches_have_the_size_of_their_landmark_or_that_of_all(flight: Path) ->
     Path("landmarks.csv").write_text(marks, encoding="utf-8")
     vopd("track", "flight.toml", "--to", ".4", "--patch", "21")
     assert rows(flight / "tracked.csv") != found[0]
+    assert "\n# options: --to 0.4 --patch 21\n" in (flight / "tracked.csv").read_text()
 
 
 def test_a_readout_of_nearly_a_frame_settles(tmp_path: Path) -> None:

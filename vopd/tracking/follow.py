@@ -65,6 +65,18 @@ FAR_CLICK, FAR_CLICK_PX = 6.0, 4.0  # standard deviations, and pixels at least
 SHOWN = 3  # stretches of lost frames in a summary
 
 
+OPTION = {
+    "from_s": "--from",
+    "to_s": "--to",
+    "every": "--every",
+    "reach": "--reach",
+    "patch_px": "--patch",
+    "least_correlation": "--least-correlation",
+    "residual_px": "--residual",
+}
+"""Options of `vopd track` by their names here."""
+
+
 class TrackOptions(NamedTuple):
     """The options of a run.
 
@@ -85,6 +97,16 @@ class TrackOptions(NamedTuple):
     patch_px: int = PATCH_PX
     least_correlation: float = LEAST_CORRELATION
     residual_px: float = RESIDUAL_PX
+
+    @property
+    def as_text(self) -> str:
+        """The options that are not the usual ones, as they are given to `vopd track`."""
+        usual = TrackOptions()._asdict()
+        return " ".join(
+            f"{OPTION[name]} {value:.12g}"
+            for name, value in self._asdict().items()
+            if value != usual[name]
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,6 +323,8 @@ def follow(
         warn(finding)
     output = str(project.folder / project.section("picks").text("tracked"))
     digests = track_digests(footage.project)
+    if text := options.as_text:
+        digests["options"] = text
     terrain = footage.scene.terrain
     marks = np.unique(clicks.landmark)
     lines, findings = (

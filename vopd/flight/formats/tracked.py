@@ -61,7 +61,8 @@ class TrackedRows:
     by_click: Floats  # shift here per shift of the click, (R, 2, 2)
     correlation: Floats  # of the patch with the image, (R,); NaN where there is none
     status: Ints  # index of `STATUSES`, (R,)
-    # of the files that were tracked, `clicks`, `video`, `project`, and of its `rows`
+    # of the files that were tracked, `clicks`, `video`, `project`, and of its `rows`; and the
+    # `options` of the run, those that are not the usual ones
     digest: Mapping[str, str] = field(default_factory=dict)
     # as read: numbers of frames in which fewer than two landmarks are found
     lost: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -247,9 +248,12 @@ def _digests(file: InputFile) -> dict[str, str]:
     for line in file.head.splitlines():
         if not line.startswith("#"):
             break
-        match = re.fullmatch(r"# (clicks|video|project|rows): ([0-9a-f]{64})", line.strip())
+        match = re.fullmatch(
+            r"# (?:(clicks|video|project|rows): ([0-9a-f]{64})|(options): (\S.*))", line.strip()
+        )
         if match:
-            found[match[1]] = match[2]
+            name, value = filter(None, match.groups())
+            found[name] = value
     return found
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from vopd.arrays import Floats, Ints
-from vopd.files import size_and_ends
+from vopd.files import readable, size_and_ends
 from vopd.findings import Finding, count_text, shown
 from vopd.flight.flight import Clicks, Flight, Picks
 from vopd.flight.formats.files import InputFile
@@ -74,6 +74,8 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
     clicked = int((rows.status == CLICKED).sum())
     said = f"{file.name}: {count_text(clicked, 'click')} and {len(rows.frame) - clicked} tracked "
     said += "places from them"
+    if options := rows.digest.get("options"):
+        said += f", by vopd track {readable(options)}"
     return PickRows(
         rows.frame,
         rows.landmark,
