@@ -494,7 +494,8 @@ def test_whole_histories_and_the_status_of_all(
             messages(ODD)
             return 3
 
-    def collect(decks: Any, how: Any, by_parts: bool, on_message: Any) -> Any:
+    def collect(decks: Any, how: Any, by_parts: bool, on_message: Any, job: Any) -> Any:
+        assert job is None
         given.append((decks, how, by_parts, on_message))
         return Found()
 

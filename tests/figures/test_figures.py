@@ -23,7 +23,7 @@ from PIL import Image
 
 from tests.approved.texts import refused
 from tests.kit import repeated_frame
-from tests.kit.command import DECKS, Ran, vopd
+from tests.kit.command import DECKS, ROOT, Ran, vopd
 from tests.kit.estimates import estimate
 from tests.kit.histories import about, by_hand, flight, histories, turning, with_estimate
 from tests.tolerances import assert_close, within
@@ -470,6 +470,18 @@ def test_one_job_of_several(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert drawn == [[2]]
     result = plot(stacked, "-o", tmp_path / "q.svg", "--job", "4")
     assert result.status == 1 and "no job 4" in result.stderr
+
+
+@pytest.mark.usefixtures("not_laid_out")
+@pytest.mark.parametrize(("job", "status"), [("1", 0), ("2", 3), (None, 3)])
+def test_the_status_is_that_of_the_job_that_is_drawn(
+    job: str | None, status: int, tmp_path: Path
+) -> None:
+    """Job 2 alone has frames with flags."""
+    deck = ROOT / "tests" / "approved" / "inputs" / "five_jobs.dat"
+    chosen = ["--job", job] if job else []
+    done = plot(deck, "-o", tmp_path / "a.svg", "--strict", "--fix", "all", *chosen)
+    assert done.status == status and ("are flagged" in done.stderr) == (status == 3)
 
 
 @pytest.mark.parametrize(

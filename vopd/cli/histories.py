@@ -64,6 +64,7 @@ def collect_jobs(
     by_parts: bool,
     on_message: Callable[[str], object] = lambda _: None,
     misfits: bool = True,
+    job: int | None = None,
 ) -> Collected:
     """Solve all decks and flights, for their attitude histories.
 
@@ -75,9 +76,10 @@ def collect_jobs(
         by_parts: whether the parts of long jobs are made later, one after the other
         on_message: is given all warnings and errors, also those that are not printed
         misfits: whether to warn of frames that misfit, which a table in short says itself
+        job: the only one that counts, from 1; None: all
 
     Raises:
-        VopdError: where no frame of any deck has an attitude
+        VopdError: where no frame of any deck has an attitude, or there is no such job
     """
     tell_unused(decks, options.quiet)
     if options.solve.fixes and not options.quiet and not all(map(is_flight, decks)):
@@ -103,9 +105,13 @@ def collect_jobs(
                 continue
             if isinstance(one, SolvedJob):
                 made = one_part(next(of_jobs))
+                if job not in (None, made.about.job):
+                    continue
             else:
                 from vopd.flight.result import unused_options  # decks need not wait for it
 
+                if job not in (None, 1):
+                    continue
                 found.misfits |= one.misfits
                 found.mistaken += one.mistaken
                 found.clicks += tuple(one.next_clicks)
@@ -123,7 +129,8 @@ def collect_jobs(
     if not any(job.has_attitude() for job in found.jobs):
         if found.failed:
             raise click.exceptions.Exit(1)
-        raise VopdError(f"{', '.join(decks)}: no frame has an attitude")
+        none = "no frame has an attitude" if job is None or found.jobs else f"no job {job}"
+        raise VopdError(f"{', '.join(decks)}: {none}")
     found.warnings = messages.warnings
     return found
 
@@ -132,12 +139,13 @@ def collect_histories(
     decks: tuple[str, ...],
     options: SharedOptions,
     on_message: Callable[[str], object] = lambda _: None,
+    job: int | None = None,
 ) -> tuple[list[History], int]:
     """Solve all decks and flights for whole histories, and the exit status so far.
 
     Arguments and errors as `collect_jobs`.
     """
-    found = collect_jobs(decks, options, by_parts=False, on_message=on_message)
+    found = collect_jobs(decks, options, by_parts=False, on_message=on_message, job=job)
     return [job.whole for job in found.jobs], found.status(
         options, Messages(options.quiet, on_message)
     )

@@ -281,11 +281,7 @@ def command(
         if value is not None and not {"all", *OF_ONE_FRAME} & {*names}:
             one = ", ".join(OF_ONE_FRAME)
             raise click.UsageError(f"{option} is for the figures {one}, not {', '.join(names)}.")
-    histories, status = collect_histories(sources, options)
-    if job is not None:
-        histories = [one for one in histories if one.about.job == job]
-        if not histories:
-            raise VopdError(f"{', '.join(sources)}: no job {job}")
+    histories, status = collect_histories(sources, options, job=job)
     left_out = left_out_text(histories)
     if left_out and set(names) - set(OF_ONE_FRAME):
         note(f"drawn are {left_out}; --job draws another")
