@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -71,6 +72,33 @@ def test_the_project_of_a_flight_has_its_angles(tmp_path: Path) -> None:
 
 
 EARTHS = {"1974": (NO_FIXES, SPHERE_1974), "WGS 84": (fixes("all"), WGS84)}
+
+
+def ends_early(job: Job) -> Job:
+    """The trajectory ends before the frames, and the wind far below them."""
+    path, wind = job.trajectory, np.array([[10.0, 20.0], [11.0, 18.0]])
+    two = {name: getattr(path, name)[:2] for name in vars(path) if np.ndim(getattr(path, name))}
+    return replace(job, trajectory=replace(path, **two), wind=Wind(np.array([1e3, 2e3]), wind))
+
+
+def three_ignored(job: Job) -> Job:
+    """Of four landmarks: the third is used all the same."""
+    return replace(job, ignored=replace(job.ignored, everywhere=np.array([1, 2, 3, 0])))
+
+
+def one_wind(job: Job) -> Job:
+    return replace(job, wind=Wind(np.array([1e3]), np.array([[10.0, 20.0]])))
+
+
+@pytest.mark.parametrize("change", [ends_early, three_ignored, one_wind])
+def test_a_project_solves_what_a_run_does(tmp_path: Path, change: Callable[[Job], Job]) -> None:
+    (plain,) = make(Plan(frames=12, landmarks=4, noise_in=0.001, seed=7, earth="wgs84"))[0]
+    job = change(plain)
+    agree(solved(tmp_path, written(tmp_path, job)), vopd.run(job, fixes("all")))
+    said = [one for one in deck_project(job).said if one not in deck_project(plain).said]
+    assert bool(said) == (change is ends_early)
+    for text in said:
+        assert_approved(text, parts=["12"])
 
 
 @pytest.mark.parametrize("earth", EARTHS)
@@ -428,7 +456,7 @@ def test_the_wind_comes_from_where_it_does_not_go() -> None:
     project = project_of(wind=wind)
     header, found = rows(project, "wind.csv")
     assert header == "h_m,from_deg,speed_m_s"
-    height, direction, speed = np.array(found).T
+    height, direction, speed = np.array(found[:5]).T  # what follows goes on to the frames
     assert_close("four decimals", height, np.array([0.0, 100.0, 200.0, 300.0, 400.0]) * M)
     expected = [180.0, 270.0, np.degrees(np.arctan2(4.0, 3.0)), 90.0, 0.0]
     assert_close("five decimals", direction, expected)
@@ -479,7 +507,7 @@ def test_the_track_is_in_degrees_metres_and_metres_a_second() -> None:
     )
     header, found = rows(project_of(trajectory=still), "track.csv")
     assert header == "t_s,lat_deg,lon_deg,h_m,vn_m_s,ve_m_s,vd_m_s"
-    table = np.array(found)
+    table = np.array(found[:2])  # what follows goes on to the frames
     assert_close("flight time", table[:, 0], path.time_s[:2])
     assert_close("ratio", table[:, 1], path.origin_latitude_deg)
     assert_close("ratio", table[:, 2], path.origin_longitude_deg)
@@ -532,6 +560,7 @@ def test_keys_that_the_cards_decide() -> None:
     [
         {"readings": small_job().readings.take(np.zeros(0, np.int64))},
         {"camera": replace(small_job().camera, focal_length_mm=0.000713)},
+        {"clock": replace(small_job().clock, time_s=np.zeros_like(small_job().clock.time_s))},
     ],
 )
 def test_what_is_no_flight_is_refused(changes: dict[str, Any]) -> None:

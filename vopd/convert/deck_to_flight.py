@@ -7,7 +7,7 @@ Both have the deck's readings, landmarks, track and lens. The project's Earth is
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TypeVar
 
 import numpy as np
@@ -26,11 +26,11 @@ from vopd.geometry.earth import M_PER_KM, Geodetic, geodetic
 from vopd.geometry.ellipsoids import WGS84
 from vopd.geometry.film_lens import radial_factor
 from vopd.geometry.rotations import FORWARD, mount_by_angles
-from vopd.job import Job, Landmarks
+from vopd.job import Job, Landmarks, Wind
 from vopd.program.average import averages
 from vopd.program.constants import factor, ftpkm
 from vopd.program.earth import ellipsoidal_position
-from vopd.program.frames import LENS_RADII
+from vopd.program.frames import LENS_RADII, WIND_ALTITUDES
 from vopd.program.ftlup import TableOutOfOrder, check_order, ftlup
 from vopd.program.ignored import kept
 from vopd.program.positions import (
@@ -113,6 +113,7 @@ def _checked(job: Job, make: Callable[[Job], Made]) -> Made:
 def _project(job: Job) -> NewProject:
     """Write the files of a job whose tables are in order."""
     notes: list[str] = []
+    job = _continued(job, notes)
     frame, landmark, pixel, size_px = film_picks(job, notes)
     values = _values(job, size_px, notes)
     if np.any(job.camera.lens_distortion_um):
@@ -133,6 +134,42 @@ def _project(job: Job) -> NewProject:
         values["wind", "file"] = '"wind.csv"'
     contents["flight.toml"] = project_text(values, {}, HEAD)
     return NewProject({name: text.encode() for name, text in contents.items()}, notes)
+
+
+def _continued(job: Job, notes: list[str]) -> Job:
+    """Continue trajectory and wind to all frames, as FTLUP does; a project's tables end.
+
+    A wind of one row gets a second one, by which it is the same at all altitudes.
+    """
+    path, wind = job.trajectory, job.wind
+    time_s, _ = time_and_position(job)
+    altitude_ft = ftlup(time_s, 1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
+
+    def until(table: Floats, values: Floats, name: str, file: str) -> Floats:
+        outside = (values < table[0]) | (values > table[-1])
+        if len(table) == 1 or not outside.any():
+            return np.append(table, table + 1.0)[: max(len(table), 2)]
+        count = count_text(int(outside.sum()), "frame is", "frames are")
+        notes.append(f"{count} outside of {name}, and {file} goes on to there, as a run does")
+        return np.unique([*table, values.min(), values.max()])
+
+    if len(path.time_s) > 1:
+        at = until(path.time_s, time_s, "the trajectory (group 7)", "track.csv")
+        rows = {
+            name: ftlup(at, 1, path.time_s, getattr(path, name))
+            for name in ("position_ft", "velocity_ft_s", "altitude_ft")
+        }
+        path = replace(path, time_s=at, **rows)
+        if np.any(wind.velocity_ft_s):
+            at = until(wind.altitude_ft, altitude_ft, "the wind (group 4)", "wind.csv")
+            wind = Wind(at, ftlup(at, 1, wind.altitude_ft, wind.velocity_ft_s, WIND_ALTITUDES))
+    return replace(job, trajectory=path, wind=wind)
+
+
+def check_landmarks(job: Job) -> Ints:
+    """Find the landmarks that group 12 leaves out of all frames; one that a frame keeps is none."""
+    _, used = kept(job.readings, job.ignored)
+    return np.setdiff1d(job.ignored.everywhere, [0, *job.readings.points.landmark[used]])
 
 
 def film_picks(job: Job, notes: list[str]) -> tuple[Ints, Ints, Floats, tuple[int, int]]:
@@ -158,7 +195,7 @@ def film_picks(job: Job, notes: list[str]) -> tuple[Ints, Ints, Floats, tuple[in
     once[first] = True
     points, layout = readings.points, readings.layout
     dropped, used = kept(readings, job.ignored)
-    everywhere = np.isin(points.landmark, job.ignored.everywhere)
+    everywhere = np.isin(points.landmark, check_landmarks(job))
     held: Bools = (used | everywhere) & (once & ~dropped)[layout.frame]
     frame, landmark = layout.frame[held], points.landmark[held]
     centre_in, point_in = averages(readings, rounded=False)
@@ -208,8 +245,7 @@ def _values(job: Job, size_px: tuple[int, int], notes: list[str]) -> KeyValues:
         for key, number in zip(keys, (latitude, longitude, height), strict=True):
             values["position", key] = repr(float(number[0]))
         values["position", "height"], values["position", "sigma_m"] = '"ellipsoid"', _EXACT
-    check = np.unique(job.ignored.everywhere[job.ignored.everywhere > 0])
-    check = check[np.isin(check, job.landmarks.number)]
+    check = np.intersect1d(check_landmarks(job), job.landmarks.number)
     if len(check):
         values["solve", "check_landmarks"] = str([str(n) for n in check.tolist()]).replace("'", '"')
     _mount(job, values, notes)
@@ -261,7 +297,12 @@ def _landmarks(job: Job) -> str:
 
 def _times(job: Job) -> str:
     frame, first = np.unique(job.readings.frame, return_index=True)
-    return _table("frame,t_s", frame, time_and_position(job)[0][first], form="%d,%.9f")
+    time_s = time_and_position(job)[0][first]
+    later = np.diff(time_s) > 0.0
+    if not later.all():
+        at = frame[int(later.argmin()) + 1]
+        raise VopdError(f"group 6: times must increase with the frames, and do not at frame {at}")
+    return _table("frame,t_s", frame, time_s, form="%d,%.9f")
 
 
 def _track(job: Job) -> str:
@@ -329,7 +370,7 @@ def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
             names,
             landmark_positions_m(marks, fixes),
             np.zeros((len(names), 3)),
-            tuple((~np.isin(marks.number, job.ignored.everywhere)).tolist()),
+            tuple((~np.isin(marks.number, check_landmarks(job))).tolist()),
         ),
         path=CameraPath(
             earth_fixed(origin_of(job), fixes, vehicle_ft) * M_PER_KM,
