@@ -177,6 +177,11 @@ class CardLocations:
         kept._blocks = {group: self._blocks[group]}
         return kept
 
+    def last(self, group: int) -> tuple[CardBlock, int]:
+        """Find the last card of a group: its block, and its index in that."""
+        cards = self._blocks[group][-1]
+        return cards, len(cards) - 1
+
     def warning(self, group: int, row: int, field: str, message: str) -> Finding:
         """Make a warning about one card of a group.
 
@@ -377,6 +382,27 @@ def unused_landmarks(job: Job, locations: CardLocations) -> Iterator[Finding]:
     for row, number in enumerate(job.landmarks.number[-given:].tolist()):
         if number not in shown:
             yield locations.warning(9, row, "ITGT", f"landmark {number} is in no frame")
+
+
+ON_A_CARD, COLUMNS, SEQUENCE = 16, 5, 72  # numbers of a list, their columns; the last before 73
+
+
+def behind_lists(job: Job, locations: CardLocations) -> Iterator[Finding]:
+    """Warn of what stands behind the last number of group 5, 10 or 12, and is not read."""
+    frames, landmarks = len(job.readings.frame), len(job.ignored.everywhere)
+    for group, count, by in (
+        (5, 3 + frames, ": NFR counts the frames"),
+        (10, 1, ""),
+        (12, 1 + landmarks, ": NT of group 5 counts the landmarks"),
+    ):
+        cards, row = locations.last(group)
+        read = COLUMNS * ((count - 1) % ON_A_CARD + 1)
+        behind = cards.image(row)[read:SEQUENCE].rstrip()
+        text = behind.strip()
+        if text and locations.was_read(group):
+            columns = read + len(behind) - len(text) + 1, read + len(behind)
+            message = f"{text!r} stands behind the last number of the group and is not read{by}"
+            yield cards.finding(row, message, "", columns, "warning")
 
 
 def signs(job: Job, locations: CardLocations) -> Iterator[Finding]:
@@ -647,6 +673,7 @@ CARD_RULES: tuple[tuple[Rule, tuple[int, ...]], ...] = (
     (altitudes, (7, 8)),
     (focal_length, (8,)),
     (ignored_all, (12,)),
+    (behind_lists, (5, 10, 12)),
 )
 """Rules about cards, beside `reading_spread`, and the groups that must have been read to ask
 each again. A run asks them too."""

@@ -232,6 +232,14 @@ def test_columns_that_hold_something_and_are_not_read(first: int, last: int) -> 
     assert len(lines) == 6 + 1
 
 
+@pytest.mark.parametrize(("card", "fields"), [(31, 4), (42, 1), (43, 1)])
+def test_numbers_behind_the_last_of_a_list_are_not_read(card: int, fields: int) -> None:
+    """NT and NFR of group 5 count 3 landmarks and a frame; NOUT is alone."""
+    lines = explained_of_field(card, (29, "66"))
+    assert lines[-1] == "   columns 29-30 hold something that is not read"
+    assert len(lines) == fields + 1
+
+
 POINTS = {  # of a frame with four fiducials and three landmarks, from its first card, 44
     44: "fiducial 1, reading 1",
     46: "fiducial 1, reading 3",

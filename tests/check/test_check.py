@@ -158,6 +158,13 @@ MORE: dict[str, Expected] = {
     "ignores everything": Expected(
         punch(43, 6, "   65   66   67"), "warning", 43, "6-10", "every landmark is to be ignored"
     ),
+    "a frame that is not counted": Expected(
+        punch(31, 30, "4"), "warning", 31, "30-30", "'4' stands behind the last number"
+    ),
+    "a second NOUT": Expected(punch(42, 8, "1  2"), "warning", 42, "8-11", "'1  2' stands behind"),
+    "a landmark that is not read": Expected(
+        punch(43, 29, "66"), "warning", 43, "29-30", "NT of group 5 counts"
+    ),
     "return group": Expected(punch(43, 4, "14"), "error", 43, "1-5", "14 is not a return group"),
     "tab": Expected(punch(28, 5, "\t"), "error", 28, "5-5", "a tab"),
     "too many columns": Expected(punch(28, 90, "x"), "error", 28, "81-81", "80 columns"),

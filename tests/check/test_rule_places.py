@@ -223,7 +223,7 @@ ANEW = {  # the rule: the groups whose cards it looks at
     "too_few_landmarks": {0, 5, 12}, "lens_reach": {0, 1}, "unused_landmarks": {9},
     "signs": {9}, "tables_in_order": {1, 4, 6, 7, 11, 12}, "tables_span": {4, 6, 7},
     "altitudes": {7, 8},
-    "focal_length": {8}, "ignored_all": {12},
+    "focal_length": {8}, "ignored_all": {12}, "behind_lists": {5, 10, 12},
 }  # fmt: skip
 
 

@@ -86,10 +86,10 @@ class _Explainer:
                     yield "\n".join(lines)
             self._row += 1
 
-    def _is_over(self, group: int) -> bool:
-        """Tell whether the list that has been read is complete, so that a new one begins."""
-        counts = {5: 3 + self._counts.get("NFR", 0), 12: 1 + self._counts.get("NT", 0)}
-        return group in counts and self._row * 16 >= counts[group]
+    def _is_over(self, group: int, index: int = 0) -> bool:
+        """Tell whether a field of this card comes after the last number of a list."""
+        last = {5: 3 + self._counts.get("NFR", 0), 10: 1, 12: 1 + self._counts.get("NT", 0)}
+        return group in last and self._row * 16 + index >= last[group]
 
     def _card(
         self, cards: CardBlock, row: int, group: CardGroup, fields: list[FieldRead]
@@ -105,7 +105,8 @@ class _Explainer:
         used: list[FormatItem] = []
         for index, (field, item) in enumerate(group.layout):
             text = image[item.first - 1 : item.last]
-            if group.is_list and index and not text.strip():
+            blank = group.is_list and index and not text.strip()
+            if blank or self._is_over(group.number, index):
                 continue
             used.append(item)
             if field.name:
