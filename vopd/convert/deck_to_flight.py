@@ -147,22 +147,27 @@ def _continued(job: Job, notes: list[str]) -> Job:
 
     def until(table: Floats, values: Floats, name: str, file: str) -> Floats:
         outside = (values < table[0]) | (values > table[-1])
-        if len(table) == 1 or not outside.any():
-            return np.append(table, table + 1.0)[: max(len(table), 2)]
-        count = count_text(int(outside.sum()), "frame is", "frames are")
-        notes.append(f"{count} outside of {name}, and {file} goes on to there, as a run does")
-        return np.unique([*table, values.min(), values.max()])
+        if len(table) == 1:
+            return np.append(table, table + 1.0)
+        if outside.any():
+            count = count_text(int(outside.sum()), "frame is", "frames are")
+            notes.append(f"{count} outside of {name}, and {file} goes on to there, as a run does")
+            return np.unique([*table, values.min(), values.max()])
+        return table
 
-    if len(path.time_s) > 1:
-        at = until(path.time_s, time_s, "the trajectory (group 7)", "track.csv")
-        rows = {
-            name: ftlup(at, 1, path.time_s, getattr(path, name))
-            for name in ("position_ft", "velocity_ft_s", "altitude_ft")
-        }
-        path = replace(path, time_s=at, **rows)
-        if np.any(wind.velocity_ft_s):
-            at = until(wind.altitude_ft, altitude_ft, "the wind (group 4)", "wind.csv")
-            wind = Wind(at, ftlup(at, 1, wind.altitude_ft, wind.velocity_ft_s, WIND_ALTITUDES))
+    if len(path.time_s) == 1:
+        return job
+    at = until(path.time_s, time_s, "the trajectory (group 7)", "track.csv")
+    path = replace(
+        path,
+        time_s=at,
+        position_ft=ftlup(at, 1, path.time_s, path.position_ft),
+        velocity_ft_s=ftlup(at, 1, path.time_s, path.velocity_ft_s),
+        altitude_ft=ftlup(at, 1, path.time_s, path.altitude_ft),
+    )
+    if np.any(wind.velocity_ft_s):
+        at = until(wind.altitude_ft, altitude_ft, "the wind (group 4)", "wind.csv")
+        wind = Wind(at, ftlup(at, 1, wind.altitude_ft, wind.velocity_ft_s, WIND_ALTITUDES))
     return replace(job, trajectory=path, wind=wind)
 
 
