@@ -202,6 +202,16 @@ def test_a_stack_that_cannot_be_written() -> None:
         vopd.write_deck([replace(JOB, return_group=13), JOB])
 
 
+def test_a_job_by_itself_has_the_landmarks_of_those_before_it() -> None:
+    """Its own group 9 gives one of three: 0 in the two more fields of group 12 names none."""
+    one = replace(JOB, ignored=replace(JOB.ignored, everywhere=np.array([0])), return_group=13)
+    _, later = jobs(vopd.write_deck([replace(JOB, return_group=5), one]))
+    assert later == one
+    (back,) = jobs(vopd.write_deck(later))
+    assert back.ignored.everywhere.tolist() == [0] * len(JOB.landmarks.number)
+    assert replace(back, ignored=later.ignored) == later
+
+
 @pytest.mark.parametrize(("group", "written"), [(1, False), (2, True), (9, False), (13, True)])
 def test_the_last_job_ends_the_deck(group: int, written: bool) -> None:
     """One of a stack read on where nothing is; return group 2 may end so (A 28)."""

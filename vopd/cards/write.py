@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -43,6 +43,7 @@ def write_deck(jobs: Job | Sequence[Job]) -> str:
     for job in several:
         refuse_other_kind(job, Job, "vopd.write_deck", "jobs, as vopd.read_deck reads them")
     several = [*map(checked_fields, several)]
+    several[:1] = map(_with_all_landmarks, several[:1])
     cards: list[str] = []
     start = 1
     for job in several:
@@ -55,6 +56,14 @@ def write_deck(jobs: Job | Sequence[Job]) -> str:
     deck = "\n".join(card.rstrip() for card in cards) + "\n"
     _check(deck, several)
     return deck
+
+
+def _with_all_landmarks(job: Job) -> Job:
+    """Count those landmarks too that earlier jobs of a stack defined: no card before has them."""
+    everywhere = job.ignored.everywhere
+    padded = np.zeros(max(len(everywhere), len(job.landmarks.number)), np.int64)
+    padded[: len(everywhere)] = everywhere
+    return replace(job, ignored=replace(job.ignored, everywhere=padded))
 
 
 def _control_cards(job: Job) -> dict[int, list[str]]:
