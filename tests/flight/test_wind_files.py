@@ -94,7 +94,7 @@ def test_levels_of_a_list() -> None:
     body = (
         line(1000, 0, 5, 270, 20) + line(900, "", 5, 90, 9) + line(850, 100, "", "", 9)
         + line(800, 200, 5, 90, "") + line(700, 300, "", 180, 10)
-        + "Station information\n" + line(600, 400, 5, 0, 5)
+        + "Station information\n\n" + line("K", 400, 5, 0, 5)
     )  # fmt: skip
     for name, unit, metres in (("SKNT", "knots", KNOT), ("SPED", "m/s", 1.0)):
         for before in ("", "72402 Wallops\n<PRE>\n", "x" * 30_000 + "\n"):
@@ -108,6 +108,26 @@ def test_levels_of_a_list() -> None:
     units = line("hPa", "m", "C", "deg", "knot")
     rows = read(first + units + line(9, 10, 5, 0, 1) + line(8, 20, 5, 0, 1))
     assert_close("flight height", rows.height_m, [10.0, 20.0])
+
+
+@pytest.mark.parametrize(
+    "third",
+    [
+        line(900, 300, "5,0", 90, 5), " " + line(900, 300, 5, 90, 5),
+        line(900, "300 m", 5, 90, 5), "900\t300\t5\t90\t5\n", "Station information\n",
+        "Station\n" + HEAD.format("SPED"),
+    ],
+)  # fmt: skip
+def test_a_list_does_not_end_before_its_last_level(third: str) -> None:
+    """What stood above a line that cannot be read was left out, and so was a second sounding."""
+    body = line(1000, 0, 5, 270, 20) + line(950, 200, 5, 270, 20)
+    assert_approved(told(HEAD.format("SPED") + body + third + line(800, 400, 5, 0, 0)))
+
+
+def test_the_first_and_the_last_level_of_a_list_are_read_or_refused() -> None:
+    rows = [line(1000, 0, 5, 270, 20), line(950, 200, 5, 270, 20), line(900, 300, 5, 90, "5 kt")]
+    for k in (0, 2):
+        assert_approved(told(HEAD.format("SPED") + "".join(rows[k:] + rows[:k])))
 
 
 LIST = "time,geopotential height_m,wind direction_degree,wind speed_m/s\n"

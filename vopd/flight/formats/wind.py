@@ -11,7 +11,7 @@ from vopd.arrays import Floats
 from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.tables import UNKNOWN, has_columns, header_names, read_csv
-from vopd.inputs import plain_number
+from vopd.inputs import is_number, plain_number
 
 # Soundings as read
 
@@ -120,6 +120,8 @@ UNITS = {
 }  # fmt: skip
 """The unit of each column, and others that may stand below its name."""
 WIDTH = 7  # columns of each field
+NO_LEVEL = f"no level of the list: each number ends with its field of {WIDTH} columns"
+LEVELS_FOLLOW = "are two soundings in the file? leave one out: the list ends here, and has a level"
 HEAD = re.compile(r"^[ \t]*PRES[ \t]+HGHT[ \t]+.*\bDRCT[ \t]+(SKNT|SPED)\b", re.M)
 KINDS = ("geopotential height", "wind direction", "wind speed")
 
@@ -140,20 +142,40 @@ def read_text(file: InputFile) -> WindRows:
         known, *others = UNITS.get(name, ("",))
         if len(units) == len(names) and unit.lower() in others:
             raise file.error(f"{name} is in {unit}, {known} is known")
-    rows = []
-    for line in lines:
-        cells = [line[k * WIDTH : (k + 1) * WIDTH].strip() for k in range(len(names))]
-        try:
-            rows.append([plain_number(cell) if cell else np.nan for cell in cells])
-        except ValueError:
-            if rows:
-                break  # what follows the list
+    first = file.text.count("\n", 0, found.end()) + 2
+    rows, end = list[list[float]](), 0  # the line that ends the list
+    for number, line in enumerate(lines, first):
+        level = _level(line, len(names))
+        if level is None and is_number(line[:WIDTH].strip()):
+            raise file.error(NO_LEVEL, number)
+        if level is None:
+            end = end or number * bool(rows)
+        elif not end:
+            rows.append(level)
+        elif not np.isnan(level).all():
+            raise file.error(f"{LEVELS_FOLLOW} in line {number}", end)
     table = np.array(rows).reshape(-1, len(names))
     knots = found.group(1) == "SKNT"
     speed = table[:, names.index(found.group(1))] * (M_S_PER_KNOT if knots else 1.0)
     toward = of_list(file, table[:, names.index("DRCT")], speed)
     height = geometric_m(table[:, names.index("HGHT")])
     return upward(file, height, toward, f"Wyoming text, {'knots' if knots else 'm/s'}")
+
+
+def _level(line: str, count: int) -> list[float] | None:
+    """Read the numbers of a level, NaN for a blank field; None for another line.
+
+    Args:
+        line: of the list
+        count: of its fields, each of which is justified to the right
+    """
+    fields = [line[k * WIDTH : (k + 1) * WIDTH] for k in range(count)]
+    if any(one[-1:].isspace() and one.strip() for one in fields):
+        return None
+    try:
+        return [plain_number(one) if one.strip() else np.nan for one in fields]
+    except ValueError:
+        return None
 
 
 def recognises_csv(file: InputFile) -> bool:
