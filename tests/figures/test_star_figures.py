@@ -458,6 +458,11 @@ def test_a_photograph_stands_under_its_stars(tmp_path: Path) -> None:
     (tmp_path / "orion.png").write_bytes(b"no image")
     assert images() == 0 and "no photograph" not in picture.read_text(encoding="utf-8")
     (tmp_path / "whole.png").rename(tmp_path / "orion.png")
+    (tmp_path / "again.csv").write_bytes((tmp_path / "stars.csv").read_bytes())
+    both = tmp_path / "stars.csv", tmp_path / "again.csv"  # whose names stand before that
+    vopd("stars", "solve", *both, *scale, "-o", file)
+    assert images() == 1
+    file.write_text(text, encoding="utf-8")
     (tmp_path / "broken.png").write_bytes(b"no image")
     broken = plot(file, "-o", picture, "--images", tmp_path / "broken.png")
     assert broken.status == 0 and "no photograph: " in picture.read_text(encoding="utf-8")

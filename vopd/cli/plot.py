@@ -150,7 +150,7 @@ def _star_photograph(one: ReadSolution, about: StarCamera, images: str | None) -
     from vopd.video import open_frames
 
     beside = Path(about.source).parent if images is None else Path(images)
-    name = PurePath(one.image).name
+    name = PurePath(one.image.removeprefix(f"{about.source}: ")).name
     given = images is not None and beside.is_file()
     found = beside if given else image_file(image_places([beside]), name)
     if found is None or (not name and not beside.is_file()):
