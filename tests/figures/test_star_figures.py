@@ -249,6 +249,9 @@ LENSES: dict[str, Any] = {
     "without distortion": {},
     "k1": {"k1": -0.08},
     "tetra3": {"distortion": 0.03},
+    "both": {"k1": -0.08, "distortion": 0.03},
+    "barrel": {"k1": -0.2, "focal": 800.0},  # stars to 45 degrees off the axis
+    "pincushion": {"k1": 1.0, "focal": 400.0},
 }
 
 

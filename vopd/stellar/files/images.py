@@ -224,6 +224,12 @@ def undistorted(points: Floats, distortion: float, width_px: float) -> Floats:
     return np.asarray(points * (1.0 - distortion * square) / (1.0 - distortion))
 
 
+def distorted(points: Floats, distortion: float, width_px: float) -> Floats:
+    """Put images where tetra3's distortion shows them: the inverse of `undistorted`, (n, 2)."""
+    lens = LensOfStars(width_px / 2.0, k1=-distortion)
+    return without_lens(points * (1.0 - distortion), lens)
+
+
 def _missing(file: StarFile, text: str) -> MissingOption:
     return MissingOption(str(file.finding(text + f" ({file.read_as})" * bool(file.read_as))))
 

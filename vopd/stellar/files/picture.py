@@ -9,12 +9,11 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.stellar.angles import orthogonality_defect
 from vopd.stellar.field import right_ascension_declination_deg
-from vopd.stellar.files.images import ImageAxes, in_file_coordinates, undistorted
+from vopd.stellar.files.images import ImageAxes, distorted, in_file_coordinates, undistorted
 from vopd.stellar.files.photograph import SolvedPhotograph
-from vopd.stellar.methods.calibration import LensOfStars, without_lens
+from vopd.stellar.methods.calibration import LensOfStars, with_lens, without_lens
 from vopd.stellar.methods.run import SolvedStars
 
-STEPS = 30  # of the search for the image of a point through a lens
 ROUNDED = 1e-6  # of the products of a matrix's rows
 LEAST, MOST = 1e-6, 1e9  # of coordinates and a principal distance, image units
 
@@ -56,10 +55,10 @@ class StarCamera(NamedTuple):
     def in_file(self, images: Floats) -> Floats:
         """Find the file's coordinates of images from the principal point, (n, 2)."""
         upward = np.array([1.0, -1.0 if self.y_down else 1.0])
-        found = np.asarray(images * upward + self.centre)
-        for _ in range(STEPS if self.k1 or self.distortion else 0):
-            found = found + (images - self.centred(found)) * upward
-        return found
+        found = with_lens(images, LensOfStars(self.focal, k1=self.k1)) * upward
+        if self.distortion and self.size_px is not None:
+            found = distorted(found, self.distortion, self.size_px[0])
+        return np.asarray(found + self.centre)
 
     @np.errstate(all="ignore")
     def sky_at(self, points: Floats, in_file: bool) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.findings import VopdError
-from vopd.geometry.lenses import distort_brown, undistort_brown
+from vopd.geometry.lenses import distort_brown, field_radius_brown, undistort_brown
 from vopd.geometry.linear import angle_between, inverse, transform
 from vopd.stellar.field import Failure, StarField, image_points_mm, refuse_other_field
 from vopd.stellar.methods.collinearity import image_partials, turned
@@ -237,6 +237,14 @@ def without_lens(image: Floats, lens: LensOfStars) -> Floats:
     if lens.k1:
         x, y = undistort_brown(_brown(lens.k1), x, y)
     return np.asarray(lens.focal * np.column_stack([x, y]))
+
+
+def with_lens(image: Floats, lens: LensOfStars) -> Floats:
+    """Put images without the lens, (n, 2), where it shows them; NaN outside the lens's field."""
+    k, tangents = _brown(lens.k1), image / lens.focal
+    shown = lens.focal * np.column_stack(distort_brown(k, *tangents.T)[0])
+    inside = np.hypot(*tangents.T) <= field_radius_brown(k)
+    return np.where(inside[:, None], np.array([lens.centre_x, lens.centre_y]) + shown, np.nan)
 
 
 @np.errstate(all="ignore")
