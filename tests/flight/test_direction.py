@@ -182,6 +182,24 @@ def test_what_has_no_direction(what: str) -> None:
         vopd.solve_flight(HILL).direction(*WRONG[what])
 
 
+@pytest.mark.parametrize("beyond_px", [-3.0, -0.4, 0.4])
+def test_no_direction_at_the_end_of_the_lens_s_field(beyond_px: float) -> None:
+    """Half a pixel before it the sigma was NaN: k1 = -.3 ends at (2/3) .9^-.5 focal lengths."""
+    flight = hill()
+    k = np.array([-0.3, *[0.0] * 11])
+    lens = replace(
+        flight.lens, focal_px=np.full(2, 1250.0), centre_px=np.array([959.5, 539.5]), k=k
+    )
+    flight = replace(flight, lens=lens)
+    end_px = 959.5 + 1250.0 * 2.0 / 3.0 / np.sqrt(0.9)
+    result = solve_flight_read(flight)
+    if beyond_px < -0.5:
+        assert np.isfinite(result.direction(0, end_px + beyond_px, 539.5).total).all()
+        return
+    with refused(VopdError):
+        result.direction(0, end_px + beyond_px, 539.5)
+
+
 def test_no_direction_without_an_attitude_or_at_a_row_of_another_time() -> None:
     flight = hill()
     landmark = flight.picks.landmark.copy()

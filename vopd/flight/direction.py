@@ -93,8 +93,9 @@ def direction_of(
     if not (np.abs(pixel - (size_px.reshape(2) - 1.0) / 2.0) <= size_px.reshape(2) / 2.0).all():
         long, high = size_px.reshape(2).tolist()
         raise VopdError(f"{where}: {u:g}, {v:g} is not in the picture of {long:g} by {high:g} px")
-    ray = _ray(flight, frame, pixel)
-    if not np.isfinite(ray).all():
+    steps = 0.5 * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    ray, *ends = (_ray(flight, frame, pixel + step) for step in steps)
+    if not np.isfinite([ray, *ends]).all():
         raise VopdError(f"{where}: the lens's model does not reach the pixel {u:g}, {v:g}")
     east, north, up = to_camera.T @ ray
     azimuth, elevation = np.arctan2(east, north), np.arcsin(np.clip(up, -1.0, 1.0))
@@ -110,9 +111,7 @@ def direction_of(
     as_readings = sigma_px is None and clicks is None
     if sigma_px is None:  # that of a person's pick; readings of a tracked flight are matches
         sigma_px = estimates.reading.sigma if clicks is None else float(np.median(clicks.sigma_px))
-    steps = 0.5 * np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
-    ends = np.array([_ray(flight, frame, pixel + step) for step in steps])
-    by_pixel = across @ (ends[:2] - ends[2:]).T
+    by_pixel = across @ (np.array(ends[:2]) - ends[2:]).T
     found["pick"] = sigma_px**2 * by_pixel @ by_pixel.T
     found = {name: np.degrees(np.degrees(one)) for name, one in found.items()}
     covariance = sum(found.values(), np.zeros((2, 2)))
