@@ -14,7 +14,7 @@ import pytest
 from scipy.io import savemat
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.flight_project import read_text
+from tests.kit.flight_project import read_text, text_told
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.formats.by_content import read_by_content
@@ -114,6 +114,23 @@ def test_places_of_opensfm_and_odm() -> None:
     plane = SHOTS_GEOJSON | {"crs": crs, "features": [feature("a.jpg", 5e5, 5.3e6, 300.0)]}
     shots = read_text(TRACK_FORMATS, "t", json.dumps(plane))
     assert (shots.crs, shots.geodetic) == ("EPSG:32633", False)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, True, "4_8", 360.1, 10**400])
+@pytest.mark.parametrize("key", PLACE)
+def test_a_reference_that_is_no_place_is_refused(wrong: object, key: str) -> None:
+    """NaN was images without a position, true was 1 m, and 360 degrees of latitude were taken."""
+    if (key, wrong) != ("altitude", 360.1):
+        text = json.dumps([SHOTS[0] | {"reference_lla": PLACE | {key: wrong}}])
+        assert "reference_lla: " in text_told(TRACK_FORMATS, "t", text)
+
+
+@pytest.mark.parametrize("projection", [[0.1], [0.1, 0, 2], "12", [True, 0.1]])
+def test_a_projection_is_two_numbers(projection: object) -> None:
+    """A decimal comma makes one number of two."""
+    seen = [{"shot_id": "a", "projection": projection}]
+    text = json.dumps({"points": [CONTROL["points"][0] | {"observations": seen}]})
+    assert_approved(text_told(PICK_FORMATS, "p", text))
 
 
 def test_markers_of_metashape() -> None:

@@ -343,6 +343,7 @@ def test_a_doubtful_height_is_a_warning_of_the_flight_and_told_of_a_new_project(
         "<name> </name><Point><coordinates>16.5,47.5,30</coordinates></Point>",
         "<name>a</name><Point></Point>",
         "<name>a</name><Point><coordinates>16.5,97.5,30</coordinates></Point>",
+        "<name>a</name><Point><coordinates>16.5,47.5,30,5</coordinates></Point>",
     ],
 )
 def test_a_placemark_without_a_name_or_a_place_is_refused(place: str) -> None:

@@ -460,6 +460,7 @@ def test_a_folder_of_labels_is_read_in_the_order_of_its_names(tmp_path: Path) ->
         "[", "[1]", {"imageWidth": 40}, label() | {"imageWidth": "x"},
         label() | {"imageHeight": None}, label(points=[[1]]), label(points=[["x", 2]]),
         label() | {"imageWidth": 1920.9},
+        label(points=[[1, 519, 93]]), label(points=["12"]), label(points=[[]]),
     ],
 )  # fmt: skip
 def test_labels_that_are_refused(wrong: Any, tmp_path: Path) -> None:

@@ -355,6 +355,8 @@ def read_kml(file: InputFile) -> LandmarkRows:
                 what = "the ground" if mode == "relativeToGround" else "the sea floor"
                 raise file.error(f"{name}: its height is above {what}: give heights in a CSV")
             values = [*map(plain_number, (point.findtext("{*}coordinates") or "").split(","))]
+            if len(values) > 3:
+                raise file.error(f"{name}: {len(values)} coordinates; decimals take a point")
             points.append((name, values[0], values[1], values[2] if len(values) > 2 else None))
     if points and not any(height for *_, height in points):
         raise file.error("all heights are 0 or missing: KML often has none; give them in a CSV")

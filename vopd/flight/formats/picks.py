@@ -385,10 +385,7 @@ def read_labelme(file: InputFile) -> PickRows:
                     continue
                 others += [NO_PLACE] * (not shape["points"])
                 name = _label(shape["label"])
-                found += [
-                    (image, name, plain_number(str(point[0])), plain_number(str(point[1])))
-                    for point in shape["points"]
-                ]
+                found += [(image, name, *_pair(point)) for point in shape["points"]]
         except (*UNEXPECTED, OSError) as error:
             text = f"{path.name}: not a LabelMe file: {where}{reason(error)}"
             raise VopdError(text) from error
@@ -398,6 +395,17 @@ def read_labelme(file: InputFile) -> PickRows:
         raise file.error("no shape is a point: landmarks are drawn as points")
     rows = _rows(found, "corner", _one_size(sizes), "LabelMe")
     return replace(rows, doubts=_left_out(file, others))
+
+
+def _pair(point: object) -> tuple[float, float]:
+    """Read u and v of a point of JSON, where a decimal comma makes one number of two.
+
+    Raises:
+        ValueError: if it has not two
+    """
+    if not isinstance(point, list) or len(point) != 2:
+        raise ValueError(f"{shown(point)} is not a point, [u, v]; decimals take a point")
+    return plain_number(str(point[0])), plain_number(str(point[1]))  # true is 1 for float()
 
 
 def _label(value: object) -> str:
@@ -428,8 +436,7 @@ def read_control_picks(file: InputFile) -> PickRows:
     found = []
     for point in control_points(file):
         for one in point.get("observations", []):
-            u, v = (plain_number(str(part)) for part in one["projection"])  # true is 1 for float()
-            found.append((str(one["shot_id"]), str(point["id"]), u, v))
+            found.append((str(one["shot_id"]), str(point["id"]), *_pair(one["projection"])))
     if not found:
         raise file.error("no point has observations")
     rows = _rows(found, "centre", None, "OpenSfM ground control")

@@ -423,7 +423,10 @@ def read_reconstruction(file: InputFile) -> TrackRows:
         reference = part.get("reference_lla")
         if reference is None:
             raise file.error("it has no reference_lla, from which its metres count: give geo.txt")
-        origin = earth_centred_m(*(float(reference[key]) for key in LATITUDE_FIRST))
+        place = [reference[key] for key in LATITUDE_FIRST]
+        if not all(map(is_real_number, place)) or abs(place[0]) > 90.0 or abs(place[1]) > 360.0:
+            raise file.error(f"reference_lla: {shown(reference)} is no place on the Earth")
+        origin = earth_centred_m(*place)
         for name, shot in part["shots"].items():
             turn, shift = (np.array(shot[key], float) for key in ("rotation", "translation"))
             if turn.shape != (3,) or shift.shape != (3,) or not np.isfinite([turn, shift]).all():
