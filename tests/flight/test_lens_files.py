@@ -811,6 +811,27 @@ def test_a_key_that_stands_twice_is_refused(text: str) -> None:
     assert_approved(no_lens(text))
 
 
+@pytest.mark.parametrize("data", ["-0.1, 0.02, 1e-3, -2e-3, ", "-0.1", "1, 2, 3, 4, 5, 6, 7, 8"])
+def test_a_matrix_has_as_many_numbers_as_it_says(data: str) -> None:
+    """Without the last, which is missing, k3 was 0."""
+    head = f"image_width: 64\nimage_height: 48\ncamera_matrix: {MATRIX}\n"
+    text = head + "distortion_model: plumb_bob\nD: {rows: 1, cols: 5, data: [%s]}\n"
+    assert lens_of(text % "-0.1, 0.02, 1e-3, -2e-3, 7").lens.k[4] == 7.0
+    assert_approved(no_lens(text % data))
+    xml = XML.format("opencv_storage", "camera_matrix", 3)
+    two = "<D><rows>1</rows><cols>5</cols><data>{}</data></D>".format(data.replace(",", ""))
+    assert_approved(no_lens(xml.replace("<D><data></data></D>", two)))
+
+
+@pytest.mark.parametrize("unseen", ["\u00a0", "\u200b"])
+def test_what_is_unseen_in_a_key_makes_no_other_of_it(unseen: str) -> None:
+    """A line that is copied from a page may begin with it; the lens had no distortion."""
+    text = (
+        f"image_width: 64\nimage_height: 48\ncamera_matrix: {MATRIX}\n{unseen}dist: [1, 2, 3, 4, 5]"
+    )
+    assert lens_of(text).lens.k[:5].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
+
+
 def test_sizes_of_a_calibration_under_other_names() -> None:
     text = f"camera_matrix: {MATRIX}\n"
     own = {"width: 128\nheight: 96": (128, 96), "image_size: [128, 96]": (128, 96),

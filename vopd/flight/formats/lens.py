@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable, Mapping, Sequence
+from math import prod
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
@@ -22,6 +23,7 @@ from vopd.inputs import (
     plain_number,
     too_many_bytes,
     twice,
+    whole_number,
 )
 
 # Lenses of numbers, on the grid whose (0, 0) is the first pixel's centre
@@ -435,6 +437,7 @@ OTHER_COEFFICIENTS = re.compile(
 SIZES = "image_size", "imagesize", "img_size", "resolution"  # width and height, or the reverse
 SMALLEST_PX = 64  # fewer are the squares of a board
 BINNING = "binning_x", "binning_y"
+SIDES = "rows", "cols"  # how many of them a matrix has
 LEVELS = 3  # of lists in lists: a matrix has two; deeper ones are refused
 MOST = 100  # elements of a camera matrix or of a list of coefficients
 
@@ -448,7 +451,7 @@ def recognises_opencv(file: InputFile) -> bool:
 
 def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens of an OpenCV file."""
-    own = [(str(key).lower(), one) for key, one in _mapping(file).items()]
+    own = [(_key(key), one) for key, one in _mapping(file).items()]
     if message := twice(key for key, _ in own):
         raise file.error(message)
     values = _of_one(file, dict(own), question)
@@ -556,7 +559,9 @@ LETTERS = 2  # of names that may be something else beside another
 
 def _numbers(file: InputFile, value: Any) -> list[float]:
     """Read the elements of a matrix, row by row, from a mapping with `data`, or nested lists."""
+    sides = list[int]()
     if isinstance(value, dict):
+        sides = [whole_number(str(value[side])) for side in SIDES if side in value]
         value = value.get("data", [])
     flat: list[Any] = [value]
     for _ in range(LEVELS):  # YAML has lists that hold themselves
@@ -566,6 +571,9 @@ def _numbers(file: InputFile, value: Any) -> list[float]:
         flat = [x for row in rows for x in row]
     if any(isinstance(one, list | tuple | dict) for one in flat):
         raise file.error("a matrix is a list of numbers, or of rows of numbers: one is neither")
+    if len(sides) == len(SIDES) and len(flat) != prod(sides):
+        message = "a matrix of {} x {} has {}".format(*sides, count_text(len(flat), "number"))
+        raise file.error(f"{message}: correct rows and cols, or data")
     try:
         return [
             plain_number(str(one).lower().replace(".nan", "nan").replace(".inf", "inf"))
@@ -573,6 +581,15 @@ def _numbers(file: InputFile, value: Any) -> list[float]:
         ]
     except ValueError as error:
         raise file.error(f"a matrix element is not a number: {reason(error)}") from error
+
+
+def _key(own: object) -> str:
+    """Write a key in lower case, with _ for all that is no letter or digit, such as what is unseen.
+
+    Args:
+        own: as the file has it
+    """
+    return re.sub(r"\W+", "_", str(own).lower()).strip("_")
 
 
 def _mapping(file: InputFile) -> dict[str, Any]:
@@ -592,7 +609,9 @@ def _xml(file: InputFile) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for one in root:
         data = one.find("data")
-        found[one.tag] = (one.text or "").strip() if data is None else (data.text or "").split()
+        parts = {side: one.findtext(side) for side in SIDES if one.find(side) is not None}
+        numbers = [] if data is None else (data.text or "").split()
+        found[one.tag] = (one.text or "").strip() if data is None else {**parts, "data": numbers}
     return found
 
 
