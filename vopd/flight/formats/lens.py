@@ -584,12 +584,8 @@ def _numbers(file: InputFile, value: Any) -> list[float]:
 
 
 def _key(own: object) -> str:
-    """Write a key in lower case, with _ for all that is no letter or digit, such as what is unseen.
-
-    Args:
-        own: as the file has it
-    """
-    return re.sub(r"\W+", "_", str(own).lower()).strip("_")
+    """Write a key of a file in lower case, without what is unseen before and behind it."""
+    return re.sub(r"^\W+|\W+$", "", str(own).lower())
 
 
 def _mapping(file: InputFile) -> dict[str, Any]:
