@@ -255,6 +255,14 @@ def test_what_is_no_gpx(wrong: str) -> None:
     assert "\n" not in said
 
 
+@pytest.mark.parametrize("number", ["4_7.5", "\u0664\u0667"])
+def test_numbers_of_gpx_are_those_of_other_files(number: str) -> None:
+    """Python takes separators and the digits of other scripts, and so does gpxpy."""
+    dilution = point() + f"<hdop>{number}</hdop>"
+    for wrong in (point(number), point(lon=number), point(ele=number), dilution):
+        assert_approved(told(gpx(point(), wrong)))
+
+
 def test_points_of_gpx_without_a_fix() -> None:
     """They are refused where others have one; points on the equator or on Greenwich are places."""
     zero = point("0", "-0.0")

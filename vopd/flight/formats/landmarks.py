@@ -321,11 +321,19 @@ def recognises_gpx(file: InputFile) -> bool:
     return "<gpx" in file.head
 
 
+NUMBERS_OF_GPX = "ele", "hdop", "vdop", "pdop"
+
+
 def parse_gpx(file: InputFile) -> Any:
     """Parse GPX, of a track or of waypoints."""
     gpxpy = optional_package("gpxpy", "gpx", f"{file.name}: GPX")
     try:
-        parse_xml(file.text)  # its words are the same with and without lxml, which gpxpy prefers
+        root = parse_xml(file.text)  # its words are the same with and without gpxpy's lxml
+        for one in root.iter():
+            texts = [one.get("lat"), one.get("lon")]
+            texts += [one.text] if one.tag.rpartition("}")[2] in NUMBERS_OF_GPX else []
+            for text in filter(None, texts):
+                plain_number(text)  # gpxpy takes 1_0 and those of other scripts
         return gpxpy.parse(file.text)
     except (gpxpy.gpx.GPXException, ElementTree.ParseError, *UNEXPECTED) as error:
         raise file.error(f"not valid GPX: {reason(error)}") from error
