@@ -103,7 +103,7 @@ class Clock(Record):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Landmarks(Record):
+class Landmarks(Rows):
     """Points on the ground (group 9), in degrees and minutes as on the cards.
 
     A number given twice counts as it was given last.

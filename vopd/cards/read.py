@@ -289,19 +289,13 @@ class ControlCards:
     def _group_9(self, cards: CardBlock) -> None:
         table = self._tables[9]
         number = whole(table["ITGT"])
-        columns = [table[name] for name in ("THJ", "THJMI", "PHIJ", "PHIJMI", "RJ")]
-        old = getattr(self, "landmarks", None)
+        columns = (table[name] for name in ("THJ", "THJMI", "PHIJ", "PHIJMI", "RJ"))
+        landmarks, old = Landmarks(number, *columns), getattr(self, "landmarks", None)
         if old is not None:  # what an earlier job defined stays, unless it is given again
-            kept = ~among(old.number, number)
-            before = (
-                old.longitude_deg, old.longitude_min, old.latitude_deg, old.latitude_min,
-                old.altitude_ft,
-            )  # fmt: skip
-            columns = [np.append(b[kept], c) for b, c in zip(before, columns, strict=True)]
-            number = np.append(old.number[kept], number)
-        self.landmarks = Landmarks(number, *columns)
+            landmarks = Landmarks.concat([old.take(~among(old.number, number)), landmarks])
+        self.landmarks = landmarks
         if "ITGT" in self._limits:
-            for row, given in enumerate(whole(table["ITGT"])):
+            for row, given in enumerate(number):
                 self._keep("ITGT", int(given), cards, 0, row)
 
     def _list_10(self, cards: CardBlock) -> None:

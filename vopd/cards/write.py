@@ -68,8 +68,9 @@ def _with_all_landmarks(job: Job) -> Job:
 
 def _control_cards(job: Job) -> dict[int, list[str]]:
     """Write the cards of each group."""
-    camera, path, landmarks, out = job.camera, job.trajectory, job.landmarks, job.ignored
-    new = slice(len(landmarks.number) - len(out.everywhere), None)  # the rest was there before
+    camera, path, out = job.camera, job.trajectory, job.ignored
+    there_before = len(job.landmarks.number) - len(out.everywhere)
+    marks = job.landmarks.take(slice(there_before, None))
     mounting = np.stack([camera.multiplier, camera.offset_deg], axis=1).ravel()
     per_frame = job.readings.layout.count
     counts = [len(out.everywhere), len(per_frame), len(job.clock.frame), *per_frame]
@@ -85,10 +86,7 @@ def _control_cards(job: Job) -> dict[int, list[str]]:
                 path.origin_radius_kft, *camera.initial_deg,
             ]
         ],
-        9: _rows(
-            landmarks.number[new], landmarks.longitude_deg[new], landmarks.longitude_min[new],
-            landmarks.latitude_deg[new], landmarks.latitude_min[new], landmarks.altitude_ft[new],
-        ),
+        9: _rows(*marks.by_row().values()),
         11: _rows(out.frame, out.landmark),
     }  # fmt: skip
     lists = {5: counts, 10: [len(out.frame)], 12: [job.return_group, *out.everywhere]}

@@ -7,7 +7,7 @@ Both have the deck's readings, landmarks, track and lens. The project's Earth is
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -393,8 +393,7 @@ def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
 def once_each(marks: Landmarks) -> Landmarks:
     """Take each landmark of group 9 once: as it was given last."""
     last = {number: k for k, number in enumerate(marks.number.tolist())}
-    rows = np.array(list(last.values()), dtype=np.int64)
-    return Landmarks(*(getattr(marks, field.name)[rows] for field in fields(marks)))
+    return marks.take(np.array(list(last.values()), dtype=np.int64))
 
 
 def landmark_positions_m(marks: Landmarks, fixes: Fixes) -> Floats:

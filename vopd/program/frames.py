@@ -122,14 +122,7 @@ def _cards_of_group_9(jobs: Sequence[Job], number: Ints, which: Ints) -> tuple[L
         which: the index of the job of each (N,).
     """
     marks = [job.landmarks for job in jobs]
-    together = Landmarks(
-        number=np.concatenate([one.number for one in marks]),
-        longitude_deg=np.concatenate([one.longitude_deg for one in marks]),
-        longitude_min=np.concatenate([one.longitude_min for one in marks]),
-        latitude_deg=np.concatenate([one.latitude_deg for one in marks]),
-        latitude_min=np.concatenate([one.latitude_min for one in marks]),
-        altitude_ft=np.concatenate([one.altitude_ft for one in marks]),
-    )
+    together = Landmarks.concat(marks)
     numbers, place = np.unique(together.number, return_inverse=True)
     job = np.repeat(np.arange(len(jobs)), [len(one.number) for one in marks])
     cards = np.full((len(jobs), len(numbers) + 1), -1)  # TTHJ(ITGT) and so on, a row for each job
