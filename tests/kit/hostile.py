@@ -236,6 +236,10 @@ TABLE = (
             ("punch flight.toml", "check flight.toml")),
     Hostile("key that is not read", project(flight__toml=TOML.replace(
             "[picks]", '[picks]\nutc_offset_h = "x"'))),
+    Hostile("image of one pixel", solved_places("CSV, geodetic", "CSV by seconds", "1080]", "1]"),
+            ("attitude flight.toml -o out.csv",)),
+    Hostile("mount of 1e300", project("\n[vehicle]\nmount = {matrix = [[1e300, 0, 0], [0, 1, 0], "
+            "[0, 0, 1]]}\n")),
     Hostile("refraction of 1e18", project("\n[atmosphere]\nrefraction = {k = 1e18}\n")),
     # lenses
     Hostile("colmap blank lines", lens("txt", "\n" * 200_000)),

@@ -382,7 +382,7 @@ class Shutter:
     def parts(self, pixel: Floats, size_px: Floats) -> Floats:
         """Find when rows of pixels (..., 2) are read after the frame's time, in readouts, (...)."""
         axis = int(self.way in ("down", "up"))
-        part = pixel[..., axis] / (size_px[..., axis] - 1.0)
+        part = pixel[..., axis] / np.maximum(size_px[..., axis] - 1.0, 1.0)  # of one row, too
         if self.way in ("up", "left"):
             part = 1.0 - part
         return np.asarray(part - 0.5 * self.middle)

@@ -603,7 +603,7 @@ def mount_of(section: Section) -> Floats:
     try:
         matrix = np.array(rows, dtype=np.float64)
         numbers = {type(one) for row in rows or [] for one in row} <= {int, float}
-        square = numbers and matrix.shape == (3, 3)
+        square = numbers and matrix.shape == (3, 3) and bool((np.abs(matrix) < 2.0).all())
         turn = square and np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6)
     except (TypeError, ValueError, OverflowError):
         turn = False
