@@ -301,6 +301,7 @@ sigma_vehicle_roll_deg | 0.93
 *epoch | of date
 *camera_m | 1001.0 1002.0 1003.0
 *camera_sigma_m | 0.01 0.02 0.03
+*doubtful | it is odd; so is that
 """
 ROWS = [[part.strip() for part in line.split("|")] for line in TABLE.strip().splitlines()]
 CELLS = {name.lstrip("*"): cell for name, cell in ROWS}
@@ -348,7 +349,10 @@ def test_every_column_with_its_unit_and_meaning() -> None:
 
 def test_every_cell_of_a_full_row() -> None:
     """In CSV, and as arrays: numbers of numbers, and text of lists and words."""
-    full = photograph(FULL, epoch="of date")
+    odd = (("a", Finding("it is odd")), ("b", Finding("so is that")))
+    full = photograph(FULL, epoch="of date", findings=odd, status=3)
+    assert stated_conventions([full])["doubtful"] == ".csv: it is odd; so is that"
+    assert "doubtful" not in stated_conventions([replace(full, status=0)])
     (row,) = csv.DictReader(io.StringIO(as_csv([full])))
     assert dict(row) == CELLS
     values, _ = solution_table([full])
@@ -427,9 +431,8 @@ def test_every_key_of_json() -> None:
     lists = {name.lstrip("*") for name, *_ in ROWS if name.startswith("*")}
     for name in single - lists:
         assert full[name] == float(CELLS[name]), name
-    assert (
-        len(single) == len(CELLS) - 9 - 3 - 3 - 6 - 2
-    )  # matrix, axis, sigmas, covariance, ellipse
+    # matrix, axis, sigmas, covariance, ellipse, doubts
+    assert len(single) == len(CELLS) - 9 - 3 - 3 - 6 - 2 - 1
     assert set(bare) == {
         "image", "method", "stars", "omega_deg", "phi_deg", "kappa_deg", "alpha_deg", "delta_deg",
         "swing_deg", "matrix", "orthogonality_defect", "residuals_mm", "iterations", "converged",

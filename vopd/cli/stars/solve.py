@@ -283,7 +283,7 @@ def render_dated(
     ]
     frame_b = "SENSOR_1" if sky.mount is None else "SC_BODY_1"
     about = CAMERA_FRAME if sky.mount is None else BODY_FRAME
-    stated = stated_conventions(photographs)
+    stated = stated_conventions(dated)
     place = None if sky.place is None else (sky.place[1], sky.place[0], sky.place[2])
     attitudes = DatedAttitudes(
         ", ".join(dict.fromkeys(one.file.source for one in dated)),
@@ -292,8 +292,7 @@ def render_dated(
         "ICRF",
         frame_b,
         {
-            "program": stated["program"],
-            "source": stated["source"],
+            **{key: stated[key] for key in ("program", "source", "doubtful") if key in stated},
             "from frame": "ICRF, the axes of J2000" if form == "aem" else "Earth-fixed, WGS 84",
             "to frame": about if form == "aem" else BODY_FRAME,
             "quaternion": QUATERNION.format(a="ICRF" if form == "aem" else "Earth-fixed axes",

@@ -119,6 +119,11 @@ class SolvedPhotograph:
     options: StarOptions = field(default_factory=StarOptions)
     spread: float = 1.0  # its reading sigma, as `reading_errors` has it
 
+    @property
+    def doubts(self) -> list[str]:
+        """Say why its solutions are doubted; nothing where its exit status is 0."""
+        return [one.message for _, one in self.findings] if self.status else []
+
 
 # Files of photographs
 

@@ -112,6 +112,7 @@ COLUMNS = (
     SolutionColumn("epoch", "", "what right ascensions and declinations refer to", text=True),
     SolutionColumn("camera_m", "m", "position of the camera, where it is solved", text=True),
     SolutionColumn("camera_sigma_m", "m", "its standard deviations", text=True),
+    SolutionColumn("doubtful", "", "why the exit status is not 0", text=True),
 )  # fmt: skip
 """The columns of every table in their order; IMAGE stands before them where there are several."""
 
@@ -168,7 +169,17 @@ def solution_table(
 def stated_conventions(photographs: Sequence[SolvedPhotograph]) -> dict[str, str]:
     """State program, source files and conventions of a table."""
     sources = ", ".join(dict.fromkeys(one.file.source for one in photographs))
-    return {"program": f"vopd {__version__}", "source": sources, **CONVENTIONS}
+    doubts = [
+        f"{one.label or one.file.source}: {'; '.join(one.doubts)}"
+        for one in photographs
+        if one.doubts
+    ]
+    return {
+        "program": f"vopd {__version__}",
+        "source": sources,
+        **({"doubtful": "; ".join(doubts)} if doubts else {}),
+        **CONVENTIONS,
+    }
 
 
 def _row(photograph: SolvedPhotograph, one: SolvedStars) -> dict[str, Any]:
@@ -190,6 +201,7 @@ def _row(photograph: SolvedPhotograph, one: SolvedStars) -> dict[str, Any]:
         row["epoch"] = photograph.epoch
     if photograph.label:
         row["image"] = photograph.label
+    row["doubtful"] = "; ".join(photograph.doubts)
     return {name: _cell(value) for name, value in row.items()}
 
 
@@ -217,8 +229,7 @@ def as_json(photographs: Sequence[SolvedPhotograph]) -> str:
             row = image | one.as_dict(photograph.file.unit)
             row |= {"names": names} if any(names) else {}
             row |= {"epoch": photograph.epoch} if photograph.epoch else {}
-            if photograph.status:
-                row |= {"doubtful": [one.message for _, one in photograph.findings]}
+            row |= {"doubtful": photograph.doubts} if photograph.doubts else {}
             if photograph.axes is not None:
                 row |= {"picture": picture_as_dict(photograph, photograph.axes, one)}
             solutions.append(json.dumps(row, allow_nan=False))
