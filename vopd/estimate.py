@@ -220,6 +220,8 @@ class FrameEstimate(Rows):
     lens: Ints | None = None  # (F,) which of several lenses each frame has, from 0; None: one
     rate_unknown: Bools | None = None
     """(F,) with a rolling shutter: no other frame says how fast the camera turns in this one."""
+    extrapolated: Mapping[str, Bools] = field(default_factory=dict)
+    """(F,) frames that lie beyond each of the tables of a deck, by the table's name."""
     scene: Callable[[], JobScene] | None = field(default=None, repr=False, compare=False)
     """Makes the surroundings of all frames of the job, for figures."""
     moved: Floats | None = None  # (F, 3) east, north, up from the stated to the solved position

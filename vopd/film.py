@@ -239,6 +239,11 @@ def _joined_estimates(parts: Sequence[Part]) -> list[Estimate]:
         focal_length=np.nan,
         reading_spread=np.nan,
         reading_floor=np.nan,
+        extrapolated={
+            "time": results.outside_clock,
+            "trajectory": results.outside_trajectory,
+            "wind": results.outside_wind & results.solved,
+        },
     )
     noises = reading_noises([whole for _, whole in parts])
     estimates = [

@@ -57,6 +57,25 @@ def test_a_good_film_has_none() -> None:
     assert flagged(turned(np.tile([140.0, -70.0, 60.0], (4, 1)), np.array([140.0, -70, 60]))) == {}
 
 
+@pytest.mark.parametrize(
+    ("table", "name", "lowest", "beyond"),
+    [("clock", "frame", 2, [0]), ("clock", "frame", 1, []), ("trajectory", "time_s", 0.5, [0]),
+     ("wind", "altitude_ft", 119_949.0, [2, 3]), ("wind", "altitude_ft", 119_851.0, [3]),
+     ("wind", "altitude_ft", 119_849.0, []), ("trajectory", "time_s", 0.0, [])],
+)  # fmt: skip
+def test_frames_beyond_a_table_of_the_deck_are_flagged(
+    table: str, name: str, lowest: float, beyond: list[int]
+) -> None:
+    """Frames 1 to 4 at 0 to 3 s, at 120,000 ft and 50 less a second: the table begins there."""
+    job = turned(np.tile([140.0, -70.0, 60.0], (4, 1)), np.array([140.0, -70, 60]))
+    rows = getattr(job, table)
+    job = replace(job, **{table: replace(rows, **{name: np.maximum(getattr(rows, name), lowest)})})
+    one = history_of(job)
+    assert np.flatnonzero(one.flags.raised["extrapolated"]).tolist() == beyond
+    named = {"clock": "time"}.get(table, table)
+    assert all(named in one.flags.detail["extrapolated"][k].split("+") for k in beyond)
+
+
 def test_two_landmarks_have_no_redundancy_and_another_side() -> None:
     job = only(turned(np.array([[140.0, -70.0, 60.0]]), np.array([140.0, -70, 60])), 0, 3)
     assert set(flagged(job)) == {"two_landmarks", "second_solution"}
@@ -424,6 +443,7 @@ def jumped(yaws: list[float], times: list[float], rate: float | None) -> list[in
     [
         ([0.0, 9.9], [0.0, 1.0], []), ([0.0, 10.1], [0.0, 1.0], [0, 1]),
         ([0.0, 10.1], [1.0, 0.0], [0, 1]), ([0.0, 9.9], [1.0, 0.0], []),  # times go back
+        ([0.0, 18.0, 9.0, 41.0, 50.0], [0.0, 2.0, 1.0, 3.0, 4.0], [1, 3]),  # in order of time
         ([0.0, 19.9], [0.0, 2.0], []), ([0.0, 20.1], [0.0, 2.0], [0, 1]),
         ([0.0, 0.1], [3.0, 3.0], [0, 1]), ([5.0, 5.0], [3.0, 3.0], []),  # no time between them
         ([0.0], [0.0], []), ([], [], []), ([NONE, 3.0], [0.0, 1.0], []),

@@ -312,10 +312,10 @@ def test_which_frames_of_a_jump_are_named(yaws: list[float], jump: list[int]) ->
 
 @pytest.mark.usefixtures("in_pairs")
 def test_the_times_of_a_long_job_stay_with_their_frames() -> None:
-    """12 degrees in 3 seconds back, and in 1: only the last frame is above 10 a second."""
+    """In time 12 degrees in the first second, then none: only the first is above 10 a second."""
     angles = np.array([[yaw, 0.0, 0.0] for yaw in (0.0, 12.0, 0.0)])
     times = np.array([3.0, 0.0, 1.0])
-    assert jumps_of(10.0, camera_deg=angles, vehicle_deg=angles, time_s=times) == [2]
+    assert jumps_of(10.0, camera_deg=angles, vehicle_deg=angles, time_s=times) == [1]
 
 
 # A history in parts: what is made when, how often, and under which words

@@ -193,6 +193,8 @@ def same(one: Any, other: Any) -> None:
     if isinstance(other, np.ndarray):
         assert one.shape == other.shape
         np.testing.assert_array_equal(one, other)
+    elif isinstance(other, dict):
+        same(tuple(one.values()), tuple(other.values()))
     elif isinstance(other, tuple):
         for mine, theirs in zip(one, other, strict=True):
             same(mine, theirs)

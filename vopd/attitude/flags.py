@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +79,10 @@ MEANING = {
         "no other frame within three frame intervals and half a second says how fast the camera "
         "turns while the rows of this one are read; its picks count as of one time",
         "pick landmarks in a frame next to it",
+    ),
+    "extrapolated": (
+        "the frame lies beyond a table, which is named, and the values of that are extrapolated",
+        "extend the table",
     ),
     "jump": (
         "turns faster than --max-rate against a neighbour",
@@ -165,6 +170,7 @@ def flags(
         "outlier": outlier.any(axis=1),
         "misfit": doubt.reading.misfit,
         "rate_unknown": np.zeros_like(has) if e.rate_unknown is None else has & e.rate_unknown,
+        "extrapolated": has & np.any([np.zeros_like(has), *e.extrapolated.values()], axis=0),
     }
     detail = {
         "undetermined": free_turn_text(e, doubt.free_turn),
@@ -173,6 +179,7 @@ def flags(
         "pitch_near_90": _names_of(near),
         "outlier": _names(e, outlier),
         "misfit": misfit_text,
+        "extrapolated": _names_of(e.extrapolated) if e.extrapolated else [""] * len(has),
     }
     return Flags(raised, detail)
 
@@ -218,7 +225,7 @@ def fits_as_well(rms: Floats, reading_sigma: Floats) -> Floats:
     return np.maximum(rms, reading_sigma) * SECOND_RATIO
 
 
-def _names_of(marks: dict[str, Bools]) -> list[str]:
+def _names_of(marks: Mapping[str, Bools]) -> list[str]:
     """Join the names of the marks of each frame with `+`; empty for most frames."""
     names = [""] * len(next(iter(marks.values())))
     for name, marked in marks.items():
@@ -243,7 +250,8 @@ _NEAR = float(np.sin(np.radians(NEAR_POLE_DEG)))
 def jumps(time_s: Floats, quaternion: Floats, max_rate_deg_s: float | None) -> Bools:
     """Find frames that turn too fast against both neighbours, or against one that does not itself.
 
-    The first and the last frame have one neighbour; frames without an attitude are skipped.
+    Neighbours are those in time. The first and the last frame have one; frames without an attitude
+    are skipped.
 
     Args:
         time_s: the times of the frames, (F,)
@@ -252,10 +260,11 @@ def jumps(time_s: Floats, quaternion: Floats, max_rate_deg_s: float | None) -> B
     """
     jump = np.zeros(len(time_s), bool)
     have = np.flatnonzero(np.isfinite(quaternion).all(axis=1) & np.isfinite(time_s))
+    have = have[np.argsort(time_s[have], kind="stable")]
     if max_rate_deg_s is None or len(have) < 2:
         return jump
     q, time_s = quaternion[have], time_s[have]
-    fast = angle_between_deg(q[:-1], q[1:]) > max_rate_deg_s * np.abs(np.diff(time_s))
+    fast = angle_between_deg(q[:-1], q[1:]) > max_rate_deg_s * np.diff(time_s)
     before, after = np.append(fast[0], fast), np.append(fast, fast[-1])
     both = before & after
     step = fast & ~both[:-1] & ~both[1:]
