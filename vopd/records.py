@@ -39,6 +39,8 @@ def _same(one: Any, other: Any) -> bool:
         return np.array_equal(one, other, equal_nan=np.asarray(one).dtype.kind == "f")
     if isinstance(one, dict):
         return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    if isinstance(one, tuple):  # of arrays, too
+        return len(one) == len(other) and all(map(_same, one, other))
     return bool(one == other)
 
 

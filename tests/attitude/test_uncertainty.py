@@ -426,7 +426,7 @@ NOTHING = {
     "place": [0.0, 0.0, 0.0],
     "focal_length": 0.0,
     "time_s": 0.0,
-    "velocity": 0.0,
+    "velocity": [0.0, 0.0, 0.0],
     "wind": 0.0,
     "mount_deg": 0.0,
 }
@@ -444,7 +444,7 @@ FORCE_GIVEN = [
     ("position", 20.0, [20.0, 20.0, 20.0]),
     ("focal_length", 20.0, 20.0),
     ("time_s", 20.0, 20.0),
-    ("velocity", 20.0, 20.0),
+    ("velocity", 20.0, [20.0, 20.0, 20.0]),
     ("wind", 20.0, 20.0),
     ("mount_deg", 20.0, 20.0),
 ]
@@ -472,6 +472,16 @@ def test_a_source_that_states_nothing_has_none() -> None:
 def test_what_is_stated_counts() -> None:
     stated = one(stated=FORCE_STATED, fiducial_sigma=np.nan)
     assert values(in_force(stated, Sigmas())) == OF_STATED
+
+
+def test_velocities_that_are_exact_are_no_component_where_some_are_not_known() -> None:
+    """As of frames beyond the track; .5 m/s of one frame counts, and what is given before it."""
+    two = estimates.estimate(np.array([[140.0, -70.0, 60.0]] * 2))
+    for known, component in ((0.0, False), (0.5, True)):
+        own = replace(two, velocity_sigma=np.array([[known] * 3, [np.nan] * 3]))
+        assert values(in_force(own, Sigmas()))["velocity"] == [[known] * 3, [0.0] * 3]
+        assert ("velocity" in uncertainty(own, Sigmas()).components) == component
+        assert values(in_force(own, Sigmas(velocity=2.0)))["velocity"] == [2.0] * 3
 
 
 @pytest.mark.parametrize(("name", "given", "expected"), FORCE_GIVEN)

@@ -111,6 +111,9 @@ def test_nan_is_alike_and_records_of_other_kinds_are_not() -> None:
     (job,) = vopd.read_deck(CASE_1)
     assert small() != job.readings and job.camera != job.wind and small() != 3
     assert job == vopd.read_deck(CASE_1)[0]
+    one, same = (vopd.run(CASE_1).histories()[0] for _ in range(2))  # with tuples of arrays
+    other = vopd.run(CASE_1).histories(vopd.Sigmas(landmark=1.0))[0]
+    assert one == same and one.uncertainty != other.uncertainty
 
 
 FOUR = small((1, 3, 0, 2))

@@ -140,7 +140,7 @@ def test_the_table_of_flags() -> None:
     assert rows["jump"] == ("jump", 6, "own meaning", "own advice")
     assert_approved(rows["not_converged"])
     assert (rows["misfit"][1], rows["outlier"][1]) == (2, 0)
-    assert len(rows) == 13
+    assert len(rows) == 14
 
 
 # Landmarks
@@ -454,10 +454,11 @@ IN_FORCE = {  # sigma: its value, how that stands in the text
     "principal_point": ((0.02, 0.0), "0.02, 0 mm"),
     "landmark": (np.array([3.0, 3.0, 40.0]), "3, 40 ft"),
     "position": (np.full(3, 51.234), "51.2 ft"),
+    "place": (np.array([1.0, 1.0, 2.0]), "1, 2 ft"),  # common to all positions
     "focal_length": (0.06, "0.06 mm"),
     "time_s": (0.007, "0.007 s"),
     "mount_deg": (0.25, "0.25 degree"),
-    "velocity": (8.0, "8 ft/s"),
+    "velocity": (np.array([[8.0, 8.0, 0.0], [9.5, 9.5, 0.0]]), "8 to 9.5 ft/s"),
     "wind": (9.0, "9 ft/s"),
 }
 

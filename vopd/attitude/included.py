@@ -293,6 +293,6 @@ def _round_sizes(units: Units, focal_length: float) -> dict[str, tuple[str, Any,
         "focal": ("focal_length", 1e-3 * focal_length, "0.1 % of it"),
         "principal_point": ("principal_point", (1.0, 1.0), f"1 {units.image}"),
         "time": ("time_s", 0.1, "0.1 s"),
-        "velocity": ("velocity", 1.0, f"1 {units.length}/s"),
+        "velocity": ("velocity", one, f"1 {units.length}/s"),
         "wind": ("wind", 1.0, f"1 {units.length}/s"),
     }

@@ -90,7 +90,7 @@ class SigmasInForce(NamedTuple):
     place: Floats  # (3,) east, north, up, the same error in all frames
     focal_length: float
     time_s: float
-    velocity: float  # the user's; 0: those of the estimate
+    velocity: Floats  # north, east, down of every frame by itself: (3,), or (F, 3)
     wind: float
     mount_deg: float
 
@@ -108,6 +108,7 @@ def in_force(estimate: Estimate, given: Sigmas) -> SigmasInForce:
     stated = estimate.stated
     landmark = stated.landmark if estimate.landmark_sigma is None else estimate.landmark_sigma
     position = stated.position if estimate.fix_sigma is None else estimate.fix_sigma
+    velocity = np.zeros(3) if estimate.velocity_sigma is None else estimate.velocity_sigma
     fiducial = estimate.fiducial_sigma if given.fiducial is None else given.fiducial
     return SigmasInForce(
         reading=given.reading,
@@ -118,7 +119,7 @@ def in_force(estimate: Estimate, given: Sigmas) -> SigmasInForce:
         place=np.array(stated.place),
         focal_length=given.focal_length or stated.focal_length,
         time_s=given.time_s or stated.time_s,
-        velocity=given.velocity,
+        velocity=np.nan_to_num([given.velocity] * 3 if given.velocity > 0.0 else velocity),
         wind=given.wind or stated.wind,
         mount_deg=given.mount_deg or stated.mount_deg,
     )
@@ -216,11 +217,8 @@ def given_components(
         found.append(one._replace(common=one.common and name not in OF_FRAMES))
     if sigmas.mount_deg > 0.0:
         found.append(_mount(estimate, sigmas.mount_deg))
-    velocity = estimate.velocity_sigma
-    if sigmas.velocity > 0.0 or velocity is None:
-        velocity = np.array([sigmas.velocity] * 3)
-    if np.any(velocity):
-        by_frame = np.reshape(velocity, (-1, 1, 3))
+    if np.any(sigmas.velocity):
+        by_frame = np.reshape(sigmas.velocity, (-1, 1, 3))
         found.append(_velocity("velocity", r.attack_by_velocity * by_frame, estimate))
     if sigmas.wind > 0.0:
         horizontal = -r.attack_by_velocity[..., :2] * sigmas.wind

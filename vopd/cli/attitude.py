@@ -159,7 +159,9 @@ def command(
     chosen.ready()
     if chosen.binary and output == "-" and sys.stdout.isatty():
         raise click.UsageError(f"{chosen.name} is binary: name a file with -o.")
-    found = collect_jobs(sources, options, chosen.by_parts and not mean, misfits=mean or not screen)
+    short = screen and (mean or columns in (None, "basic"))  # which says itself how sure it is
+    by_parts, misfits = chosen.by_parts and not mean, mean or not short
+    found = collect_jobs(sources, options, by_parts, misfits=misfits)
     messages = Messages(options.quiet)
     request = _with_epoch(chosen, request, [job.head for job in found.jobs], messages)
     if columns is not None:
@@ -174,9 +176,9 @@ def command(
     with whole_file(output) as file:
         if screen and mean:
             file.write(_means(jobs).encode(coding, ESCAPED))
-        elif screen and columns in (None, "basic"):
-            short = _short(jobs, sources, found, options.quiet, roll != "360")
-            file.write(short.encode(coding, ESCAPED))
+        elif short:
+            told = _short(jobs, sources, found, options.quiet, roll != "360")
+            file.write(told.encode(coding, ESCAPED))
         elif screen:
             file.write(_listed(jobs, request, roll).encode(coding, ESCAPED))
         elif mean:
@@ -185,7 +187,7 @@ def command(
             for page in chosen.pages(jobs, request, messages):
                 file.write(page)
     progress.close()
-    if not options.quiet and not screen:
+    if not options.quiet and not short:
         means = [job.whole.mean() for job in found.jobs] if mean else []
         for source, included, left in errors_texts([job.head for job in found.jobs], means):
             said = f"the sigmas do not include errors of: {left}"

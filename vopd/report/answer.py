@@ -158,7 +158,7 @@ def sigmas_in_force(history: History) -> list[tuple[str, str, Sigma]]:
         ("centre by the fiducials", units.image, sigmas.centre),
         ("principal point", units.image, sigmas.principal_point),
         ("landmark positions", units.length, sigmas.landmark),
-        ("camera position", units.length, sigmas.position),
+        ("camera position", units.length, np.hypot(sigmas.position, sigmas.place)),
         ("focal length", units.image, sigmas.focal_length),
         ("times of frames", "s", sigmas.time_s),
         ("mounting", "degree", sigmas.mount_deg),

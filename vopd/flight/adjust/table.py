@@ -102,6 +102,7 @@ def as_json(made: Adjustment, correlations: bool, tests: object = None) -> str:
         "picks": int(result.estimates.solved.used.sum()),
         "reading_sigma_px": None if reading is None else reading.sigma,
         "misfits": result.misfits,
+        "warnings": [one.message for one in result.findings],
         "parameters": [dict(zip(COLUMNS, _row(one), strict=True)) for one in made.parameters],
     }
     if correlations:
