@@ -187,6 +187,19 @@ def test_every_frame_is_every_one_with_an_attitude(without: int, flagged: int) -
     assert every == [flagged + without == 40]
 
 
+@pytest.mark.parametrize(
+    ("details", "told"), [(["", "a", "a", ""], " (a)"), (["", "a", "b", ""], ""), ([""] * 4, "")]
+)
+def test_a_detail_is_told_that_all_frames_of_a_flag_have(details: list[str], told: str) -> None:
+    film = by_hand(4)
+    raised = film.flags.raised | {"outlier": np.array([False, True, True, False])}
+    flags = replace(film.flags, raised=raised, detail=film.flags.detail | {"outlier": details})
+    (shown,) = frames_of([one_part(replace(film, flags=flags))])
+    (line,) = [one for one in summary.doubt_lines(shown) if " outlier" in one]
+    where = frames_text([film.estimate.frame_label(k) for k in (1, 2)])
+    assert f" outlier, {where}{told}: " in line
+
+
 @pytest.mark.parametrize("known", [1, 2, 3])
 def test_a_flag_of_frames_without_an_attitude_is_not_of_every_frame(known: int) -> None:
     """As many have none as have one, or more: they are named, and have its letter."""

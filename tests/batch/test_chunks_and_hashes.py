@@ -583,13 +583,13 @@ def test_a_name_that_cannot_be_a_path_hides_no_other(tmp_path: Path) -> None:
 
 
 def test_a_long_video_is_hashed_by_its_size_and_ends(tmp_path: Path) -> None:
-    """A byte in the middle of 40 MB is not seen; one in the first 16 MB, or one more, is.
+    """A byte in the middle of 40 MB is not seen; one in the first or last 16 MB, or one more, is.
 
     In the middle of a table of as many it is, too.
     """
     project = tmp_path / "flight.toml"
     project.write_text('[picks]\nvideo = ["a.mp4"]\n')
-    video, middle, early = tmp_path / "a.mp4", 20_000_000, 1_000_000
+    video, middle, early, late = tmp_path / "a.mp4", 20_000_000, 1_000_000, 39_000_000
 
     def hash_with(
         *changed: int, size: int = 40_000_000, begins: bytes = b"\0\0\0\x18ftypmp41"
@@ -604,6 +604,7 @@ def test_a_long_video_is_hashed_by_its_size_and_ends(tmp_path: Path) -> None:
 
     first = hash_with()
     assert hash_with(middle) == first
-    assert len({first, hash_with(early), hash_with(size=40_000_001)}) == 3
+    changed = [hash_with(early), hash_with(late), hash_with(size=40_000_001)]
+    assert len({first, *changed}) == 4
     table = b"t_s,lat_deg,lon_deg,h_m\n"
     assert hash_with(middle, begins=table) != hash_with(begins=table)

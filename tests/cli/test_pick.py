@@ -308,6 +308,10 @@ def test_a_pixel_of_a_scanned_film_in_inches_of_the_reader() -> None:
     done = vopd("pick", "again", "-o", "q.html", "--cards", deck, "--dpi", "2540")
     assert done.status == 1 and not Path("q.html").exists()
     assert_approved(done.stderr)
+    for number, status in ((9999, 0), (10000, 1)):  # a card has four columns for it
+        Image.new("L", (8, 6)).save(f"{number}.png")
+        done = vopd("pick", f"{number}.png", "-o", "n.html", "--cards", deck, "--dpi", "2540")
+        assert (done.status, f"{number}.png: name each" in done.stderr) == (status, bool(status))
 
 
 @pytest.mark.parametrize(

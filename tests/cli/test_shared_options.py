@@ -246,6 +246,17 @@ def test_every_command_with_histories_makes_the_table_of_vopd_attitude(
     assert columns_of(Path("solved/lost.csv").read_text()) == expected
 
 
+def test_a_batch_solves_a_flight_with_the_sigmas_of_its_command(tmp_path: Path) -> None:
+    """Its angles weigh by them, too, which those of a deck do not."""
+    options = "--reading-sigma 1 --position-sigma 4000 --landmark-sigma 3"
+    expected = table(options, source="flight")
+    angles = degrees("", *CAMERA)
+    assert angles <= changed(table(READING["flight"], source="flight"), expected)
+    assert vopd("batch", HILL, "-d", tmp_path / "solved", "-q", *options.split()).status == 0
+    (made,) = (tmp_path / "solved").rglob("flight.csv")
+    assert columns_of(made.read_text()) == expected
+
+
 def test_vopd_run_solves_as_vopd_attitude_does() -> None:
     """The angles of the listing, to its three decimals."""
     for options in (

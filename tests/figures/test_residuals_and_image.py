@@ -100,6 +100,16 @@ def test_many_residuals_are_dots() -> None:
     assert_close("drawn residual", np.sort(dots.get_ydata()), np.sort(expected.ravel()))
 
 
+@pytest.mark.parametrize(("frames", "means"), [(110, False), (201, True)])
+def test_lines_are_means_where_one_job_has_many_residuals_of_a_landmark(
+    frames: int, means: bool
+) -> None:
+    """More than 200; the same landmark in two jobs is drawn twice."""
+    residual = np.tile(1e-3 * np.arange(8.0), (frames, 1))
+    jobs = [by_hand(frames, residual=residual, units=ON_FILM, said={"job": k}) for k in (1, 2)]
+    assert ("lines: means of " in drawn(*jobs)[1]) == means
+
+
 def test_of_more_landmarks_than_colours_the_others_are_dots_alone() -> None:
     """Of three jobs with four landmarks each those with the smallest residuals."""
     size = np.arange(12.0).reshape(3, 4) + 1.0

@@ -767,6 +767,15 @@ def test_the_next_click_lowers_the_sigma_as_a_solve_with_it_does() -> None:
         assert_close("dense minimum", click.after_deg / np.degrees(rms), 1.0)
 
 
+def test_the_next_click_may_be_of_any_frame_with_an_attitude() -> None:
+    """The first half of the flight has none: its frames have at most one click, and no track."""
+    one = clicked_flight(np.random.default_rng(3), 20, 5, every=20, reach=20)
+    rows = one.rows
+    late = with_rows(one.flight, rows.where((rows.frame >= 10) | (rows.frame == rows.from_frame)))
+    found = next_clicks(solve_jointly(late, priors_of(late)))
+    assert found and all(click.frame >= 10 for click in found)
+
+
 def test_clicks_that_tell_little_are_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """A landmark is clicked in every fourth frame, or in all; and of each one click is told."""
     few, many, all_ = (

@@ -688,6 +688,17 @@ def test_each_option_gives_its_keys_and_nothing_more_is_needed(place: str, tmp_p
         assert "NEEDED (" not in text
 
 
+def test_a_later_call_reads_files_in_the_coordinate_system_of_the_project(tmp_path: Path) -> None:
+    """Which the call before gave, and counts in feet: a file in metres is refused by both."""
+    for unit, system, status in (
+        ("m", ["--crs", "EPSG:2263"], 1), ("ft", ["--crs", "EPSG:2263"], 0), ("m", [], 1),
+    ):  # fmt: skip
+        marks = tmp_path / f"in_{unit}.csv"
+        marks.write_text(f"name,x_{unit},y_{unit},z_{unit}\na,987000,213000,40\n")
+        ran = run("new", tmp_path / "p", "--landmarks", marks, *system)
+        assert (ran.status, "US survey feet" in ran.stderr) == (status, bool(status))
+
+
 def test_numbers_of_a_lens_begin_a_project(tmp_path: Path) -> None:
     """They stand for a file: nothing else need be known yet."""
     assert run("new", tmp_path / "p", *OF_CAMERA).status == 0

@@ -12,6 +12,7 @@ from tests.approved.texts import assert_approved
 from tests.kit.flight_project import TOML, write_project
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
+from vopd.flight.flight import CameraPath, TrackFixes
 from vopd.flight.formats.track import TrackRows
 from vopd.flight.project.keys import Section
 from vopd.flight.project.read import read_flight
@@ -27,9 +28,9 @@ TRUE_M_S = np.array([30.0, -12.0, -4.0])
 ELLIPSOID_M = 6_378_137.0
 
 
-def path() -> Floats:
+def path(step_s: float = 1.0) -> Floats:
     """On the equator, where a metre north is a turn by (1 - e^2) / a, and east by 1 / a."""
-    north, east, down = TRUE_M_S[:, None] * TIME_S
+    north, east, down = TRUE_M_S[:, None] * TIME_S * step_s
     latitude = np.degrees(north / (ELLIPSOID_M * (1.0 - 0.00669437999)))
     return earth_centred_m(latitude, 20.0 + np.degrees(east / ELLIPSOID_M), -down)
 
@@ -107,6 +108,25 @@ def test_a_track_of_images_is_told_the_same_whatever_the_order_of_its_rows(
         said = doubts_of_leaps(one, leaping[order], None, "t.csv")
         assert ["5.jpg" in text for text in said] == [True] * (not whole)
         assert bool(doubts_of_own_velocities(one, path()[order], found, "t.csv")) != whole
+
+
+@pytest.mark.parametrize(
+    ("step_s", "sigma_m", "by", "told"),
+    [
+        (0.1, 1.0, [-1.0, -1.0, -1.0], False),  # 65 m/s off; four sigmas are 98 m/s
+        (0.2, 1.0, [-1.0, -1.0, -1.0], True),  # 49 m/s
+        (20.0, 10.0, [1.0, 1.0, -1.0], True),  # 8 m/s off; 4.9 m/s
+    ],
+)
+def test_positions_tell_less_of_a_velocity_the_nearer_in_time_they_are(
+    step_s: float, sigma_m: float, by: list[float], told: bool
+) -> None:
+    """The difference of two, over its step, is off by the root of 6 sigma in length."""
+    positions, own = path(step_s), np.tile(TRUE_M_S * by, (8, 1))
+    rows = TrackRows(positions, False, None, "utc", TIME_S * step_s, "", [], own)
+    fixes = TrackFixes(np.zeros(8, int), np.ones((8, 2)), np.full((8, 3), sigma_m))
+    one = CameraPath(positions, fixes, velocity_m_s=own)
+    assert bool(doubts_of_own_velocities(rows, positions, one, "t.csv")) == told
 
 
 @pytest.mark.parametrize("sign", ["", "-"])

@@ -55,6 +55,21 @@ def test_picks_are_predicted_as_by_solving_without_them(tmp_path: Path) -> None:
         assert_close("updated gain", tests.gain[k], gain)
 
 
+def test_landmarks_without_picks_are_not_left_out(tmp_path: Path) -> None:
+    plan = BlunderRow("", 2.0).plan._replace(frames=4)
+    write_flight(tmp_path, plan, np.random.default_rng(SEED))
+    before = tested.tested_flight(vopd.solve_flight(tmp_path / "flight.toml")).tests
+    marks = tmp_path / "landmarks.csv"
+    head, *rows = marks.read_text().splitlines()
+    name = head.split(",").index("landmark")
+    unseen = rows[0].split(",")
+    unseen[name] = "unseen"
+    marks.write_text("\n".join([head, ",".join(unseen), *rows]) + "\n")
+    after = tested.tested_flight(vopd.solve_flight(tmp_path / "flight.toml")).tests
+    of_before, of_after = (np.sort(one.landmark[one.kind == LANDMARK]) for one in (before, after))
+    assert len(of_before) > 2 and of_after.tolist() == (of_before + 1).tolist()
+
+
 def test_two_landmarks_of_one_frame_predict_no_pick(tmp_path: Path) -> None:
     """Where positions and landmarks are exact, too: nothing else could tell of a pick."""
     plan = Plan(Errors(), landmarks=2, frames=1, stands=True)

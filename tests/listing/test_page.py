@@ -181,6 +181,16 @@ def test_a_field_by_hand(value: float, field: str) -> None:
     assert line_after(results, "0VEHICLE") == wanted
 
 
+def test_numbers_of_more_than_31_bits() -> None:
+    """Of eight decimals: 2**31 are 21.47483648 mm."""
+    results = run(film(1))
+    results.residual_mm[0, 0] = (21.47483647, -21.47483649)
+    results.residual_mm[0, 1] = (42.9, -1234.5)
+    found = "\n".join(lines(results))
+    assert "       21.47483647    -21.47483649" in found
+    assert "       42.90000000  -1234.50000000" in found
+
+
 def test_narrow_fields_and_columns_that_touch() -> None:
     """F7.3 has no place for Infinity but for Inf; ALPHA and BETA touch, as case 4 prints them."""
     results = run(film(1))

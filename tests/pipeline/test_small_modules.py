@@ -221,6 +221,11 @@ def test_a_device_is_no_file() -> None:
     assert_approved(no_file(os.devnull))
 
 
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no system of Unix")
+def test_a_device_without_an_end_is_none_even_where_a_pipe_may_be() -> None:
+    assert no_file("/dev/zero", pipes=True) == no_file(os.devnull)
+
+
 @pytest.mark.parametrize(("copied", "said"), [(0, False), (3, False), (4, True), (6, True)])
 def test_copies_are_more_than_half_of_the_points(copied: int, said: bool) -> None:
     """Case 1 has four fiducials, and here two landmarks: six points."""

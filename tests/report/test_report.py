@@ -388,6 +388,16 @@ def test_a_flight_without_velocity_has_no_angles_of_attack() -> None:
     assert names == {row[0] for row in angle_table([one])[1]} - {"alpha", "beta", "eta"}
 
 
+def test_angles_that_frames_lack_are_not_those_of_unknown_uncertainty() -> None:
+    """As of the frames beyond a track, which have no velocity."""
+    (one,) = flight()
+    attack_deg = one.estimate.attack_deg.copy()
+    attack_deg[0] = np.nan
+    made = history(replace(one.estimate, attack_deg=attack_deg))
+    widths = {row[0]: row[-1] for row in angle_table([made])[1]}
+    assert "alpha" in widths and not any("unknown" in one for one in widths.values())
+
+
 def test_a_page_without_the_video_of_its_clicks_has_the_other_figures(tmp_path: Path) -> None:
     one = clicked_flight(np.random.default_rng(3), 8, 4, every=4, reach=5).flight
     gone = replace(one, video=(tmp_path / "gone.mp4",), folder=tmp_path)
