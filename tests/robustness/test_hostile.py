@@ -14,7 +14,7 @@ import time
 import warnings
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -77,6 +77,7 @@ def _run(command: list[str]) -> None:
         sys.stdin = open(0, closefd=False)  # noqa: SIM115
         sys.stdout = open(1, "w", closefd=False, encoding="utf-8")  # noqa: SIM115
         sys.stderr = open(2, "w", closefd=False, encoding="utf-8")  # noqa: SIM115
+        warnings.showwarning = _print_warning  # pytest keeps them
         warnings.resetwarnings()
         warnings.simplefilter("default")
         sys.argv = ["vopd", *command]
@@ -93,6 +94,10 @@ def _run(command: list[str]) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)
+
+
+def _print_warning(*parts: Any, **_: object) -> None:
+    print(warnings.formatwarning(*parts[:4]), file=sys.stderr)
 
 
 @pytest.fixture(scope="module", autouse=True)
