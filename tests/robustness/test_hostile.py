@@ -97,7 +97,7 @@ def _run(command: list[str]) -> None:
 
 
 def _print_warning(*parts: Any, **_: object) -> None:
-    print(warnings.formatwarning(*parts[:4]), file=sys.stderr)
+    sys.stderr.write(warnings.formatwarning(*parts[:4]))
 
 
 @pytest.fixture(scope="module", autouse=True)
