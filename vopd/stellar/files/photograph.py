@@ -564,23 +564,19 @@ def photograph_directions(file: StarFile, request: StarRequest, report: Report) 
         raise MissingOption(
             f"{file.source}: --mount needs --place, for the vehicle's yaw and pitch"
         )
+    ground = file.kind == "x_m,y_m,z_m"
+    if camera_m is not None and not ground:
+        raise file.error(f"--camera is for ground points; the file has {file.kind}")
     if file.kind in EQUATORIAL:
-        if camera_m is not None:
-            raise file.error(f"--camera is for ground points; the file has {file.kind}")
         return sky_directions(file, sky, report)
     if sky.utc is not None or sky.place is not None:
         text = f"a date and a place are for stars by ra and dec or by name, not {file.kind}"
         raise input_error(text, file.source)
-    ground = file.kind == "x_m,y_m,z_m"
     if ground and camera_m is None:
         text = "ground points need --camera X,Y,Z, or --resection"
         raise input_error(text, file.source)
-    if camera_m is not None and not ground:
-        text = f"--camera is for ground points; the file has {file.kind}"
-        raise input_error(text, file.source)
-    camera = None if camera_m is None else np.array(camera_m)
-    directions = file_directions(file, camera, report)
-    return FileSky(directions, None, "the axes of u, v, w" if file.kind == "u,v,w" else "")
+    directions = file_directions(file, camera_m, report)
+    return FileSky(directions, None, "" if ground else "the axes of u, v, w")
 
 
 def _judged(problem: StarProblem, fitted: FittedStars | None, suspicious: bool) -> Plausibility:

@@ -37,7 +37,7 @@ from vopd.inputs import (
     read_limited,
     utc_moment,
 )
-from vopd.stellar.field import ground_directions, star_directions
+from vopd.stellar.field import ground_directions
 
 # Columns, and their cells
 
@@ -358,16 +358,16 @@ class StarFile:
 
 
 def file_directions(
-    stars: StarFile, camera_m: Floats | None = None, report: Report = strict
+    stars: StarFile, camera_m: Sequence[float] | None = None, report: Report = strict
 ) -> Floats:
-    """Find the unit vectors U, V, W of a file's stars or ground points.
+    """Find the unit vectors U, V, W of a file's direction cosines or ground points.
 
     Direction cosines of length 1 to a millionth are taken as given, as the
     listings take them; others are divided by their length, with a warning.
 
     Args:
         stars: the file
-        camera_m: the camera's position, (3,), metres; needed for ground points
+        camera_m: the camera's position, metres, of ground points; None for direction cosines
         report: takes the warnings
 
     Returns:
@@ -376,12 +376,8 @@ def file_directions(
     Raises:
         InputError: a vector has no length, or a point is at the camera.
     """
-    if stars.kind in ("ra_deg,dec_deg", "ra_hours,dec_deg"):
-        return star_directions(stars.positions[:, 0], stars.positions[:, 1])
-    if stars.kind == "x_m,y_m,z_m":
-        if camera_m is None:
-            raise input_error("ground points need the camera's position", stars.source)
-        directions = ground_directions(stars.positions, camera_m)
+    if camera_m is not None:
+        directions = ground_directions(stars.positions, np.array(camera_m))
         _refuse(stars, ~np.isfinite(directions).all(axis=-1), "the point is at the camera")
         return directions
     length = norm(stars.positions)

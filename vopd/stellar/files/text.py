@@ -185,6 +185,11 @@ def _directions(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
     if not any(half is not None for _, one in rows for half in _half_widths(one)):
         keep = [k for k, cell in enumerate(table[0]) if cell != "+-"]
         table = [[row[k] for k in keep] for row in table]
+    return _laid_out(table)
+
+
+def _laid_out(table: list[list[str]]) -> str:
+    """Align a table below its heads: names to the left, and a +- close to its angle."""
     left = {k for k, cell in enumerate(table[0]) if cell in ("image", "method", "stars")}
     close = {k for k, cell in enumerate(table[0]) if cell == "+-"}
     return "\n".join(aligned(table, left, close)) + "\n"
@@ -219,11 +224,8 @@ def _points(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
             table.append([photograph.label, one.method, *at, *cells])
     keep = [k for k in range(len(table[0])) if k > 1 or len({row[k] for row in table[2:]}) > 1]
     table = [[row[k] for k in keep] for row in table]
-    left = {k for k, cell in enumerate(table[0]) if cell in ("image", "method")}
-    close = {k for k, cell in enumerate(table[0]) if cell == "+-"}
     sure = any(one.rotation_covariance_arcsec2 is not None for _, one in rows)
-    note = AS_SEEN + READ_ALIKE * sure
-    return "\n".join([note, *aligned(table, left, close)]) + "\n"
+    return f"{AS_SEEN}{READ_ALIKE * sure}\n{_laid_out(table)}"
 
 
 def _table(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
