@@ -268,20 +268,16 @@ READINGS = 3  # of a point
 ONE_POINT_IN = 1.0  # inches between readings: fiducials are farther apart, and readings nearer
 
 
-class _Fiducial(NamedTuple):
-    """A fiducial of a frame, and how often it was read."""
-
-    number: int
-    readings: int
-    end: int  # of its cards, behind the last one, counted from the frame's first
-
-
-def _odd_fiducial(x_in: Floats, y_in: Floats) -> _Fiducial | None:
-    """Find which of four fiducials has not three readings; None where the places do not tell.
+def _odd_fiducial(x_in: Floats, y_in: Floats) -> tuple[int, int, int] | None:
+    """Find which of four fiducials has not three readings.
 
     Args:
         x_in: of the readings of a frame's fiducials, in order
         y_in: likewise
+
+    Returns:
+        Its number, its readings, and where its cards end, counted from the frame's first; None
+        where the places do not tell.
     """
     steps = np.hypot(np.diff(x_in), np.diff(y_in))
     ends = [*(np.flatnonzero(steps > ONE_POINT_IN) + 1).tolist(), len(x_in)]
@@ -289,7 +285,7 @@ def _odd_fiducial(x_in: Floats, y_in: Floats) -> _Fiducial | None:
     odd = [k for k, count in enumerate(readings) if count != READINGS]
     if len(ends) != FIDUCIAL_CARDS // READINGS or len(odd) != 1:
         return None
-    return _Fiducial(odd[0] + 1, readings[odd[0]], ends[odd[0]])
+    return odd[0] + 1, readings[odd[0]], ends[odd[0]]
 
 
 def find_odd_reading(cards: CardBlock, landmarks_per_frame: Ints) -> Finding | None:
@@ -332,8 +328,8 @@ def find_odd_reading(cards: CardBlock, landmarks_per_frame: Ints) -> Finding | N
                 of = f"landmark {number[first]:.0f} has" if number[first] else "the fiducials have"
                 point = _odd_fiducial(x[first:last], y[first:last]) if not number[first] else None
                 if point is not None:
-                    of, usual = f"fiducial {point.number} has", READINGS
-                    readings, last = point.readings, first + point.end
+                    fiducial, readings, behind = point
+                    of, usual, last = f"fiducial {fiducial} has", READINGS, first + behind
                 message = f"{of} {count_text(readings, 'reading')} in frame {frame[at]:.0f}, not "
                 return cards.finding(last - 1, f"{message}{usual}", *field)
         at = end

@@ -101,10 +101,10 @@ def _picture(name: str, one: ReadSolution, images: str | None) -> StarPicture:
     title = "\n".join([title, *(f"doubtful: {text}" for text in one.doubtful[:MOST_DOUBTS])])
     if about is None:  # of an earlier version
         return StarPicture(title, one.images, one.residuals, one.labels, one.unit)
-    measured = np.vstack([one.images, *(star.image[None] for star in about.left_out)])
-    residual = np.vstack([one.residuals, *(star.residual[None] for star in about.left_out)])
-    numbers = [*one.numbers, *(star.number for star in about.left_out)]
-    labels = (*one.labels, *(star.label for star in about.left_out))
+    measured = np.vstack([one.images, *(image for _, _, image, _ in about.left_out)])
+    residual = np.vstack([one.residuals, *(off for *_, off in about.left_out)])
+    numbers = [*one.numbers, *(number for number, *_ in about.left_out)]
+    labels = (*one.labels, *(label for _, label, *_ in about.left_out))
     drawn = StarPicture(
         title, measured, residual, labels, one.unit, [star in about.odd for star in numbers],
         [k >= len(one.images) for k in range(len(measured))],

@@ -18,13 +18,9 @@ ROUNDED = 1e-6  # of the products of a matrix's rows
 LEAST, MOST = 1e-6, 1e9  # of coordinates and a principal distance, image units
 
 
-class RejectedStar(NamedTuple):
-    """A star that was read and not solved."""
-
-    number: int  # counted from 1
-    label: str
-    image: Floats  # from the principal point, y up, without the lens, (2,)
-    residual: Floats  # observed minus computed, (2,)
+RejectedStar = tuple[int, str, Floats, Floats]
+"""A star that was read and not solved: its number, from 1, and label; its image (2,) from the
+principal point, y up, without the lens; and its residual, observed minus computed (2,)."""
 
 
 class StarCamera(NamedTuple):
@@ -127,10 +123,6 @@ def read_picture(row: dict[str, Any]) -> StarCamera:
     if orthogonality_defect(matrix) > as_solved + ROUNDED or np.linalg.det(matrix) <= 0.0:
         raise ValueError("the matrix is not that of a rotation")
     size = None if found["size_px"] is None else _pair(found["size_px"])
-    left_out = [
-        (one["star"], one["name"] or one["star"], _pair(one["image"]), _pair(one["residual"]))
-        for one in found["left_out"]
-    ]
     return StarCamera(
         numbers[0],
         _pair(found["centre"]),
@@ -143,7 +135,10 @@ def read_picture(row: dict[str, Any]) -> StarCamera:
         bool(found["sky"]),
         str(found["source"]),
         tuple(int(star) for star in found["odd"]),
-        tuple(RejectedStar(int(star), str(label), *both) for star, label, *both in left_out),
+        tuple(
+            (int(o["star"]), str(o["name"] or o["star"]), _pair(o["image"]), _pair(o["residual"]))
+            for o in found["left_out"]
+        ),
     )
 
 
