@@ -19,7 +19,7 @@ from vopd.flight.project.read import read_flight
 from vopd.flight.project.stated import Notes
 from vopd.flight.project.times import FrameTimes
 from vopd.flight.project.track import doubts_of_leaps, doubts_of_own_velocities, path_by_image
-from vopd.flight.project.velocity import doubts_of_velocities, off_line
+from vopd.flight.project.velocity import doubts_of_velocities, off_line, velocities_alone
 from vopd.geometry.earth import earth_centred_m
 
 TIME_S = np.arange(8.0)
@@ -91,6 +91,26 @@ def test_a_leap_does_not_make_velocities_wrong_and_few_positions_tell_nothing() 
     assert not doubts_of_velocities("t.csv", TIME_S[:4], path()[:4], -own[:4], 0.1)
 
 
+def test_one_velocity_that_its_positions_contradict_is_found() -> None:
+    """By more than the speed, 32.56 m/s, and by more than 16 sigmas, which half of it must be."""
+
+    def alone(row: int, off_m_s: float, sigma_m_s: float = 0.1, count: int = 8) -> list[float]:
+        own = np.tile(TRUE_M_S, (count, 1))
+        own[row, 1] += off_m_s
+        found, by = velocities_alone(TIME_S[:count], path()[:count], own, sigma_m_s)
+        return [*found.tolist(), *by.round(1).tolist()]
+
+    assert alone(3, 33.0) == [3, 33.0] and alone(3, -1e5) == [3, 1e5] and not alone(3, 32.0)
+    assert alone(3, 100.0, 6.2) == [3, 100.0] and not alone(3, 100.0, 6.3)
+    assert alone(1, 50.0, count=6) == [1, 50.0] and not alone(1, 50.0, count=5)
+    assert not alone(0, 1e5) and not alone(7, 1e5)  # of one step alone
+    leaping = path()
+    leaping[3] += 500.0
+    assert not velocities_alone(TIME_S, leaping, np.tile(TRUE_M_S, (8, 1)), 0.1)[0].size
+    swing = 30.0 * np.array([1.0, 0.0, -1.0, 0.0, 1.0, 0.0, -1.0, 0.0])[:, None] * TRUE_M_S
+    assert not velocities_alone(TIME_S, path(), swing, 0.1)[0].size  # all contradict them
+
+
 @pytest.mark.parametrize("order", [[0, 1, 2, 3, 4, 5, 6, 7], [3, 0, 7, 1, 6, 2, 5, 4]])
 def test_a_track_of_images_is_told_the_same_whatever_the_order_of_its_rows(
     order: list[int],
@@ -101,6 +121,8 @@ def test_a_track_of_images_is_told_the_same_whatever_the_order_of_its_rows(
     times = FrameTimes(TIME_S, tuple(sorted(names)), None)
     found = path_by_image(section, rows, path()[order], times, time_s, Notes([], {}))
     assert doubts_of_own_velocities(rows, path()[order], found, "t.csv") == doubts(-TRUE_M_S)
+    right = replace(rows, velocity_m_s=np.where(np.array(order)[:, None] == 4, own, -own))
+    assert_approved(doubts_of_own_velocities(right, path()[order], found, "t.csv"))
     leaping = path()
     leaping[5] += 500.0
     for whole in (True, False):  # rounded to whole seconds they tell neither

@@ -49,6 +49,7 @@ from vopd.flight.project.velocity import (
     path_slopes,
     roughness,
     track_velocity,
+    velocities_alone,
     with_gaps,
 )
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
@@ -720,6 +721,9 @@ def doubts_of_leaps(
     return [f"{name}: {first_of(labels, MANY)}: the path bends by {bend} there: {LEAPS}"]
 
 
+ALONE_TEXT = "from what the positions before and behind it show: is it right?"
+
+
 def doubts_of_own_velocities(
     rows: TrackRows, position: Floats, path: CameraPath, name: str
 ) -> list[str]:
@@ -743,8 +747,14 @@ def doubts_of_own_velocities(
         usual_s = float(np.median(np.diff(time_s)))
         of_fix_m = np.median(path.fixes.of_positions_m, axis=0)
         variance += 2.0 * float((of_fix_m**2).sum()) / usual_s**2
-    own_m_s = rows.velocity_m_s[order]
-    return doubts_of_velocities(name, time_s, position[order], own_m_s, variance**0.5)
+    beside = time_s, position[order], rows.velocity_m_s[order], variance**0.5
+    alone, off_m_s = velocities_alone(*beside)
+    doubts = doubts_of_velocities(name, *beside)
+    if len(alone) and not doubts:
+        labels = [rows.label(row) for row in order[alone].tolist()]
+        by = f"{'up to ' * (len(labels) > 1)}{size_text(off_m_s.max())} m/s"
+        doubts = [f"{name}: {first_of(labels, MANY)}: the velocity is {by} {ALONE_TEXT}"]
+    return doubts
 
 
 ORDERS = (3, 4, 5, 6)  # of differences: those of a smooth path become less from one to the next

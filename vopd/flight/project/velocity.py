@@ -581,6 +581,57 @@ MISTAKEN = (
 """Mistakes in a track's velocities, and what makes north, east, down of those of a file."""
 
 
+def _beside_steps(time_s: Floats, position: Floats, velocity_m_s: Floats) -> tuple[Floats, Floats]:
+    """Compute the velocity over each step, and the mean of those at its two ends, (T-1, 3).
+
+    Args:
+        time_s: ascending, (T,)
+        position: Earth-centred, (T, 3)
+        velocity_m_s: north, east, down, (T, 3)
+    """
+    some = slice(FIXES_AT_ONCE)
+    time_s, position, velocity_m_s = time_s[some], position[some], velocity_m_s[some]
+    to_ned = NED_FROM_ENU @ local_axes(position[:-1])
+    moved_m = np.einsum("tij,tj->ti", to_ned, np.diff(position, axis=0))
+    return moved_m / np.diff(time_s)[:, None], (velocity_m_s[1:] + velocity_m_s[:-1]) / 2.0
+
+
+ALONE = 8.0  # times what differences are in the median, and so many standard deviations of one
+ALIKE = 0.25  # of their sum: by so much those before and behind one may be unlike, others be off
+
+
+def velocities_alone(
+    time_s: Floats, position: Floats, velocity_m_s: Floats, sigma_m_s: float
+) -> tuple[Ints, Floats]:
+    """Find single velocities that the positions before and behind them contradict.
+
+    Half of the error of one is in the differences over both steps beside it; a position that is
+    off, and a path that bends, are in both with opposite signs, or in all.
+
+    Args:
+        time_s: ascending, (T,)
+        position: Earth-centred, (T, 3)
+        velocity_m_s: north, east, down, (T, 3)
+        sigma_m_s: as for `doubts_of_velocities`
+
+    Returns:
+        Their indices, and by how much each is off, (n,).
+    """
+    if len(time_s) <= FEWEST_STEPS + 1:
+        return np.zeros(0, np.int64), np.zeros(0)
+    moved_m_s, stated_m_s = _beside_steps(time_s, position, velocity_m_s)
+    apart = stated_m_s - moved_m_s
+    usual = float(np.median(np.linalg.norm(apart, axis=1)))
+    speed = float(np.median(np.linalg.norm(moved_m_s, axis=1)))
+    off = np.linalg.norm(apart[1:] + apart[:-1], axis=1)
+    alike = np.linalg.norm(apart[1:] - apart[:-1], axis=1) < ALIKE * off
+    size = np.pad(np.linalg.norm(apart, axis=1), 1)
+    others = np.maximum(size[:-3], size[3:])  # over the steps before and behind these two
+    least = max(ALONE * usual, ALONE * sigma_m_s, LEAST_APART_M_S, CONTRADICTED * speed)
+    alone = np.flatnonzero(alike & (others < ALIKE * off) & (off / 2.0 > least))
+    return alone + 1, off[alone]
+
+
 def doubts_of_velocities(
     name: str, time_s: Floats, position: Floats, velocity_m_s: Floats, sigma_m_s: float
 ) -> list[str]:
@@ -595,14 +646,9 @@ def doubts_of_velocities(
         velocity_m_s: north, east, down, (T, 3)
         sigma_m_s: how far a difference over the usual step is off by the errors that are stated
     """
-    some = slice(FIXES_AT_ONCE)
-    time_s, position, velocity_m_s = time_s[some], position[some], velocity_m_s[some]
-    step_s = np.diff(time_s)
-    if len(step_s) < FEWEST_STEPS:
+    if len(time_s) <= FEWEST_STEPS:
         return []
-    to_ned = NED_FROM_ENU @ local_axes(position[:-1])
-    moved_m_s = np.einsum("tij,tj->ti", to_ned, np.diff(position, axis=0)) / step_s[:, None]
-    stated_m_s = (velocity_m_s[1:] + velocity_m_s[:-1]) / 2.0
+    moved_m_s, stated_m_s = _beside_steps(time_s, position, velocity_m_s)
 
     def apart(by: Floats) -> float:
         return float(np.median(np.linalg.norm(moved_m_s - stated_m_s @ by.T, axis=1)))
