@@ -537,6 +537,17 @@ def test_the_distortion_is_noted_where_there_is_one() -> None:
     assert_approved([one for one in project_of().said if one not in none.said])
 
 
+@pytest.mark.parametrize(("off_ft", "told"), [(20.0, False), (-100.0, True)])
+def test_another_altitude_than_that_of_the_position_is_told(off_ft: float, told: bool) -> None:
+    """A run looks up the wind by the one, a project by the other."""
+    path, plain = small_job().trajectory, project_of().said
+    other = project_of(trajectory=replace(path, altitude_ft=path.altitude_ft + off_ft))
+    said = [one for one in other.said if one not in plain]
+    assert bool(said) == told
+    for text in said:
+        assert_approved(text, parts=["100"])
+
+
 def test_keys_that_the_cards_decide() -> None:
     """The title is without the printer's column; a pixel is .7138164002 mm / 1000."""
     one = small_job()

@@ -14,7 +14,7 @@ import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import Fixes
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, count_text, size_text
 from vopd.flight.flight import CameraPath, Flight, FlightOptions, LandmarkSet, Refraction
 from vopd.flight.formats.lens import make_lens
 from vopd.flight.formats.picks import Names, PickRows
@@ -46,6 +46,7 @@ MM_PER_PX = factor / PX_PER_IN
 M_PER_FT = 1000.0 / ftpkm
 MARGIN_PX = 50
 WIDEST_IN = 100.0  # no film reader is wider
+NOTED_FT = 30.0  # in so many the wind changes by .1 ft/s, as a rule
 _EXACT = f'"{EXACT}"'
 HEAD = """\
 A flight project, made of a deck of program VOPD (NASA TM X-3050). A pixel is a thousandth of
@@ -166,6 +167,12 @@ def _continued(job: Job, notes: list[str]) -> Job:
         altitude_ft=ftlup(at, 1, path.time_s, path.altitude_ft),
     )
     if np.any(wind.velocity_ft_s):
+        apart_ft = np.abs(_positions(job).height_m / M_PER_FT - job.trajectory.altitude_ft).max()
+        if apart_ft > NOTED_FT:
+            notes.append(
+                f"H of group 7 is up to {size_text(float(apart_ft), 3)} ft from the altitude of X, "
+                "Y, Z, by which a project looks up its wind"
+            )
         at = until(wind.altitude_ft, altitude_ft, "the wind (group 4)", "wind.csv")
         wind = Wind(at, ftlup(at, 1, wind.altitude_ft, wind.velocity_ft_s, WIND_ALTITUDES))
     return replace(job, trajectory=path, wind=wind)
