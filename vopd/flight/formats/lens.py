@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.files import optional_package, reason
 from vopd.findings import VopdError, count_text, first_of, shown
 from vopd.flight.formats.by_content import InputFormat
@@ -48,82 +49,60 @@ class LensRead(NamedTuple):
     sigma: Mapping[str, float] = {}  # standard deviations of its parameters, where the file has any
 
 
+MOST_PX = 1e9  # of a focal length, centre or size; no camera has more
+
+
 def make_lens(
     model: str,
-    size_px: tuple[int, int],
-    focal: Sequence[float],
-    centre: Sequence[float],
+    size_px: Sequence[float],
+    focal: Sequence[float] | Floats,
+    centre: Sequence[float] | Floats,
     k: Sequence[float] = (),
     skew_px: float = 0.0,
+    table: Floats | None = None,
+    error: Callable[[str], VopdError] = VopdError,
 ) -> Lens:
-    """Build a lens from numbers.
+    """Build a lens from numbers, and check that they can be those of one.
 
     Args:
-        model: a model that has coefficients: brown or fisheye
+        model: one of `LensKind`
         size_px: width and height
         focal: fx, fy, pixels
         centre: cx, cy, pixels from the first pixel's centre
         k: coefficients in OpenCV's order, as many as there are
         skew_px: of u by yd
-    """
-    kind = LensKind(model)
-    coefficients = np.zeros(max(MODELS[kind].counts))
-    coefficients[: len(k)] = k
-    return Lens(
-        kind, size_px, np.array(focal, float), np.array(centre, float), coefficients, skew_px
-    )
-
-
-MOST_PX = 1e9  # of a focal length, centre or size; no camera has more
-
-
-def checked(lens: Lens, error: Callable[[str], VopdError]) -> Lens:
-    """Check that the numbers of a lens can be those of one.
-
-    Args:
-        lens: of a file or a table
-        error: makes one of its place there
+        table: of radii, where the model has one
+        error: makes one of the place where the numbers stand
 
     Raises:
         VopdError: where they cannot
     """
-    numbers = np.concatenate([lens.focal_px, lens.centre_px, lens.k, [lens.skew_px]])
+    width, height = size_px
+    kind, size = LensKind(model), whole_size(width, height, error)
+    coefficients = np.zeros(max(MODELS[kind].counts))
+    coefficients[: len(k)] = k
+    numbers = np.array([*focal, *centre, *coefficients, skew_px], float)
     if not np.isfinite(numbers).all():
         raise error("the lens has a number that is not finite")
-    if (np.abs(numbers) > MOST_PX).any() or max(lens.size_px) > MOST_PX:
-        largest = max(np.abs(numbers).max(), *lens.size_px)
+    if (largest := max(np.abs(numbers).max(), *size)) > MOST_PX:
         raise error(f"the lens has a number of {largest:g}: {MOST_PX:.0e} at most")
-    if min(lens.size_px) < 1:
-        raise error("the image's size is {} x {} px".format(*lens.size_px))
-    if not (lens.focal_px > 1.0).all():
-        raise error(f"focal length {lens.focal_px.min():g} px: is it in pixels?")
-    return lens
+    if min(size) < 1:
+        raise error("the image's size is {} x {} px".format(*size))
+    if not min(focal) > 1.0:
+        raise error(f"focal length {min(focal):g} px: is it in pixels?")
+    return Lens(kind, size, numbers[:2], numbers[2:4], coefficients, skew_px, table)
 
 
-def whole_size(width: float, height: float) -> tuple[int, int]:
-    """Make the size of an image of two numbers.
-
-    Raises:
-        ValueError: where one is not whole
-    """
+def whole_size(
+    width: float, height: float, error: Callable[[str], Exception] = ValueError
+) -> tuple[int, int]:
+    """Make the size of an image of two numbers, or an error where one is not whole."""
     if width % 1.0 != 0.0 or height % 1.0 != 0.0:  # NaN too
-        raise ValueError(f"{width:.10g} x {height:.10g} is no size of an image: whole pixels")
+        raise error(f"{width:.10g} x {height:.10g} is no size of an image: whole pixels")
     return int(width), int(height)
 
 
-def size_of(file: InputFile, width: float, height: float) -> tuple[int, int]:
-    """Make the size of the images of a lens.
-
-    Raises:
-        VopdError: where a number is not whole
-    """
-    try:
-        return whole_size(width, height)
-    except ValueError as error:
-        raise file.error(str(error)) from error
-
-
-def image_centre(size_px: tuple[int, int]) -> tuple[float, float]:
+def image_centre(size_px: Sequence[float]) -> tuple[float, float]:
     """Find the middle of the image, pixels from the first pixel's centre."""
     return (size_px[0] - 1) / 2.0, (size_px[1] - 1) / 2.0
 
@@ -173,16 +152,17 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
             .replace("NONE", "PINHOLE")
         )
         values = [plain_number(str(value)) for value in found["intrinsics"]]
-        width, height = whole_size(*(plain_number(str(value)) for value in found["imagersize"]))
+        width, height = (plain_number(str(value)) for value in found["imagersize"])
     except (*UNEXPECTED, SyntaxError, MemoryError) as error:  # the last by deep nesting
         raise file.error(f"not a mrcal camera model: {reason(error)}") from error
     if kind not in COUNTS_MRCAL:
         raise file.error(f"model {name} is not known; LENSMODEL_ {', '.join(COUNTS_MRCAL)} are")
     if len(values) != 4 + COUNTS_MRCAL[kind]:
         raise file.error(f"{name} has {4 + COUNTS_MRCAL[kind]} intrinsics, not {len(values)}")
-    lens = make_lens("brown", (width, height), values[:2], values[2:4], values[4:])
+    size, k = (width, height), values[4:]
+    lens = make_lens("brown", size, values[:2], values[2:4], k, error=file.error)
     said = f"{file.name}: mrcal, {coefficients_said(values[4:], 'brown')}, centre grid"
-    return LensRead(checked(lens, file.error), said)
+    return LensRead(lens, said)
 
 
 # Agisoft Metashape's XML: a calibration file, or the cameras of a project
@@ -247,17 +227,18 @@ def _calibration(
             )
     lens = make_lens(
         "brown",
-        size_of(file, width, height),
+        (width, height),
         (f + number("b1"), f),
         (width / 2.0 + number("cx") - 0.5, height / 2.0 + number("cy") - 0.5),
         [number("k1"), number("k2"), number("p2"), number("p1"), number("k3")],
         number("b2"),
+        error=file.error,
     )
     said = f"{file.name}: Metashape, frame, p1 and p2 exchanged, corner grid"
     sigma = _calibration_sigma(file, found)
     if sigma:
         said += f"; standard deviations of {', '.join(sigma)}, without their correlations"
-    return LensRead(checked(lens, file.error), said, sigma)
+    return LensRead(lens, said, sigma)
 
 
 METASHAPE_PARAMETERS = {
@@ -373,7 +354,7 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         return plain_number(str(value))  # JSON's true is 1 for float()
 
     try:
-        size_px = whole_size(number("width"), number("height"))
+        size_px = number("width"), number("height")
         focal = number("focal_x" if "focal_x" in camera else "focal")
         focals = focal, number("focal_y", focal)
         model, keys = MODELS_OPENSFM[kind]
@@ -396,7 +377,7 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
             "longer side; are they in pixels?",
             column=name,
         )
-    scale = float(max(size_px))
+    scale = max(size_px)
     middle = image_centre(size_px)
     lens = make_lens(
         model,
@@ -404,9 +385,10 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         (focals[0] * scale, focals[1] * scale),
         (shift[0] * scale + middle[0], shift[1] * scale + middle[1]),
         k,
+        error=file.error,
     )
     said = f"{file.name}: OpenSfM, {kind}, from the image's centre"
-    return LensRead(checked(lens, file.error), said)
+    return LensRead(lens, said)
 
 
 # OpenCV's FileStorage: .yml, .yaml, .xml and .json with a camera matrix and coefficients
@@ -482,26 +464,26 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     if size_px is None:
         raise file.error("the image's size is not in the file: give [camera] image_size_px")
     centre, skew = (matrix[2], matrix[5]), matrix[1]
-    lens = make_lens(model, size_px, (matrix[0], matrix[4]), centre, k, skew)
+    lens = make_lens(model, size_px, (matrix[0], matrix[4]), centre, k, skew, error=file.error)
     said = f"{file.name}: OpenCV, {coefficients_said(k, model)}, centre grid"
     said += f", a skew of {skew:g} px" if skew else ""
-    return LensRead(checked(lens, file.error), said)
+    return LensRead(lens, said)
 
 
 def _size(
     file: InputFile, values: dict[str, Any], question: LensQuestion
-) -> tuple[int, int] | None:
+) -> Sequence[float] | None:
     """Look up the size of the images that a camera was calibrated with; None if it is not known."""
     for names in (("image_width", "image_height"), ("width", "height")):
         if all(name in values for name in names):
             sides = [plain_number(str(values[name])) for name in names]
             if names[0] == "image_width" or min(sides) >= SMALLEST_PX:
-                return size_of(file, *sides)
+                return sides
     for name in SIZES if question.size_px else ():
         listed = values.get(name)
         sides = _numbers(file, listed) if isinstance(listed, list | dict) else []
         if len(sides) == 2 and sorted(sides) != sorted(map(float, question.size_px or ())):
-            return size_of(file, *sides)
+            return sides
     return question.size_px
 
 
@@ -692,12 +674,9 @@ def read_kalibr(file: InputFile, question: LensQuestion) -> LensRead:
             raise file.error(
                 f"{key} has {count_text(len(found), 'number')}, not {count}", column=name
             )
-    size_px = size_of(file, *size)
-    model = MODELS_KALIBR[bent]
-    lens = make_lens(model, size_px, focal_and_centre[:2], focal_and_centre[2:], k)
-    return LensRead(
-        checked(lens, file.error), f"{file.name}: Kalibr, {name}, pinhole, {bent}, centre grid"
-    )
+    focal, centre = focal_and_centre[:2], focal_and_centre[2:]
+    lens = make_lens(MODELS_KALIBR[bent], size, focal, centre, k, error=file.error)
+    return LensRead(lens, f"{file.name}: Kalibr, {name}, pinhole, {bent}, centre grid")
 
 
 # COLMAP's cameras.txt: one camera a line, pixels counted from the image's corner
@@ -762,10 +741,10 @@ def read_colmap(file: InputFile, question: LensQuestion) -> LensRead:
     for place, value in zip(places, values[focals + 2 :], strict=True):
         k[place] = value
     centre = values[focals] - 0.5, values[focals + 1] - 0.5
-    size_px = size_of(file, width, height)
-    lens = make_lens(model, size_px, (values[0], values[focals - 1]), centre, k)
+    focal = values[0], values[focals - 1]
+    lens = make_lens(model, (width, height), focal, centre, k, error=file.error)
     said = f"{file.name}: COLMAP, {name}, corner grid, half a pixel taken off"
-    return LensRead(checked(lens, file.error), said)
+    return LensRead(lens, said)
 
 
 # MATLAB files of the Caltech calibration toolbox and of CIRN's, which begins from it
@@ -824,10 +803,10 @@ def _toolbox_lens(file: InputFile, found: Mapping[str, Any], question: LensQuest
     else:
         raise file.error(f"it has neither {CIRN} nor {', '.join(CALTECH)}")
     k = [float(one) for one in (k1, k2, p1, p2, k3)]
-    size = size_of(file, float(width), float(height))
-    lens = make_lens("brown", size, focal.tolist(), (centre + shift).tolist(), k, skew)
+    size = float(width), float(height)
+    lens = make_lens("brown", size, focal, centre + shift, k, skew, error=file.error)
     said = f"{file.name}: {said}, 5 coefficients, principal point from {corner}"
-    return LensRead(checked(lens, file.error), said)
+    return LensRead(lens, said)
 
 
 # Formats of lens files, one row each; the next format is one more row

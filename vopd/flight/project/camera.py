@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vopd.arrays import Floats
 from vopd.files import reason
 from vopd.findings import count_text, shown
 from vopd.flight.formats.by_content import read_by_content
@@ -20,7 +21,6 @@ from vopd.flight.formats.lens import (
     LENS_FORMATS,
     LensQuestion,
     LensRead,
-    checked,
     coefficients_said,
     image_centre,
     make_lens,
@@ -124,19 +124,17 @@ def _inline(section: Section, table: Section, size: tuple[int, int] | None) -> L
     else:
         assumed += ", principal point in the image's middle as none is given"
     by_table = model == LensKind.RADIAL_TABLE.value
-    found = _radial_table(table, size, focal, centre) if by_table else None
+    rows = _radial_table(table, focal) if by_table else None
     for key in ("k", "skew_px") if by_table else ("table_px",):
         if table.has(key) and table.values[key] != []:
             raise table.error(key, f"a lens of the model {model} has none: leave it out")
-    error = partial(section.error, "lens")
-    if found is not None:
-        return LensRead(checked(found, error), f"lens: radial table{assumed}")
     k = table.numbers("k") if table.has("k") and table.values["k"] != [] else ()
     if len(k) not in MODELS[LensKind(model)].counts:
         raise table.error("k", wrong_count_text(len(k), LensKind(model)))
-    skew = table.number("skew_px")
-    lens = checked(make_lens(model, size, focal, centre, k, skew), error)
-    return LensRead(lens, f"lens: {coefficients_said(k, model)}{assumed}")
+    skew, error = table.number("skew_px"), partial(section.error, "lens")
+    lens = make_lens(model, size, focal, centre, k, skew, rows, error)
+    what = "radial table" if by_table else coefficients_said(k, model)
+    return LensRead(lens, f"lens: {what}{assumed}")
 
 
 def _focal(table: Section, size: tuple[int, int]) -> tuple[tuple[float, float], str]:
@@ -160,9 +158,7 @@ def _focal(table: Section, size: tuple[int, int]) -> tuple[tuple[float, float], 
     return (fx, table.number("fy_px", fx)), ""
 
 
-def _radial_table(
-    table: Section, size: tuple[int, int], focal: tuple[float, float], centre: tuple[float, float]
-) -> Lens:
+def _radial_table(table: Section, focal: tuple[float, float]) -> Floats:
     """Read the table of radius and what is added to it; it begins at the centre with nothing."""
     rows = table.values.get("table_px")
     if (
@@ -188,9 +184,7 @@ def _radial_table(
         raise table.error(
             "table_px", "begins with nothing at radius 0, and both radius and what comes out grow"
         )
-    return Lens(
-        LensKind.RADIAL_TABLE, size, np.array(focal), np.array(centre), np.zeros(0), 0.0, values
-    )
+    return values
 
 
 # Images of several cameras
