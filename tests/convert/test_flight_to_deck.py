@@ -579,6 +579,7 @@ LOST: list[dict[str, Any]] = [
     {"options": FlightOptions(parameter_sigma={"clock": 0.01})},
     {"options": FlightOptions(parameter_sigma={"focal": 3.0, "k1": 0.0})},
     {"options": FlightOptions(parameter_sigma={"focal": 0.0, "k1": 0.01})},
+    {"options": FlightOptions(parameter_sigma={"k3": 0.01})},  # of Metashape's covariance
 ]
 NOT_LOST: list[dict[str, Any]] = [
     {},

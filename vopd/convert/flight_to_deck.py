@@ -13,7 +13,7 @@ from vopd.estimate import Estimate
 from vopd.findings import VopdError, count_text, size_text
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.result import FlightResult
-from vopd.flight.solve.free import FREE, OF_A_LENS
+from vopd.flight.solve.equations import parameters_of
 from vopd.flight.solve.rotations import SolvedFlight
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.lenses import Lens, Lenses, distort_radial_table, project, ray_of_pixel
@@ -130,7 +130,7 @@ def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str
     """List what the cards do not hold, a sentence each."""
     frames, left_out = len(result.solved), int((~result.solved).sum())
     sigma, of_parameters = flight.picks.sigma_px[held], flight.options.parameter_sigma
-    of_lens = {one for name in OF_A_LENS for one in FREE[name]} - {"focal"}
+    of_lens = {*parameters_of(flight.lens)} - {"focal"}
     of = f"of {frames} frames"
     unused = int((~held).sum())
     lines = {

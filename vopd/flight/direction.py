@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import chain
 
 import numpy as np
 
@@ -12,7 +11,7 @@ from vopd.attitude.uncertainty import student_factor, total_freedom
 from vopd.findings import VopdError, angle_text
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, frame_label
-from vopd.flight.solve.equations import LENS_COEFFICIENTS, with_parameters
+from vopd.flight.solve.equations import parameters_of, with_parameters
 from vopd.geometry.lenses import ray_of_pixel
 from vopd.records import Record
 
@@ -53,10 +52,6 @@ class Direction(Record):
         )
 
 
-PARAMETERS = dict.fromkeys(
-    ["focal", "aspect", "centre_u", "centre_v", *chain.from_iterable(LENS_COEFFICIENTS.values())]
-)
-"""Of lenses of any kind; a lens is not changed by those of another kind."""
 STEP = {"focal": 0.5, "centre_u": 0.5, "centre_v": 0.5}  # px; of coefficients COEFFICIENT_STEP
 COEFFICIENT_STEP = 1e-5
 
@@ -104,7 +99,8 @@ def direction_of(
     across = right_up @ to_camera.T  # along the camera's axes, (2, 3)
     weight = np.zeros((len(flight.frame), 3, 2))
     weight[frame] = np.cross(across, ray).T
-    by_parameter = {one: across @ _by_parameter(flight, frame, pixel, one) for one in PARAMETERS}
+    lens = parameters_of(flight.lens)
+    by_parameter = {one: across @ _by_parameter(flight, frame, pixel, one) for one in lens}
     found = estimates.camera_errors(weight, by_parameter)
     assert estimates.reading is not None
     clicks = estimates.read.picks.clicks  # with what is stated of them

@@ -38,7 +38,7 @@ from vopd.flight.project.keys import Project, from_toml, project_text, toml_text
 from vopd.flight.project.new import NAME
 from vopd.flight.project.read import landmark_crs
 from vopd.flight.project.track import height_datum
-from vopd.flight.solve.equations import LENS_COEFFICIENTS, SHIFT
+from vopd.flight.solve.equations import SHIFT, parameters_of
 from vopd.flight.solve.free import LANDMARK, MOUNT, UNIT, shown_name, stated_value, unit_factor
 from vopd.flight.solve.joint import JointSolution, covariance_by_picks
 from vopd.geometry.lenses import Lens, LensKind
@@ -66,7 +66,7 @@ def adjusted_project(project: Project, adjustment: Adjustment, folder: Path) -> 
     flight, solved = joint.model.flight, adjustment.result.flight
     new, changes = NewProject(), _with_paths(project, folder)
     names = set(joint.model.names)
-    if names & {"focal", "aspect", "centre_u", "centre_v", *LENS_COEFFICIENTS[flight.lens.kind]}:
+    if names & {*parameters_of(flight.lens)}:
         _write_lens(new, changes, solved.lens)
     if len(joint.model.free):
         _write_landmarks(new, changes, project, joint)

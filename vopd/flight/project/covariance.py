@@ -26,7 +26,7 @@ from vopd.flight.flight import CameraPath, Flight, HeldParameters
 from vopd.flight.formats.files import InputFile, open_input
 from vopd.flight.formats.image_lenses import lens_files
 from vopd.flight.project.keys import ROWS, VIDEO, Project, Section, mount_moves
-from vopd.flight.solve.equations import COMPONENT, SHIFT, coefficients_of
+from vopd.flight.solve.equations import COMPONENT, SHIFT, coefficients_of, parameters_of
 from vopd.flight.solve.free import LANDMARK, UNIT, shown_name, stated_value, unit_factor
 from vopd.geometry.earth import NED_FROM_ENU, axes_at, geodetic
 from vopd.inputs import MOST_NUMBER, beyond_sigmas
@@ -484,7 +484,7 @@ def _refuse_other_values(
     flight: Flight, found: CovarianceFile, file: InputFile, parameter: dict[str, int]
 ) -> None:
     """Refuse values that are not those of the lens and the shutter, which the solve takes."""
-    lens = {"focal", "aspect", "centre_u", "centre_v", *coefficients_of(flight.lens)}
+    lens = {*parameters_of(flight.lens)}
     if "aspect" in parameter:  # the focal length is then that from which the aspect was solved
         lens.remove("focal")
     for one, row in parameter.items():

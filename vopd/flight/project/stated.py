@@ -28,9 +28,8 @@ from vopd.flight.project.keys import (
     toml_numbers,
     with_common_error,
 )
-from vopd.flight.solve.equations import COMPONENT, coefficients_of
+from vopd.flight.solve.equations import COMPONENT, coefficients_of, lacking_text
 from vopd.flight.solve.free import COMMON
-from vopd.geometry.lenses import Lens
 from vopd.inputs import LEAST_SIGMA, MOST_SIGMA, beyond_sigmas
 
 
@@ -153,8 +152,9 @@ def flight_options(
         if key == "focal_rel":
             unit = float(camera.read.lens.focal_px.mean())
         for name, value in zip(names, values * (len(names) // len(values)), strict=True):
-            if value > 0.0 and COMPONENT[name] == "distortion":
-                _check_coefficient(section, key, name, camera.lens)
+            distorts = value > 0.0 and COMPONENT[name] == "distortion"
+            if distorts and name not in coefficients_of(camera.lens):
+                raise section.error(key, lacking_text(camera.lens, name))
             found[name] = value * unit
     own = {one for names in COMMON.values() for one in names} & {*coefficients_of(camera.lens)}
     sizes = {
@@ -180,14 +180,6 @@ def flight_options(
         exact=tuple(name for name, size in sizes.items() if size == 0.0),
         free=tuple(dict.fromkeys(solve.texts("free"))),
     )
-
-
-def _check_coefficient(section: Section, key: str, name: str, lens: Lens) -> None:
-    """Refuse the standard deviation of a coefficient that the lens does not have."""
-    names, kind = coefficients_of(lens), lens.kind
-    if name not in names:
-        has = f"its coefficients are {', '.join(names)}" if names else "it has no coefficients"
-        raise section.error(key, f"a lens of the model {kind.value} has no {name}: {has}")
 
 
 # Missing standard deviations

@@ -49,6 +49,17 @@ def coefficients_of(lens: Lens) -> list[str]:
     return [one for one in every if any(one in LENS_COEFFICIENTS[kind] for kind in lens.kinds)]
 
 
+def parameters_of(lens: Lens) -> list[str]:
+    """List the parameters of a lens, or of any of several, that a solve may change."""
+    return ["focal", "aspect", "centre_u", "centre_v", *coefficients_of(lens)]
+
+
+def lacking_text(lens: Lens, name: str) -> str:
+    """Say that a lens has no such coefficient."""
+    has = f"it has {', '.join(coefficients_of(lens)) or 'no coefficients'}"
+    return f"a lens of the model {lens.kind.value} has no {name}: {has}"
+
+
 LEAST_SIGMA_M = 1e-7  # of one coordinate that is exact among others that are not
 
 

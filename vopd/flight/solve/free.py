@@ -12,7 +12,13 @@ import numpy as np
 from vopd.arrays import Floats
 from vopd.findings import Finding, VopdError, did_you_mean, size_text
 from vopd.flight.flight import Flight, NotHeld
-from vopd.flight.solve.equations import LENS_COEFFICIENTS, SHIFT, with_parameters
+from vopd.flight.solve.equations import (
+    LENS_COEFFICIENTS,
+    SHIFT,
+    lacking_text,
+    parameters_of,
+    with_parameters,
+)
 from vopd.flight.solve.readout import row_shifts_px
 from vopd.geometry.lenses import Lenses, LensKind
 
@@ -144,11 +150,8 @@ def _refused(flight: Flight, name: str) -> str:
             f"the images have {len(flight.lens.each)} lenses ([camera] of_images), and one is "
             "solved for at a time: leave it out, or write a project for the images of each camera"
         )
-    coefficients = LENS_COEFFICIENTS[flight.lens.kind]
-    if name in ("k1", "k2", "p1p2") and parameters[0] not in coefficients:
-        own = ", ".join(coefficients)
-        has = f"its coefficients are {own}" if coefficients else "it has a table"
-        return f"a lens of the model {flight.lens.kind.value} has no {name}: {has}"
+    if name in OF_A_LENS and parameters[0] not in parameters_of(flight.lens):
+        return lacking_text(flight.lens, name)
     if name == "aspect" and flight.lens.kind is LensKind.RADIAL_TABLE:  # no project could say it
         return "a radial table has one focal length: leave aspect out"
     if name in ("clock", "clock-rate") and path.velocity_m_s is None:
