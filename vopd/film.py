@@ -33,7 +33,6 @@ from vopd.geometry.earth import (
     local_axes,
 )
 from vopd.geometry.ellipsoids import ELLIPSOIDS
-from vopd.geometry.film_lens import radial_factor
 from vopd.geometry.linear import inverse, singular_values
 from vopd.geometry.rotations import camera_axes, turns_by_body_angles
 from vopd.job import Job
@@ -49,7 +48,7 @@ from vopd.program.positions import (
     group_9,
     origin_of,
 )
-from vopd.program.vopd import run_jobs
+from vopd.program.vopd import radial_factor, run_jobs
 from vopd.results import Outcome, Results, SolvedJob
 
 if TYPE_CHECKING:

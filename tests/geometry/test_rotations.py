@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from tests.tolerances import assert_close
 from vopd.geometry.earth import NED_FROM_ENU, east_north_up
-from vopd.geometry.film_lens import radial_factor
 from vopd.geometry.linear import (
     ARCSEC_PER_RADIAN,
     angle_between,
@@ -87,11 +86,6 @@ def test_partials_of_an_image_by_differences() -> None:
             assert_close("derivative by steps", found[:, axis] / distance, slope)
     many = partials_by_turns(np.array([0.3, 0.1]), np.array([-0.2, 0.4]), np.array([2.0, 3.0]))
     assert_close("ratio", many[1], partials_by_turns(np.array(0.1), np.array(0.4), 3.0))
-
-
-def test_the_radial_factor_and_the_centre() -> None:
-    found = radial_factor(np.array([0.0, 10.0, 20.0]), np.array([0.5, 0.1, -0.4]))
-    assert_close("ratio", found, [1.0, 0.99, 1.02])
 
 
 def test_local_axes_by_hand() -> None:

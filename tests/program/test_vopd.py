@@ -16,7 +16,7 @@ from vopd.errata import fixes
 from vopd.job import Job
 from vopd.program import vopd
 from vopd.program.positions import UndefinedLandmark
-from vopd.program.vopd import run
+from vopd.program.vopd import radial_factor, run
 from vopd.results import Outcome, Results, Stage
 
 
@@ -83,6 +83,11 @@ def test_residuals_that_vanish() -> None:
     assert results.singular.tolist() == [True, False, True]  # frame 2 asked for no matrix
     # yaw wraps to 361 - 359.999999569273, stays below TWOPI, and frame 2 passes it on
     assert_close("wrapped angle", results.start_deg[:, 0], [361.0, 1.000000430727, 1.000000430727])
+
+
+def test_the_radial_factor_and_the_centre() -> None:
+    found = radial_factor(np.array([0.0, 10.0, 20.0]), np.array([0.5, 0.1, -0.4]))
+    assert_close("ratio", found, [1.0, 0.99, 1.02])
 
 
 def test_a_landmark_at_the_centre_has_no_correction() -> None:

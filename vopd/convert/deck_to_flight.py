@@ -24,7 +24,6 @@ from vopd.flight.project.keys import KeyValues, project_text, toml_numbers, toml
 from vopd.flight.project.picks import join_picks
 from vopd.geometry.earth import M_PER_KM, Geodetic, geodetic
 from vopd.geometry.ellipsoids import WGS84
-from vopd.geometry.film_lens import radial_factor
 from vopd.geometry.rotations import FORWARD, mount_by_angles
 from vopd.job import Job, Landmarks, Wind
 from vopd.program.average import averages
@@ -40,6 +39,7 @@ from vopd.program.positions import (
     origin_of,
     time_and_position,
 )
+from vopd.program.vopd import radial_factor
 
 PX_PER_IN = 1000.0
 MM_PER_PX = factor / PX_PER_IN

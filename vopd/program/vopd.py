@@ -28,7 +28,6 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.errata import NO_FIXES, Fix, Fixes
 from vopd.findings import VopdError
-from vopd.geometry.film_lens import radial_factor
 from vopd.job import Job
 from vopd.program.alpbet import alpbet
 from vopd.program.average import averages
@@ -377,6 +376,23 @@ def to_be_solved(due: Floats, start: Floats, done: Orientation, nj: Ints) -> Boo
     answered &= (done.last_pass == 0) & ~done.singular & (nj >= 2)
     near = (np.abs(due - start) <= SAME_START_DEG).all(axis=0)
     return np.asarray(~same & ~(answered & near))
+
+
+def radial_factor(radius: Floats, correction: Floats) -> Floats:
+    """Find the factor that removes radial distortion from image coordinates.
+
+    It is 1 - correction / radius.
+
+    A point at the frame's centre has the factor 1; the listing divides zero by zero there.
+
+    Args:
+        radius: distance of the image point from the frame's centre, mm, (...)
+        correction: DELTA R, minus the lens table's distortion at that radius, mm, (...)
+
+    Source: TM X-3050, DISTR, A 348.
+    """
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.where(radius == 0, 1.0, 1.0 - correction / radius))
 
 
 def starts_due(
