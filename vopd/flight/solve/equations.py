@@ -149,8 +149,8 @@ def with_parameters(lens: Lens, names: tuple[str, ...], values: Floats) -> Lens:
         values: what is to be added, (M,)
     """
     if isinstance(lens, Lenses):
-        each = (with_parameters(*own) for own in _own_values(lens, names, values))
-        return Lenses.join(tuple(each), lens.which)
+        each = zip(lens.each, _own_values(lens, names, values), strict=True)
+        return Lenses.join(tuple(with_parameters(one, names, own) for one, own in each), lens.which)
     focal, centre, k = lens.focal_px.copy(), lens.centre_px.copy(), lens.k.copy()
     coefficients = LENS_COEFFICIENTS[lens.kind]
     for name, value in zip(names, values.tolist(), strict=True):
@@ -165,16 +165,10 @@ def with_parameters(lens: Lens, names: tuple[str, ...], values: Floats) -> Lens:
     return replace(lens, focal_px=focal, centre_px=centre, k=k)
 
 
-def _own_values(
-    lens: Lenses, names: tuple[str, ...], values: Floats
-) -> list[tuple[Lens, tuple[str, ...], Floats]]:
-    """Write parameters for each of several lenses: the focal length counts by the first one's."""
-    focal = np.array([name == "focal" for name in names], dtype=bool)
-    first = lens.focal_px.mean()
-    return [
-        (one, names, np.where(focal, values * (one.focal_px.mean() / first), values))
-        for one in lens.each
-    ]
+def _own_values(lens: Lenses, names: tuple[str, ...], values: Floats) -> Floats:
+    """Write parameters for each of L lenses, (L, M): the focal length counts by the first one's."""
+    ratio = np.array([one.focal_px.mean() for one in lens.each]) / lens.focal_px.mean()
+    return np.where(np.array(names, str) == "focal", values * ratio[:, None], values)
 
 
 DENOMINATOR = ("k4", "k5", "k6")  # of Brown's lens
@@ -199,11 +193,11 @@ def by_lens_parameters(
     """
     out = np.zeros((*ray.shape[:-1], 2, len(names)))
     if isinstance(lens, Lenses):
-        unit = _own_values(lens, names, np.ones(len(names)))
-        for k, (one, _, own) in enumerate(_own_values(lens, names, values)):
+        own, unit = (_own_values(lens, names, one) for one in (values, np.ones(len(names))))
+        for k, one in enumerate(lens.each):
             rows = lens.which == k
             part = Projection._make(of_all[rows] for of_all in seen)
-            out[rows] = by_lens_parameters(one, names, own, ray[rows], part) * unit[k][2]
+            out[rows] = by_lens_parameters(one, names, own[k], ray[rows], part) * unit[k]
         return out
     coefficients, table = LENS_COEFFICIENTS[lens.kind], lens.table is not None
     x, y = (ray[..., k] / ray[..., 2] for k in (0, 1))
