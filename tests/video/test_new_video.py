@@ -13,7 +13,8 @@ from tests.kit.command import vopd
 from tests.kit.video import SIZE, write_video
 from vopd.findings import VopdError
 from vopd.flight.project.inspect import NewProject
-from vopd.flight.project.new import NAME, Answer, project_of_files
+from vopd.flight.project.keys import Project, Section
+from vopd.flight.project.new import NAME, Answer, open_keys, project_of_files
 
 LANDMARKS = "landmark,lat_deg,lon_deg,h_m,sigma_m\nmast,47.0,15.0,300.0,0.1\n"
 BLOCK = (
@@ -142,6 +143,11 @@ def test_the_frames_of_a_video_that_were_picked_in_by_their_names(folder: Path) 
         True,
         False,
     ]
+    picks = {"file": "p.csv", "video": "film", "pixel_grid": "centre"}  # of photographs, perhaps
+    given = {"picks": picks, "track": {"file": "t.csv", "height": "ellipsoid"}}
+    sections = {name: Section("p.toml", name, own) for name, own in given.items()}
+    needed = open_keys(Project("p.toml", folder, sections))
+    assert ("picks", "times") in needed and ("picks", "frame_rate_hz") not in needed
 
 
 def test_a_calibration_for_pictures_of_another_size(folder: Path) -> None:

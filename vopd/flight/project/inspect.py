@@ -579,7 +579,7 @@ def look_at_times(
             new.needed["picks", "utc_offset_h"] = "the images' times do not say their zone"
         if rows.clock == "seconds":
             new.needed[EPOCH] = "UTC of the track's t = 0, as the images have dates"
-    elif by_number or {("picks", "frame_rate_hz"), ("picks", "video")} & {*new.answered, *values}:
+    elif by_number or ("picks", "frame_rate_hz") in {*new.answered, *values}:
         new.needed["picks", "frame_rate_hz"] = "that of the video; the track is by time"
         _begin(new, rows)
     else:

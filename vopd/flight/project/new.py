@@ -312,7 +312,8 @@ def look_at_files(
     fixed = "position" in {section for section, _ in values}
     # images of kinds that have no tags bring no positions
     bare = images is not None and bool(stills_in(Path(images))) and not images_in(Path(images))
-    if images is not None and is_film(Path(images)):
+    film = images is not None and is_film(Path(images))
+    if images is not None and film:
         tagged = None
         if not name_images(new, named.get("picks")):
             video, images = [images], None
@@ -359,7 +360,7 @@ def look_at_files(
     else:
         track = look(look_at_track, named.get("track"))
         if track is not None and named["track"] != tagged:
-            by_number |= bool(video) and not track.image
+            by_number |= (film or bool(video)) and not track.image
             look_at_times(new, values, folder, track, tagged, by_number)
     if "wind" in named:
         look(look_at_wind, named["wind"])
