@@ -434,6 +434,18 @@ def test_images_of_another_kind_than_their_suffix_says(tmp_path: Path) -> None:
         read_tags(tmp_path / "a\0.jpg")
 
 
+def test_a_place_without_a_height_is_no_position_and_says_so(tmp_path: Path) -> None:
+    """As telephones write it where they do not know it: 0/0, or nothing."""
+    gps = {1: "N", 2: (47.0, 30.0, 0.0), 3: "E", 4: (16.0, 30.0, 0.0)}
+    for name, more in (("a.jpg", {}), ("b.jpg", {5: b"\0", 6: Rational(0, 0)})):
+        exif = Image.Exif()
+        exif[0x8825] = gps | more
+        Image.new("RGB", (6, 4)).save(tmp_path / name, exif=exif)
+        tags = read_tags(tmp_path / name)
+        assert np.isfinite(tags.position).tolist() == [True, True, False] and not tags.is_placed
+        assert_approved(tags.damage)
+
+
 def test_angles_by_zero_are_no_position(tmp_path: Path) -> None:
     exif = Image.Exif()
     exif[0x8825] = {1: "N", 2: (Rational(1, 1), Rational(1, 1)), 3: "E", 4: (1.0, 2.0, 3.0)}

@@ -539,6 +539,7 @@ def test_what_metashape_s_files_are_refused_for() -> None:
     assert_approved(no_lens(calibration(SIZE)[:-1]), others_after="not valid XML:")
     covariance = "<covariance><params>f</params><coeffs>1e300</coeffs></covariance>"
     assert_approved(no_lens(calibration(SIZE + covariance)))
+    assert_approved(no_lens(calibration(SIZE + "<k1>-0.1</k1><k1>0.1</k1>")))
     filled = f"\n <?xml version='1.0'?><!-- {'x' * 30_000}\n -->"
     assert lens_of(filled + calibration(SIZE)).lens.size_px == (400, 300)
 

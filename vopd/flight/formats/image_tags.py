@@ -64,7 +64,7 @@ class ImageTags(NamedTuple):
     whole_second: bool  # the time has no part of a second
     sigma_m: tuple[float, float, float] = (NONE,) * 3  # of the position: east, north, up
     sigma_by: str = ""  # the tags it comes from
-    damage: str = ""  # why some tags cannot be read
+    damage: str = ""  # why some tags cannot be read, or make no position
     focal_px: float = NONE
     focal_by: str = ""  # the tags it comes from
     apart_m: float = NONE  # of the places in XMP and in EXIF, where both have one
@@ -114,6 +114,8 @@ def read_tags(path: Path) -> ImageTags:
     if isfinite(own[2]):
         heights_apart_m = _heights_apart_m(gps, own[2], altitude)
         altitude = own[2]
+    if isfinite(longitude) and isfinite(latitude) and not isfinite(altitude):
+        why = why or "there is no height beside its latitude and longitude"
     sigma_m, sigma_by = sigma_of_tags(gps, xmp)
     yaw, pitch, roll = (xmp_number(xmp, (name,)) for name in GIMBAL)
     return ImageTags(

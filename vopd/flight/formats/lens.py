@@ -203,6 +203,8 @@ def _calibration(
         except ValueError as error:
             raise file.error(f"{shown(text)} is not a number", column=name) from error
 
+    if message := twice(one.tag for one in found):
+        raise file.error(message)
     kind = found.findtext("projection") or found.get("type") or inside.get("type") or "frame"
     if kind.strip() != "frame":
         raise file.error(f"projection {kind.strip()} is not known; frame is")
