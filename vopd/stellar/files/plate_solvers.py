@@ -79,13 +79,13 @@ def _star_file(solution: Any, name: str, source: str) -> StarFile:
         centroids = _numbers(solution["matched_centroids"])
         stars = _numbers(solution["matched_stars"])
         field_of_view = solution.get("FOV")
-        degrees = None if field_of_view is None else float(field_of_view)
-        distortion = float(solution.get("distortion") or 0.0)
+        degrees = None if field_of_view is None else _number(field_of_view)
+        distortion = _number(solution.get("distortion") or 0.0)
     except (TypeError, ValueError, OverflowError, RecursionError):
         raise input_error(
             f"{where}an entry of the plate solution is not a number", source
         ) from None
-    count = len(centroids)
+    count = centroids.size // 2
     if (
         centroids.shape != (count, 2)
         or stars.ndim != 2
@@ -124,6 +124,13 @@ def _star_file(solution: Any, name: str, source: str) -> StarFile:
         pixels=PixelFormat(FIRST_CENTRE, True, degrees, distortion),
         line_word="match",
     )
+
+
+def _number(value: Any) -> float:
+    """Take a number of JSON; `float` also takes `true` and "1"."""
+    if type(value) not in (int, float):
+        raise TypeError
+    return float(value)
 
 
 def _numbers(values: Any) -> Floats:
