@@ -24,13 +24,14 @@ from vopd.program.average import averages
 from vopd.program.constants import factor
 from vopd.program.earth import SEA_LEVEL_KFT
 from vopd.program.frames import check_landmarks, frames_of
-from vopd.program.ftlup import TableNotANumber, TableOutOfOrder, check_order, ftlup, ftlup_each
+from vopd.program.ftlup import TableNotANumber, TableOutOfOrder, ftlup, ftlup_each
 from vopd.program.ignored import kept
 from vopd.program.positions import (
     UndefinedLandmark,
     directions,
     earth_fixed,
     group_9,
+    landmarks_earth_fixed,
 )
 from vopd.program.vopd import run
 
@@ -439,14 +440,8 @@ def tables_in_order(job: Job, locations: CardLocations) -> Iterator[Finding]:
 
 def _first_out_of_order(table: Floats | Ints) -> int | None:
     """Find the first value that does not exceed the one before; None if there is none."""
-    values = np.asarray(table, dtype=np.float64)
-    if len(values) < 2 or not np.isfinite(values).all():
-        return None
-    try:
-        check_order(1, values, values)
-    except TableOutOfOrder as error:
-        return error.position - 1
-    return None
+    falls = np.flatnonzero(np.diff(table) <= 0)
+    return int(falls[0]) + 1 if len(falls) and np.isfinite(table).all() else None
 
 
 def _stops_a_run(job: Job, group: int) -> bool:
@@ -651,10 +646,8 @@ def earth_cost(*jobs: Job) -> tuple[Floats, Floats, Floats]:
 
     normal = summed(np.eye(3) - old[:, :, None] * old[:, None, :])
     rotation = (pseudo_inverse(normal) @ summed(np.cross(old, change))[..., None])[..., 0]
-    latitude, longitude = np.radians(phij), np.radians(thj)
-    east, north = np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude)
-    marks_km = rj[:, None] * np.stack([east, north, np.sin(latitude)], axis=-1)
-    distance = np.linalg.norm(marks_km - earth_fixed(origin, ELLIPSOID, there_ft), axis=1)
+    away_km = landmarks_earth_fixed(thj, phij, rj) - earth_fixed(origin, ELLIPSOID, there_ft)
+    distance = np.linalg.norm(away_km, axis=1)
     shift = np.linalg.norm(change, axis=1) * distance * 1000.0
     angle_deg = np.degrees(np.linalg.norm(rotation, axis=1))
     return angle_deg, summed(shift) / count, summed(distance) / count

@@ -36,6 +36,7 @@ from vopd.program.positions import (
     TRAJECTORY_TIMES,
     earth_fixed,
     group_9,
+    landmarks_earth_fixed,
     origin_of,
     time_and_position,
 )
@@ -410,7 +411,4 @@ def landmark_positions_m(marks: Landmarks, fixes: Fixes) -> Floats:
         marks: of group 9
         fixes: those of the run
     """
-    longitude_deg, latitude_deg, radius_km = group_9(marks, fixes)
-    theta, phi = np.radians(longitude_deg), np.radians(latitude_deg)
-    unit = np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), np.sin(phi)], axis=1)
-    return np.asarray(radius_km[:, None] * unit * M_PER_KM)
+    return landmarks_earth_fixed(*group_9(marks, fixes)) * M_PER_KM

@@ -118,6 +118,13 @@ def directions(
     return np.stack([part.T for part in dircos], axis=-1)
 
 
+def landmarks_earth_fixed(thj: Floats, phij: Floats, rj: Floats) -> Floats:
+    """Place landmarks as `group_9` has them in Earth-fixed axes, km (n, 3)."""
+    theta, phi = np.radians(thj), np.radians(phij)
+    unit = np.stack([np.cos(phi) * np.cos(theta), np.cos(phi) * np.sin(theta), np.sin(phi)], axis=1)
+    return np.asarray(rj[:, None] * unit)
+
+
 def earth_fixed(origin: Floats, fixes: Fixes, vehicle_ft: Floats) -> Floats:
     """Place the camera in Earth-fixed axes, km (F, 3).
 
