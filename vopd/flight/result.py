@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -399,8 +399,7 @@ def solve_flight_read(
     robust = flight.options.loss != "least-squares"  # looks at places' standard deviations, too
     same = None if robust else solve(by_themselves, out, before=first)
     read, flight, estimates = _settled_by_rows(flight, out, tell, same)
-    search = _search_blunders(flight, estimates, gross, swaps, tell)
-    found, swaps, without = search.found, search.swaps, search.without
+    found, swaps, without, estimates = _search_blunders(flight, estimates, gross, swaps, tell)
     swapped = swaps.marked(len(gross))
     apart = found.left_out | swapped
     dropped = found.left_out | (swapped & _two_left(flight, apart))
@@ -410,11 +409,11 @@ def solve_flight_read(
         apart = (found.pick | swapped) & few
     if without is None or not np.array_equal(apart, found.left_out | swapped):
         try:
-            without = settled(flight, apart, search.estimates.joint)
+            without = settled(flight, apart, estimates.joint)
         except VopdError:  # too little is left: they are named, and take part
-            without, apart = search.estimates, gross | swapped
+            without, apart = estimates, gross | swapped
             dropped &= apart
-    estimates = with_named_picks(flight, without, search.estimates, dropped)
+    estimates = with_named_picks(flight, without, estimates, dropped)
     more = least_held(without.joint)
     if more is not None:
         stated = replace(stated, options=read.options)
@@ -428,7 +427,7 @@ def solve_flight_read(
     findings, misfits = list[Finding](), False
     if doubted:
         findings, misfits = _findings_of(
-            flight, estimates, without, search, (apart, dropped), project
+            flight, estimates, without, (found, swaps), (apart, dropped), project
         )
     if read.options.free:
         from vopd.flight.parameters import before_and_after  # of few flights
@@ -465,19 +464,10 @@ def _settled_by_rows(
     return replace(read, options=flight.options), flight, estimates
 
 
-class BlunderSearch(NamedTuple):
-    """Blunders and exchanged labels of a flight, and its solutions with and without them."""
-
-    found: Blunders
-    swaps: Exchanges
-    without: FlightEstimates | None  # None: it is to be solved
-    estimates: FlightEstimates  # without gross picks and exchanged labels alone
-
-
 def _search_blunders(
     flight: Flight, estimates: FlightEstimates, gross: Bools, swaps: Exchanges,
     tell: Callable[[], object],
-) -> BlunderSearch:  # fmt: skip
+) -> tuple[Blunders, Exchanges, FlightEstimates | None, FlightEstimates]:  # fmt: skip
     """Search a flight for picks that do not fit and for exchanged labels, one after the other.
 
     Args:
@@ -486,6 +476,10 @@ def _search_blunders(
         gross: picks that are far off, (P,)
         swaps: labels that are exchanged, as its rotations alone show
         tell: is called before each solve
+
+    Returns:
+        Both; its solution without them, None where it is to be solved; and that without gross
+        picks and exchanged labels alone.
     """
 
     def solve_without(left_out: Bools, before: FlightEstimates) -> FlightEstimates:
@@ -508,12 +502,13 @@ def _search_blunders(
         estimates = settled(flight, gross | swapped)
     else:
         without = None
-    return BlunderSearch(found, swaps, without, estimates)
+    return found, swaps, without, estimates
 
 
 def _findings_of(
-    flight: Flight, estimates: FlightEstimates, without: FlightEstimates, search: BlunderSearch,
-    out: tuple[Bools, Bools], project: Callable[[], Project] | None,
+    flight: Flight, estimates: FlightEstimates, without: FlightEstimates,
+    search: tuple[Blunders, Exchanges], out: tuple[Bools, Bools],
+    project: Callable[[], Project] | None,
 ) -> tuple[list[Finding], bool]:  # fmt: skip
     """Warn of all that is doubtful in a solved flight.
 
@@ -529,7 +524,7 @@ def _findings_of(
     Returns:
         The warnings, and whether the flight misfits.
     """
-    found, swaps, (apart, dropped) = search.found, search.swaps, out
+    (found, swaps), (apart, dropped) = search, out
     every = found._replace(pick=found.pick | swaps.marked(len(found.pick)))
 
     def usual(named: bool) -> list[str]:
