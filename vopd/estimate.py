@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats, Ints
+from vopd.findings import Finding
 from vopd.records import Rows
 
 if TYPE_CHECKING:
@@ -94,10 +95,10 @@ class About(NamedTuple):
         """Name of the source and number of the job, such as `flight.dat, job 2`."""
         return f"{self.source}, job {self.job}" if self.words.jobs else self.source
 
-    @property
-    def finding_job(self) -> int | None:
-        """The job's number in findings; None for a source without jobs."""
-        return self.job if self.words.jobs else None
+    def warning(self, message: str) -> Finding:
+        """Make a warning about the source, or the job where it has jobs."""
+        job = self.job if self.words.jobs else None
+        return Finding(message, self.source, job=job, severity="warning")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

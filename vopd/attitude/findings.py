@@ -152,6 +152,4 @@ def findings_of(about: About, summary: HistorySummary) -> list[Finding]:
             f"explains {'it' if left == 1 else 'them'}"
         )
     messages += filter(None, [errata_text(summary)])
-    return [
-        Finding(one, about.source, job=about.finding_job, severity="warning") for one in messages
-    ]
+    return [about.warning(one) for one in messages]

@@ -88,13 +88,8 @@ def _dated(epoch: datetime | None, microseconds: int) -> bool:
 
 
 def _left_out(history: History, k: int, why: str) -> Finding:
-    about = history.about
-    return Finding(
-        f"frame {history.estimate.frame_label(k)}, row {k + 1}, is left out: {why}",
-        source=about.source,
-        job=about.finding_job,
-        severity="warning",
-    )
+    label = history.estimate.frame_label(k)
+    return history.about.warning(f"frame {label}, row {k + 1}, is left out: {why}")
 
 
 def continuous(quaternion: Floats) -> Floats:
@@ -161,18 +156,11 @@ def segments_in_order(
     for one in segments[1:]:
         first = one.microseconds[0]
         if first < latest.microseconds[-1] or first == latest.microseconds[0]:
-            report(_overlap(latest, one))
+            label = latest.history.about.label
+            message = f"overlaps {label} in time: readers cannot tell which one applies"
+            report(one.history.about.warning(message))
         latest = max(latest, one, key=lambda two: two.microseconds[-1])
     return segments
-
-
-def _overlap(one: TimedAttitude, other: TimedAttitude) -> Finding:
-    return Finding(
-        f"overlaps {one.history.about.label} in time: readers cannot tell which one applies",
-        source=other.history.about.source,
-        job=other.history.about.finding_job,
-        severity="warning",
-    )
 
 
 def stated_comments(
@@ -347,14 +335,14 @@ def _stated(segment: TimedAttitude, report: Report) -> Bools:
     """Find the frames of a segment whose variances hold (T,), and warn of the others."""
     finite = np.isfinite(_variances(segment)).all(axis=1)
     misfit = segment.history.flags.raised["misfit"][segment.frames]
-    e, about = segment.history.estimate, segment.history.about
+    e = segment.history.estimate
     for left, why in (
         (~finite, "has no finite variances"),
         (finite & misfit, "has the flag misfit, its residuals contradict its variances"),
     ):
         for k in segment.frames[left]:
             message = f"frame {e.frame_label(k)} {why}: it is left out of COV"
-            report(Finding(message, about.source, job=about.finding_job, severity="warning"))
+            report(e.about.warning(message))
     return np.asarray(finite & ~misfit)
 
 

@@ -59,11 +59,7 @@ def camera_poses(history: History, report: Report) -> CameraPoses:
             "frame has no attitude or position and is left out",
             "frames have no attitude or position and are left out",
         )
-        report(
-            Finding(
-                message, history.about.source, job=history.about.finding_job, severity="warning"
-            )
-        )
+        report(history.about.warning(message))
     camera = (IMAGE_FROM_CAMERA @ camera_axes(np.radians(e.camera_deg[frames]))).swapaxes(1, 2)
     longitude, latitude, height = where[frames].T
     return CameraPoses(
