@@ -344,15 +344,15 @@ HISTORIES: list[tuple[list[Any], bool, SharedOptions, int, str]] = [
 def test_the_status_of_attitude_histories(
     jobs: list[Any], failed: bool, asked: SharedOptions, status: int, said: str, capsys: Said
 ) -> None:
-    assert Collected(jobs, [], failed, False, 0).status(asked, Messages(asked.quiet)) == status
+    assert Collected(Messages(asked.quiet), jobs, [], failed, False, 0).status(asked) == status
     assert capsys.readouterr().err == said
 
 
 @pytest.mark.parametrize("flights", [1, 2])
 def test_flights_whose_inputs_seem_wrong_are_counted(flights: int, capsys: Said) -> None:
-    assert Collected([], [], False, False, flights).status(USUAL, Messages()) == 0
+    assert Collected(Messages(), [], [], False, False, flights).status(USUAL) == 0
     assert capsys.readouterr().err == ""
-    assert Collected([], [], False, False, flights).status(STRICT, Messages()) == 3
+    assert Collected(Messages(), [], [], False, False, flights).status(STRICT) == 3
     assert_approved(capsys.readouterr().err)
 
 
@@ -363,7 +363,7 @@ def test_misfits_of_long_jobs_are_told_at_the_end(
     found = [replace(ODD, card=k) for k in range(1, 6)]
     monkeypatch.setattr(histories, "findings_of", lambda about, summary: found)
     jobs = counted((0, 0), (0, 0))
-    assert Collected(jobs, jobs[1:], False, False, 0).status(USUAL, Messages()) == 0
+    assert Collected(Messages(), jobs, jobs[1:], False, False, 0).status(USUAL) == 0
     assert_approved(capsys.readouterr().err.splitlines(), parts=[1, 2, 3, 2])
 
 
@@ -489,15 +489,18 @@ def test_whole_histories_and_the_status_of_all(
     class Found:
         jobs = (SimpleNamespace(whole="one"), SimpleNamespace(whole="two"))
 
-        def status(self, how: SharedOptions, messages: Messages) -> int:
+        def __init__(self, on_message: Any) -> None:
+            self.messages = Messages(quiet, on_message)
+
+        def status(self, how: SharedOptions) -> int:
             assert how == asked
-            messages(ODD)
+            self.messages(ODD)
             return 3
 
     def collect(decks: Any, how: Any, by_parts: bool, on_message: Any, job: Any) -> Any:
         assert job is None
         given.append((decks, how, by_parts, on_message))
-        return Found()
+        return Found(on_message)
 
     monkeypatch.setattr(histories, "collect_jobs", collect)
     found = histories.collect_histories(("a", "b"), asked, heard.append)
@@ -594,10 +597,13 @@ def test_the_progress_and_the_status_of_a_table(
         yield b"one"
         yield b"two"
 
-    found = Collected([Job(), Job()], [], False, False, 0)  # type: ignore[list-item]
+    def found(_: object, how: SharedOptions, *__: object, **___: object) -> Collected:
+        jobs: Any = [Job(), Job()]
+        return Collected(Messages(how.quiet), jobs, [], False, False, 0)
+
     monkeypatch.setattr(Collected, "status", lambda *_: 3)
     monkeypatch.setattr(attitude, "Progress", Noted)
-    monkeypatch.setattr(attitude, "collect_jobs", lambda *_, **__: found)
+    monkeypatch.setattr(attitude, "collect_jobs", found)
     monkeypatch.setattr("vopd.export.AttitudeFormat.pages", lambda _, *rest: pages(*rest))
     ran = vopd("attitude", "a.dat", "-o", tmp_path / "t.csv")
     assert ran.status == 3 and (tmp_path / "t.csv").read_bytes() == b"onetwo"

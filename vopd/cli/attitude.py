@@ -16,7 +16,7 @@ from vopd.attitude.history import History, has_photographs
 from vopd.attitude.included import errors_texts, largest_component
 from vopd.attitude.long_history import HistoryParts
 from vopd.attitude.table import chosen_columns, table_blocks
-from vopd.cli.console import Messages, Progress, screen_columns
+from vopd.cli.console import Progress, screen_columns
 from vopd.cli.histories import Collected, collect_jobs
 from vopd.cli.options import SharedOptions, history_options, output_option, sources_argument
 from vopd.cli.output import refuse_to_overwrite
@@ -162,8 +162,7 @@ def command(
     short = screen and (mean or columns in (None, "basic"))  # which says itself how sure it is
     by_parts, misfits = chosen.by_parts and not mean, mean or not short
     found = collect_jobs(sources, options, by_parts, misfits=misfits)
-    messages = Messages(options.quiet)
-    request = _with_epoch(chosen, request, [job.head for job in found.jobs], messages)
+    request = _with_epoch(chosen, request, [job.head for job in found.jobs], found.messages)
     if columns is not None:
         _check_columns(found, request)
     progress = Progress(
@@ -184,7 +183,7 @@ def command(
         elif mean:
             file.write(chosen.mean_table(jobs, request))
         else:
-            for page in chosen.pages(jobs, request, messages):
+            for page in chosen.pages(jobs, request, found.messages):
                 file.write(page)
     progress.close()
     if not options.quiet and not short:
@@ -195,7 +194,7 @@ def command(
                 said = f"the sigmas include errors of: {included}"
                 said += f"; not included: {left}" * bool(left)
             click.echo(f"{source}: {said}", err=True)
-    ctx.exit(found.status(options, messages))
+    ctx.exit(found.status(options))
 
 
 def _check_columns(found: Collected, request: FileRequest) -> None:
@@ -235,7 +234,7 @@ def _short(
         jobs,
         screen_columns(),
         steps={"table": table, "next": "; ".join(steps)},
-        printed=0 if quiet else found.warnings,
+        printed=0 if quiet else found.messages.warnings,
         roll_180=roll_180,
     )
 

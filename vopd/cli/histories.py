@@ -23,16 +23,16 @@ from vopd.solved import histories_of_run
 class Collected:
     """The jobs of all sources, and what is still to be told about them."""
 
+    messages: Messages  # by which warnings are told
     jobs: list[HistoryParts] = field(default_factory=list)
     untold: list[HistoryParts] = field(default_factory=list)  # whose frames have not been counted
     failed: bool = False  # some source could not be read or solved
     misfits: bool = False  # some flight does
     mistaken: int = 0  # flights whose residuals, or track, speak for an error of their inputs
-    warnings: int = 0  # that have been told
     unread: int = 0  # decks that go on behind their last job
     clicks: tuple[str, ...] = ()  # where to click next in flights that are tracked from clicks
 
-    def status(self, options: SharedOptions, messages: Messages) -> int:
+    def status(self, options: SharedOptions) -> int:
         """Tell what is known once all parts have been made; return the exit status.
 
         Of flights that are tracked from clicks that is also where to click next. The status is 3
@@ -43,8 +43,8 @@ class Collected:
         """
         for job in self.untold:
             for finding in findings_of(job.about, job.summary):
-                messages(finding)
-        messages.close()
+                self.messages(finding)
+        self.messages.close()
         for text in () if options.quiet else self.clicks:
             click.echo(text, err=True)
         if self.failed:
@@ -84,8 +84,8 @@ def collect_jobs(
     tell_unused(decks, options.quiet)
     if options.solve.fixes and not options.quiet and not all(map(is_flight, decks)):
         click.echo(f"corrected run, not the original: {options.solve.fixes}", err=True)
-    found = Collected()
     messages = Messages(options.quiet, on_message)
+    found = Collected(messages)
     progress = Progress("frames solved", stopped="nothing is written")
     solves = solve_sources(decks, options.solve, sigmas=options.history.sigmas)
     for some in in_groups(solves):
@@ -131,7 +131,6 @@ def collect_jobs(
             raise click.exceptions.Exit(1)
         none = "no frame has an attitude" if job is None or found.jobs else f"no job {job}"
         raise VopdError(f"{', '.join(decks)}: {none}")
-    found.warnings = messages.warnings
     return found
 
 
@@ -146,6 +145,4 @@ def collect_histories(
     Arguments and errors as `collect_jobs`.
     """
     found = collect_jobs(decks, options, by_parts=False, on_message=on_message, job=job)
-    return [job.whole for job in found.jobs], found.status(
-        options, Messages(options.quiet, on_message)
-    )
+    return [job.whole for job in found.jobs], found.status(options)
