@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import zip_longest
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -15,11 +14,14 @@ from vopd.attitude.reading_sigma import SOURCES
 from vopd.attitude.uncertainty import ANGLES
 from vopd.attitude.vertical import lean_deg
 from vopd.estimate import Position, Vertical, Words
-from vopd.findings import Finding, Report, count_text, size_text
+from vopd.findings import Report, count_text, size_text
 from vopd.version import __version__
 
 if TYPE_CHECKING:
+    from vopd.attitude.long_history import HistoryParts
     from vopd.attitude.mean import MeanAttitude
+
+Told = TypeVar("Told", History, "HistoryParts")
 
 # Offset of a file's positions from the source's own coordinates.
 
@@ -31,9 +33,7 @@ def report_own_position(histories: Sequence[History], report: Report) -> None:
     for one in histories:
         text = farthest_from_own_text([one])
         if text:
-            about = one.about
-            message = f"in this file {text.removeprefix('; ')}"
-            report(Finding(message, about.source, job=about.finding_job, severity="warning"))
+            report(one.about.warning(f"in this file {text.removeprefix('; ')}"))
 
 
 def farthest_from_own_text(histories: Sequence[History]) -> str:
@@ -113,15 +113,15 @@ def conventions(histories: Sequence[History]) -> dict[str, str]:
     about = histories[0].about
     sources = ", ".join(dict.fromkeys(h.about.source for h in histories))
     components = dict.fromkeys(c for h in histories for c in h.uncertainty.components)
-    down = {h.about.source: h.about.down for h in histories[: MOST_JOBS + 1]}
-    more, doubts = len(histories) - MOST_JOBS, doubts_text(histories)
+    doubts = doubts_text(histories)
     left = [f"{len(doubts) - MOST_JOBS} more"] * (len(doubts) > MOST_JOBS)
     stated = {
         "program": f"vopd {__version__}",
         about.words.source: sources,
         "doubtful": "; ".join(doubts[:MOST_JOBS] + left),
         "fixes": about.fixes or about.words.no_fixes,
-        "from frame": f"north, east, down at the vehicle; down {of_each([*down.items()], more)}",
+        "from frame": "north, east, down at the vehicle; down "
+        + of_each(histories, lambda one: one.about.down),
         "vertical": _vertical(histories),
         **(GENERAL | _own_words(histories)),
         **included_statements(histories),
@@ -150,29 +150,30 @@ def _own_words(histories: Sequence[History]) -> dict[str, str]:
 
     The zero of the time, which need not be one, is stated by the file's format.
     """
-    first = dict(histories[0].about.words.conventions)
-    told = {h.about.source: dict(h.about.words.conventions) for h in histories[: MOST_JOBS + 1]}
-    names = dict.fromkeys(name for own in told.values() for name in own)
-    more = len(histories) - MOST_JOBS
+    own = [h.about.words.conventions for h in histories[: MOST_JOBS + 1]]
     return {
-        name: first[name]
-        if name == "time"
-        else of_each([(source, own.get(name, "")) for source, own in told.items()], more)
-        for name in names
+        name: own[0][name] if name == "time" else own_words(histories, name)
+        for name in dict.fromkeys(name for one in own for name in one)
     }
 
 
-def of_each(texts: Sequence[tuple[str, str]], more: int) -> str:
-    """Join the texts of sources: one where all are alike, else each with its source.
+def own_words(jobs: Sequence[Told], name: str) -> str:
+    """State what the words of each source have under a name, as `of_each` does."""
+    return of_each(jobs, lambda one: one.about.words.conventions.get(name, ""))
+
+
+def of_each(jobs: Sequence[Told], say: Callable[[Told], str]) -> str:
+    """State something of sources: once where all have the same, else of each with its name.
 
     Args:
-        texts: of some sources, with their names; an empty one is left out
-        more: how many jobs there are besides the first `MOST_JOBS`
+        jobs: the jobs, of which `MOST_JOBS` are named
+        say: what is stated of one; nothing where it is empty
     """
-    if len({text for _, text in texts}) == 1:
-        return texts[0][1]
-    told = [f"{source}: {text}" for source, text in texts[:MOST_JOBS] if text]
-    if more > 0:
+    texts: dict[str, str] = {one.about.source: say(one) for one in jobs[: MOST_JOBS + 1]}
+    if len({*texts.values()}) == 1:
+        return texts.popitem()[1]
+    told = [f"{source}: {text}" for source, text in [*texts.items()][:MOST_JOBS] if text]
+    if (more := len(jobs) - MOST_JOBS) > 0:
         told.append(f"{count_text(more, 'more source')}: see its own table")
     return "; ".join(told)
 
@@ -183,16 +184,15 @@ def included_statements(
     """Name the errors that the standard deviations include and leave out, where keys state them."""
     if not histories[0].about.words.sigma_keys:
         return {}
-    include, leave_out = [], []
-    for one, mean in zip_longest(histories[: MOST_JOBS + 1], means[: MOST_JOBS + 1]):
-        keys = one.about.words.sigma_keys
-        include.append((one.about.source, included_text(one, mean)))
-        left = left_out_text(one, keys, mean) or "nothing that the project can state"
-        leave_out.append((one.about.source, left))
-    more = len(histories) - MOST_JOBS
+    mean = dict(zip(map(id, histories), means, strict=False))  # none of frames
+    none = "nothing that the project can state"
+
+    def left_out(one: History) -> str:
+        return left_out_text(one, one.about.words.sigma_keys, mean.get(id(one))) or none
+
     return {
-        "sigmas_include": of_each(include, more),
-        "sigmas_not_included": of_each(leave_out, more),
+        "sigmas_include": of_each(histories, lambda one: included_text(one, mean.get(id(one)))),
+        "sigmas_not_included": of_each(histories, left_out),
     }
 
 
@@ -235,13 +235,14 @@ def _vertical(histories: Sequence[History]) -> str:
     """Name the vertical of the angles, and how far the other one and a level differ from it."""
     lean = max(_largest_lean_deg(h.estimate.position) for h in histories)
     apart = f"; geodetic and geocentric vertical are up to {lean:.3f} degree apart here"
-    told = {}
-    for one in histories[: MOST_JOBS + 1]:
+
+    def told(one: History) -> str:
         own, left_open = one.estimate.position.vertical, one.about.words.vertical
         level = DEFLECTION if own is Vertical.GEODETIC else ""
         text = f"{own}{apart if lean > 0.0 else ''}{level}"
-        told[one.about.source] = f"{text}; {left_open}" if left_open else text
-    return of_each([*told.items()], len(histories) - MOST_JOBS)
+        return f"{text}; {left_open}" if left_open else text
+
+    return of_each(histories, told)
 
 
 def _largest_lean_deg(position: Position) -> float:

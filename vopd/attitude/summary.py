@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vopd.arrays import Bools, Floats
-from vopd.attitude.conventions import MOST_JOBS, doubts_text, of_each
+from vopd.attitude.conventions import doubts_text, own_words
 from vopd.attitude.findings import HistorySummary, errata_text, misfits
 from vopd.attitude.flags import meanings
 from vopd.attitude.history import History, are_others
@@ -399,18 +399,12 @@ def azimuth_text(frames: ShownFrames) -> str:
 
 def mount_text(frames: ShownFrames) -> str:
     """Say how the camera is mounted, where its angles are not those of the vehicle."""
-    return _of_sources(frames, "mount")
+    return own_words(frames.jobs, "mount")
 
 
 def check_text(frames: ShownFrames) -> str:
     """Say how far landmarks that take no part are from where they were picked."""
-    return _of_sources(frames, "check landmarks")
-
-
-def _of_sources(frames: ShownFrames, name: str) -> str:
-    """Join what sources have of a statement of theirs; empty where none has any."""
-    told = {job.about.source: job.about.words.conventions.get(name, "") for job in frames.jobs}
-    return of_each([*told.items()], len(told) - MOST_JOBS)
+    return own_words(frames.jobs, "check landmarks")
 
 
 def where_text(estimates: Iterable[FrameEstimate]) -> str:
