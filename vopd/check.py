@@ -494,7 +494,7 @@ def tables_span(job: Job, locations: CardLocations) -> Iterator[Finding]:
 def _look_up(x: Floats, table: Floats | Ints, values: Floats) -> Floats:
     """Interpolate values; NaN where the table cannot be used, which is reported elsewhere."""
     try:
-        return ftlup(x, 1, table, values)
+        return ftlup(x, table, values)
     except (TableOutOfOrder, TableNotANumber):
         return np.full_like(x, np.nan)
 

@@ -27,7 +27,6 @@ from vopd.program.vopd import run
 from vopd.results import Outcome, Stage
 
 TENT = (1.0, 2.0, 4.0), (10.0, 30.0, 20.0)
-# A parabola through a, b, c of x**3 is x**3 - (x-a)(x-b)(x-c): the value tells the three points.
 CUBIC = (0.0, 1.0, 2.0, 4.0, 5.0), (0.0, 1.0, 8.0, 64.0, 125.0)
 
 
@@ -45,68 +44,25 @@ CUBIC = (0.0, 1.0, 2.0, 4.0, 5.0), (0.0, 1.0, 8.0, 64.0, 125.0)
 )
 def test_first_order(x: float, y: float) -> None:
     vari, vard = TENT
-    assert ftlup(x, 1, vari, vard) == y
-    assert ftlup(x, -1, vari[::-1], vard[::-1]) == y
-
-
-@pytest.mark.parametrize(
-    ("x", "y", "points"),
-    [
-        (1.25, 2.1875, "0 1 2"),  # neighbours 0 (1.25 away) and 4 (2.75): 1.953125 + .234375
-        (2.5, 16.75, "1 2 4"),  # 1 (1.5) and 5 (2.5): 15.625 + 1.5*.5*1.5
-        (3.5, 41.75, "2 4 5"),  # 1 (2.5) and 5 (1.5): 42.875 - 1.5*.5*1.5
-        (3.0, 25.0, "2 4 5"),  # 1 and 5 both 2 away, the right one: 27 - 1*1*2
-        (0.5, -0.25, "0 1 2"),  # first interval: .125 - .5*.5*1.5
-        (4.5, 91.75, "2 4 5"),  # last interval: 91.125 + 2.5*.5*.5
-        (-1.0, 5.0, "0 1 2"),  # -1 + 1*2*3
-        (6.0, 208.0, "2 4 5"),  # 216 - 4*2*1
-        (2.0, 8.0, "any"),
-        (5.0, 125.0, "any"),
-    ],
-)
-def test_second_order(x: float, y: float, points: str) -> None:
-    assert_close("table value", ftlup(x, 2, *CUBIC), y)
-
-
-@pytest.mark.parametrize(
-    ("x", "y"),
-    [
-        (2.5, 16.75),  # points 4 2 1, as above
-        (3.0, 29.0),  # 5 and 1 both 2 away, the right one in the table is 1: 27 + 1*1*2
-        (3.5, 41.75),  # points 5 4 2
-        (-1.0, 5.0),
-    ],
-)
-def test_second_order_in_a_decreasing_table(x: float, y: float) -> None:
-    vari, vard = CUBIC
-    assert_close("table value", ftlup(x, -2, vari[::-1], vard[::-1]), y)
-
-
-def test_second_order_with_two_points_is_linear() -> None:
-    assert ftlup(3.0, 2, (1.0, 2.0), (10.0, 30.0)) == 50.0  # 10 + 2*20
-    assert ftlup(3.0, -2, (2.0, 1.0), (30.0, 10.0)) == 50.0
+    assert ftlup(x, vari, vard) == y
 
 
 def test_a_constant() -> None:
-    assert ftlup(99.0, 0, (3.0, 1.0, 2.0), (7.0, 8.0, 9.0)) == 7.0  # order does not matter
-    for m in (-2, -1, 1, 2):
-        assert ftlup(99.0, m, (3.0,), (7.0,)) == 7.0
+    assert ftlup(99.0, (3.0,), (7.0,)) == 7.0
 
 
 @pytest.mark.parametrize(
-    ("m", "vari", "position"),
+    ("vari", "position"),
     [
-        (1, (1.0, 2.0, 2.0, 1.0), 3),  # equal is out of order; the first such place counts
-        (1, (3.0, 2.0, 1.0), 2),
-        (2, (1.0, 2.0, 3.0, 2.5), 4),
-        (-1, (1.0, 2.0), 2),
-        (-2, (3.0, 2.0, 2.0), 3),
+        ((1.0, 2.0, 2.0, 1.0), 3),  # equal is out of order; the first such place counts
+        ((3.0, 2.0, 1.0), 2),
+        ((1.0, 2.0, 3.0, 2.5), 4),
     ],
 )
-def test_out_of_order(m: int, vari: tuple[float, ...], position: int) -> None:
+def test_out_of_order(vari: tuple[float, ...], position: int) -> None:
     vard = np.arange(10.0, 10.0 + len(vari))
     with refused(TableOutOfOrder) as caught:
-        ftlup(1.0, m, vari, vard)
+        ftlup(1.0, vari, vard)
     assert caught.value.position == position
     np.testing.assert_array_equal(caught.value.vari, vari)
     np.testing.assert_array_equal(caught.value.vard, vard)
@@ -115,26 +71,25 @@ def test_out_of_order(m: int, vari: tuple[float, ...], position: int) -> None:
 def test_out_of_order_among_several_tables_shows_the_first() -> None:
     """VOPD looks X up before Y and Z, so X is what the message shows."""
     with pytest.raises(TableOutOfOrder) as caught:
-        ftlup(0.0, 1, (1.0, 0.0), [(5.0, 6.0), (7.0, 8.0)])
+        ftlup(0.0, (1.0, 0.0), [(5.0, 6.0), (7.0, 8.0)])
     np.testing.assert_array_equal(caught.value.vard, (5.0, 7.0))
 
 
-@pytest.mark.parametrize("m", [-2, -1, 0, 1, 2])
 @pytest.mark.parametrize("row", [0, 1, 2])
-def test_a_nan_anywhere_is_an_error_that_names_it(m: int, row: int) -> None:
+def test_a_nan_anywhere_is_an_error_that_names_it(row: int) -> None:
     name = (4, "altitudes")
     good, bad = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
     bad[row] = np.nan
     for vari, vard in ((bad, good), (good, bad), (good, np.stack([good, bad], axis=1))):
         with refused(TableNotANumber):
-            ftlup(1.0, m, vari, vard, name)
+            ftlup(1.0, vari, vard, name)
 
 
 def test_a_table_without_a_name() -> None:
     with refused(TableNotANumber):
-        ftlup(1.0, 1, (1.0, np.nan), (0.0, 0.0))
+        ftlup(1.0, (1.0, np.nan), (0.0, 0.0))
     with refused(TableOutOfOrder):
-        ftlup(1.0, 1, (2.0, 1.0), (0.0, 0.0))
+        ftlup(1.0, (2.0, 1.0), (0.0, 0.0))
 
 
 def test_the_order_of_operations_is_that_of_the_listing() -> None:
@@ -143,7 +98,7 @@ def test_the_order_of_operations_is_that_of_the_listing() -> None:
     x1, x2, y1, y2, x = random.uniform(-9.0, 9.0, (5, 200))
     x2 = x1 + np.abs(x2) + 0.1
     for a, b, c, d, at in np.stack([x1, x2, y1, y2, x]).T.tolist():
-        assert float(ftlup(at, 1, (a, b), (c, d))) == c + (at - a) * (d - c) / (b - a)
+        assert float(ftlup(at, (a, b), (c, d))) == c + (at - a) * (d - c) / (b - a)
         tables = Tables.of(TABLE, [(np.array([a, b]), np.array([c, d]))])
         found = ftlup_each(np.array([at]), np.zeros(1, np.int64), tables)
         assert float(found[0]) == c + (at - a) * (d - c) / (b - a)
@@ -152,73 +107,48 @@ def test_the_order_of_operations_is_that_of_the_listing() -> None:
 def test_out_of_order_names_its_table() -> None:
     name = (7, "times")
     with pytest.raises(TableOutOfOrder) as caught:
-        ftlup(1.0, 1, (2.0, 1.0), (0.0, 0.0), name)
+        ftlup(1.0, (2.0, 1.0), (0.0, 0.0), name)
     assert caught.value.table == name
 
 
-@pytest.mark.parametrize("m", [3, -3])
-def test_other_orders_are_refused(m: int) -> None:
-    with refused(ValueError, parts=[m]):
-        ftlup(1.0, m, *TENT)
-
-
-@pytest.mark.parametrize("m", [0, 1, 2])
-def test_arrays_and_stacks_of_tables(m: int) -> None:
+def test_arrays_and_stacks_of_tables() -> None:
     x = np.array([[-1.0, 1.25, 3.0], [2.0, 3.5, 9.0]])
     vari, vard = CUBIC
     tables = np.stack([vard, np.negative(vard), np.square(vard)], axis=1)
-    y = ftlup(x, m, vari, tables)
+    y = ftlup(x, vari, tables)
     assert y.shape == (2, 3, 3)
     for place in np.ndindex(x.shape):
         for k in range(3):
-            assert y[(*place, k)] == ftlup(x[place], m, vari, tables[:, k])
+            assert y[(*place, k)] == ftlup(x[place], vari, tables[:, k])
 
 
 def test_arguments_are_not_changed() -> None:
     x, vari, vard = np.array([1.5, 9.0]), np.array(TENT[0]), np.array(TENT[1])
-    for m in (0, 1, 2):
-        y = ftlup(x, m, vari, vard)
-        y += 1.0  # nor is the result a part of them
+    y = ftlup(x, vari, vard)
+    y += 1.0  # nor is the result a part of them
     assert [x.tolist(), vari.tolist(), vard.tolist()] == [[1.5, 9.0], [*TENT[0]], [*TENT[1]]]
 
 
-def exact(x: Fraction, m: int, points: list[tuple[Fraction, Fraction]]) -> Fraction:
-    """Appendix D in fractions, by Lagrange's formula."""
-    if m == 0 or len(points) == 1:
+def exact(x: Fraction, points: list[tuple[Fraction, Fraction]]) -> Fraction:
+    """Appendix D in fractions."""
+    if len(points) == 1:
         return points[0][1]
-    s = 1 if m > 0 else -1
-    spans = [k for k, (a, b) in enumerate(pairwise(points)) if s * a[0] <= s * x < s * b[0]]
-    k = spans[0] if spans else (0 if s * x < s * points[0][0] else len(points) - 2)
-    chosen = [k, k + 1]
-    if abs(m) == 2 and len(points) > 2:
-        left, right = k - 1, k + 2
-        if left < 0 or (
-            right < len(points) and abs(points[right][0] - x) <= abs(x - points[left][0])
-        ):
-            chosen.append(right)
-        else:
-            chosen.append(left)
-    total = Fraction(0)
-    for i in chosen:
-        weight = Fraction(1)
-        for j in chosen:
-            if j != i:
-                weight *= (x - points[j][0]) / (points[i][0] - points[j][0])
-        total += weight * points[i][1]
-    return total
+    spans = [k for k, (a, b) in enumerate(pairwise(points)) if a[0] <= x < b[0]]
+    k = spans[0] if spans else (0 if x < points[0][0] else len(points) - 2)
+    (x1, y1), (x2, y2) = points[k : k + 2]
+    return y1 + (x - x1) * (y2 - y1) / (x2 - x1)
 
 
 @given(
-    st.sampled_from([-2, -1, 0, 1, 2]),
     st.integers(-12, 52),
     st.dictionaries(st.integers(0, 20), st.integers(-50, 50), min_size=1, max_size=7),
 )
-def test_against_fractions(m: int, half_x: int, table: dict[int, int]) -> None:
-    points = sorted(table.items(), reverse=m < 0)
+def test_against_fractions(half_x: int, table: dict[int, int]) -> None:
+    points = sorted(table.items())
     vari, vard = zip(*points, strict=True)
     x = Fraction(half_x, 2)
-    wanted = exact(x, m, [(Fraction(a), Fraction(b)) for a, b in points])
-    assert_close("extrapolated table value", ftlup(float(x), m, vari, vard), float(wanted))
+    wanted = exact(x, [(Fraction(a), Fraction(b)) for a, b in points])
+    assert_close("extrapolated table value", ftlup(float(x), vari, vard), float(wanted))
 
 
 TABLE = (7, "times")
@@ -247,7 +177,7 @@ def test_several_tables_at_once_as_one_after_the_other(
     x.reshape(30, -1)[[5, 9], 0] = np.nan
     which = np.repeat(np.arange(5), [some.stop - some.start for some in rows])
     found = ftlup_each(x, which, Tables.of(TABLE, tables))
-    alone = [ftlup(x[some], 1, *table) for some, table in zip(rows, tables, strict=True)]
+    alone = [ftlup(x[some], *table) for some, table in zip(rows, tables, strict=True)]
     assert found.shape == (30, *more, *columns)
     assert found.tobytes() == np.concatenate(alone).tobytes()
 
@@ -327,7 +257,7 @@ def test_a_nan_is_named_before_a_wrong_order_of_the_same_table_and_after_one_bef
     with refused(TableNotANumber):
         ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, both))
     with refused(TableNotANumber):
-        ftlup(0.0, 1, *both[2], NAME)
+        ftlup(0.0, *both[2], NAME)
     both[0][0][2] = -9.0
     with refused(TableOutOfOrder):
         ftlup_each(np.zeros(5), WHICH, Tables.of(NAME, both))

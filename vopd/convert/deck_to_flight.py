@@ -103,7 +103,7 @@ def _checked(job: Job, make: Callable[[Job], Made]) -> Made:
         raise VopdError(f"group 8: a focal length of {job.camera.focal_length_mm:g} mm is none")
     try:
         path = job.trajectory
-        check_order(1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
+        check_order(path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
         return make(job)
     except TableOutOfOrder as error:
         group, variable = error.table or (0, "")
@@ -145,7 +145,7 @@ def _continued(job: Job, notes: list[str]) -> Job:
     """
     path, wind = job.trajectory, job.wind
     time_s, _ = time_and_position(job)
-    altitude_ft = ftlup(time_s, 1, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
+    altitude_ft = ftlup(time_s, path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
 
     def until(table: Floats, values: Floats, name: str, file: str) -> Floats:
         outside = (values < table[0]) | (values > table[-1])
@@ -163,9 +163,9 @@ def _continued(job: Job, notes: list[str]) -> Job:
     path = replace(
         path,
         time_s=at,
-        position_ft=ftlup(at, 1, path.time_s, path.position_ft),
-        velocity_ft_s=ftlup(at, 1, path.time_s, path.velocity_ft_s),
-        altitude_ft=ftlup(at, 1, path.time_s, path.altitude_ft),
+        position_ft=ftlup(at, path.time_s, path.position_ft),
+        velocity_ft_s=ftlup(at, path.time_s, path.velocity_ft_s),
+        altitude_ft=ftlup(at, path.time_s, path.altitude_ft),
     )
     if np.any(wind.velocity_ft_s):
         apart_ft = np.abs(_positions(job).height_m / M_PER_FT - job.trajectory.altitude_ft).max()
@@ -175,7 +175,7 @@ def _continued(job: Job, notes: list[str]) -> Job:
                 "Y, Z, by which a project looks up its wind"
             )
         at = until(wind.altitude_ft, altitude_ft, "the wind (group 4)", "wind.csv")
-        wind = Wind(at, ftlup(at, 1, wind.altitude_ft, wind.velocity_ft_s, WIND_ALTITUDES))
+        wind = Wind(at, ftlup(at, wind.altitude_ft, wind.velocity_ft_s, WIND_ALTITUDES))
     return replace(job, trajectory=path, wind=wind)
 
 
@@ -215,7 +215,7 @@ def film_picks(job: Job, notes: list[str]) -> tuple[Ints, Ints, Floats, tuple[in
     from_centre = point_in * factor - (centre_in * factor)[layout.frame]
     radius = np.sqrt(from_centre[:, 0] ** 2 + from_centre[:, 1] ** 2)
     camera = job.camera
-    delr = ftlup(radius, 1, camera.lens_radius_mm, camera.lens_distortion_um, LENS_RADII) / -1000.0
+    delr = ftlup(radius, camera.lens_radius_mm, camera.lens_distortion_um, LENS_RADII) / -1000.0
     scale = radial_factor(radius, delr)[held]
     away = (points.landmark_in[held] - centre_in[frame, None]) * PX_PER_IN
     away = away * scale[:, None, None]
@@ -353,7 +353,7 @@ def _flight(job: Job, fixes: Fixes, source: str) -> Flight:
     frame, first = frame[seen], first[seen]
     time_s, vehicle_ft = (part[first] for part in time_and_position(job))
     path = job.trajectory
-    velocity = ftlup(time_s, 1, path.time_s, path.velocity_ft_s, TRAJECTORY_TIMES) * M_PER_FT
+    velocity = ftlup(time_s, path.time_s, path.velocity_ft_s, TRAJECTORY_TIMES) * M_PER_FT
     marks = once_each(job.landmarks)
     names = tuple(map(str, marks.number.tolist()))
     pixels = pixel.reshape(-1, 2)

@@ -45,18 +45,15 @@ class TableNotANumber(VopdError):
         self.table = table
 
 
-def ftlup(
-    x: ArrayLike, m: int, vari: ArrayLike, vard: ArrayLike, table: TableName | None = None
-) -> Floats:
+def ftlup(x: ArrayLike, vari: ArrayLike, vard: ArrayLike, table: TableName | None = None) -> Floats:
     """Interpolate in a table; outside the table, extrapolate from its first or last interval.
+
+    That is FTLUP with M = 1, as the program calls it everywhere.
 
     Args:
         x: where to interpolate, any shape.
-        m: 1 or 2 for a table that strictly increases, -1 or -2 for one that strictly
-            decreases: first order, or second through the interval's two points and
-            the nearer neighbour (the right one on a tie). With 0, or with one point,
-            y is `vard[0]`.
-        vari: the table's independent variable (n,).
+        vari: the table's independent variable, strictly increasing (n,); with one point, y is
+            `vard[0]`.
         vard: its dependent variable (n,), or (n, k) for k tables at once.
         table: what an error calls the table.
 
@@ -66,37 +63,24 @@ def ftlup(
     Raises:
         TableOutOfOrder: if the table is neither of length 1 nor in order.
         TableNotANumber: if the table holds a NaN anywhere.
-        ValueError: for another `m`.
 
     Source: TM X-3050, Appendix D.
     """
     x, vari, vard = (np.asarray(a, dtype=np.float64) for a in (x, vari, vard))
-    if m not in (-2, -1, 0, 1, 2):
-        raise ValueError(f"order of interpolation {m}: -2, -1, 0, 1 or 2")
-    n = len(vari)
-    _check_numbers(vari, vard, table)
-    if m == 0 or n <= 1:
-        return np.broadcast_to(vard[0], x.shape + vard.shape[1:]).copy()
-    check_order(m, vari, vard if vard.ndim == 1 else vard[:, 0], table)
-    direction = 1 if m > 0 else -1
-    i = np.searchsorted(direction * vari, direction * x, side="right") - 1
-    i = np.clip(i, 0, n - 2)
-    xs = x.reshape(x.shape + (1,) * (vard.ndim - 1))
-    if abs(m) == 1 or n == 2:
-        return _line(xs, i, i + 1, vari, vard)
-    return _parabola(xs, _third(x, i, vari, n), vari, vard)
+    y = ftlup_each(x.ravel(), np.zeros(x.size, np.int64), Tables.of(table, [(vari, vard)]))
+    return y.reshape(x.shape + vard.shape[1:])
 
 
 class Tables(NamedTuple):
     """The tables of several jobs that are looked up by the same variable, one after the other."""
 
-    name: TableName
+    name: TableName | None
     size: Ints  # (T,) points of each table, one or more
     vari: Floats  # (n,) the independent variable of all of them
     vard: Floats  # (n,) the dependent one, or (n, k)
 
     @staticmethod
-    def of(name: TableName, tables: Iterable[tuple[Floats | Ints, Floats]]) -> Tables:
+    def of(name: TableName | None, tables: Iterable[tuple[Floats | Ints, Floats]]) -> Tables:
         """Put the tables of some jobs one after the other.
 
         Args:
@@ -142,7 +126,7 @@ def ftlup_each(x: Floats, which: Ints, tables: Tables) -> Floats:
     if refused.any():
         own = slice(first[k := int(refused.argmax())], first[k] + size[k])
         _check_numbers(vari[own], vard[own], tables.name)
-        check_order(1, vari[own], vard[own] if vard.ndim == 1 else vard[own, 0], tables.name)
+        check_order(vari[own], vard[own] if vard.ndim == 1 else vard[own, 0], tables.name)
     ends = np.searchsorted(which, np.arange(len(size) + 1)).tolist()
     rows = [slice(*some) for some in pairwise(ends)]
     points = zip(rows, first.tolist(), (first + size).tolist(), strict=True)
@@ -172,19 +156,18 @@ def outside(x: Floats, which: Ints, tables: Tables) -> Bools:
     return np.asarray(beyond & (tables.size > 1)[which])
 
 
-def check_order(m: int, vari: Floats, vard: Floats, table: TableName | None = None) -> None:
+def check_order(vari: Floats, vard: Floats, table: TableName | None = None) -> None:
     """Raise `TableOutOfOrder` at the first pair of points that is not in order.
 
     Args:
-        m: above 0 for a table that must increase, below 0 for one that must decrease.
-        vari: the table's independent variable (n,).
+        vari: the table's independent variable (n,), which must increase.
         vard: its dependent variable (n,), for the error.
         table: what the error calls the table.
 
     Raises:
         TableOutOfOrder: at a point that is not beyond the one before it.
     """
-    in_order = np.diff(vari) * (1 if m > 0 else -1) > 0
+    in_order = np.diff(vari) > 0
     if not in_order.all():
         raise TableOutOfOrder(int(in_order.argmin()) + 2, vari, vard, table)
 
@@ -206,22 +189,4 @@ def _line(x: Floats, i: np.ndarray, j: np.ndarray, vari: Floats, vard: Floats) -
     x1, x2 = _at(vari, i, x), _at(vari, j, x)
     y1, y2 = vard[i], vard[j]
     y: Floats = y1 + (x - x1) * (y2 - y1) / (x2 - x1)
-    return y
-
-
-def _third(x: Floats, i: np.ndarray, vari: Floats, n: int) -> np.ndarray:
-    """Find the first of three points: those of the interval and the nearer outer neighbour."""
-    left = np.maximum(i - 1, 0)
-    right = np.minimum(i + 2, n - 1)
-    use_left = np.abs(x - vari[left]) < np.abs(vari[right] - x)
-    start = np.where(i == 0, 0, np.where(i == n - 2, n - 3, np.where(use_left, i - 1, i)))
-    return np.asarray(start)
-
-
-def _parabola(x: Floats, i: np.ndarray, vari: Floats, vard: Floats) -> Floats:
-    """Evaluate the parabola through points `i` to `i + 2` at `x`."""
-    x1, x2, x3 = (_at(vari, i + k, x) for k in range(3))
-    y1, y2, y3 = (vard[i + k] for k in range(3))
-    first, second = (y2 - y1) / (x2 - x1), (y3 - y2) / (x3 - x2)
-    y: Floats = y1 + (x - x1) * (first + (x - x2) * (second - first) / (x3 - x1))
     return y

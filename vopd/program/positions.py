@@ -39,8 +39,8 @@ def time_and_position(job: Job) -> tuple[Floats, Floats]:
     Source: TM X-3050, A 121 to A 128.
     """
     clock, path = job.clock, job.trajectory
-    time_s = ftlup(job.readings.frame, 1, clock.frame, clock.time_s, FRAME_NUMBERS)
-    return time_s, ftlup(time_s, 1, path.time_s, path.position_ft, TRAJECTORY_TIMES)
+    time_s = ftlup(job.readings.frame, clock.frame, clock.time_s, FRAME_NUMBERS)
+    return time_s, ftlup(time_s, path.time_s, path.position_ft, TRAJECTORY_TIMES)
 
 
 def group_9(landmarks: Landmarks, fixes: Fixes) -> tuple[Floats, Floats, Floats]:
