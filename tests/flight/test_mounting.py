@@ -341,11 +341,11 @@ def _with_rows(folder: Path, change: Callable[[int, str], str | None], more: str
 
 
 def test_frames_in_a_gap_of_the_attitudes_have_none(tmp_path: Path) -> None:
-    """Of rows every .2 s: up to three such steps are interpolated over, a longer one is not."""
+    """Of rows every .2 s: up to three such steps are interpolated over, four are not."""
     short = _with_rows(tmp_path / "a", lambda k, row: None if k in (9, 10) else row)
-    long = _with_rows(tmp_path / "b", lambda k, row: None if 7 < k < 14 else row)
+    long = _with_rows(tmp_path / "b", lambda k, row: None if 8 < k < 12 else row)
     frames = [(SENSOR_DEG / sigma_deg) ** 2 for sigma_deg in (short, long)]
-    assert 19.0 < frames[0] < 20.1 and 12.0 < frames[1] < 14.1
+    assert 19.0 < frames[0] < 20.1 and 15.0 < frames[1] < 17.1
 
 
 def test_attitudes_count_by_the_sigmas_of_their_own_moments(tmp_path: Path) -> None:
