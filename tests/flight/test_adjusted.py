@@ -246,14 +246,22 @@ PLACED = "(?m)^(m0.*)$", "(?m)^(m[1-9].*)$"
             ],
             ("k1",),
         ),
+        (
+            [("flight.toml", r"(?s)\[camera\.lens\].*?\]\n", 'lens = "two.txt"\ncamera = "2"\n')],
+            ("k1",),
+        ),
     ],
-    ids=["comment", "exact", "exact heights", "exact offset", "size"],
+    ids=["comment", "exact", "exact heights", "exact offset", "size", "camera"],
 )
 def test_what_is_written_can_be_read(
     tmp_path: Path, edits: list[tuple[str, str, str]], free: tuple[str, ...]
 ) -> None:
-    """A name like a comment, landmarks and axes that are exact, a lens of another size."""
+    """A name like a comment, exact landmarks and axes, a lens of another size, one of two."""
     file = written(tmp_path, LOOSE, {})
+    found = re.search(r"k = \[(.*)\]", file.read_text(encoding="utf-8"))
+    k = found[1].replace(",", "") if found else ""
+    lenses = f"1 PINHOLE 64 48 70 70 32 24\n2 OPENCV 1920 1080 1500 1500 960 540 {k}\n"
+    file.with_name("two.txt").write_text(lenses, encoding="utf-8")
     for name, old, new in edits:
         one = file.with_name(name)
         text, count = re.subn(old, new, one.read_text(encoding="utf-8"))

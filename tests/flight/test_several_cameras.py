@@ -21,6 +21,7 @@ from vopd.flight.formats.image_lenses import lens_files
 from vopd.flight.formats.lens import make_lens
 from vopd.flight.formats.picks import Names, PickRows
 from vopd.flight.project.camera import read_camera
+from vopd.flight.project.directions import plain_lenses
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.named import named_files
 from vopd.flight.project.picks import sizes_px
@@ -288,6 +289,15 @@ def test_a_table_of_one_lens_is_that_lens(tmp_path: Path) -> None:
         "frame,lens\n" + "".join(f"{frame},a.json\n" for frame in range(FRAMES))
     )
     assert not isinstance(read_flight(str(path)).lens, Lenses)
+
+
+def test_the_lens_of_a_page_has_its_field() -> None:
+    """Beyond it a page predicts no landmark: r - .3 r^3 grows until .9 r^2 is 1."""
+    pinhole, barrel = (replace(LENS, k=np.array([k1, *[0.0] * 11])) for k1 in (0.0, -0.3))
+    (of_pinhole,), which = plain_lenses(pinhole, 3)
+    (of_barrel,), _ = plain_lenses(barrel, 3)
+    assert (of_pinhole["field"], which) == (None, [0, 0, 0])
+    assert_close("ratio", of_barrel["field"], 0.9**-0.5)
 
 
 def test_each_lens_of_a_table_is_doubted_by_its_name(tmp_path: Path) -> None:
