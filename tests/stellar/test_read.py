@@ -347,6 +347,18 @@ def test_a_right_ascension_of_vizier_may_be_hours() -> None:
     assert found.names == ("x_px", "ra_hours", "y_px", "dec_deg")
 
 
+@pytest.mark.parametrize("column", ["ra", "raj2000"])
+def test_right_ascensions_of_two_units_in_a_column_are_refused(column: str) -> None:
+    """5 hours 12 minutes is 78 degrees; of a column ra_deg it would be 5.2."""
+    rows = "1,1,78.2,10\n2,2,{},11\n3,3,79.3,12\n"
+    head, stated = (f"x_mm,y_mm,{name},dec\n" for name in (column, "ra_deg"))
+    with refused(InputError):
+        read(head + rows.format("5:12:3"))
+    for header, cell, ra_deg in ((head, "5h12m3s", 78.0125), (stated, "5:12:3", 5 + 12.05 / 60)):
+        found = read(header + rows.format(cell))[0][0].positions
+        assert_close("rae angle", found[:, 0], [78.2, ra_deg, 79.3])
+
+
 @pytest.mark.parametrize(("cell", "name"), [("Rigel", "name"), ("HIP 1", "name"), ("1", "star")])
 def test_a_column_of_stars_has_names_or_counts_them(cell: str, name: str) -> None:
     header = ("star", "x_px", "y_px")

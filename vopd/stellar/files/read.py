@@ -441,7 +441,9 @@ def read_star_csv(
         columns = read_columns(names, images_only=images_only, first=first[1] if first else ())
     except ColumnError as error:
         raise input_error(f"line {header}: {error}", source) from None
-    names = columns.names
+    own, names = names, columns.names
+    pairs = enumerate(zip(own, names, strict=True))  # of a column ra, by the first star
+    taken = next((k for k, (was, name) in pairs if name == "ra_deg" != was), -1)
     if columns.read_as:
         report(Finding(f"line {header}: {columns.read_as}", source=source, severity="warning"))
     several = "image" in names and not images_only
@@ -451,6 +453,10 @@ def read_star_csv(
             given, named = count_text(len(cells), "value"), count_text(len(names), "column")
             text = f"{given}, where the header names {named}"
             raise input_error(f"line {number}: {text}", source)
+        if taken >= 0 and SEXAGESIMAL.match(cells[taken]):
+            text = f"{own[taken]}: {cells[taken].strip()} is hours, and the first star has degrees"
+            rename = "name the column ra_hours or ra_deg"
+            raise input_error(f"line {number}: {text}: {rename}", source)
         star = dict(zip(names, cells, strict=True))
         name = star["image"].strip() if several else ""
         if several and not name:
