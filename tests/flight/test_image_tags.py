@@ -417,6 +417,9 @@ def test_tags_of_tiff_and_images_in_a_folder(tmp_path: Path) -> None:
     assert tags.position[:2] == (2.5, 1.5) and tags.size_px == (6, 4)
     assert xmp_text(SimpleNamespace(info={"xmp": "of some readers"})) == "of some readers"
     assert xmp_text(SimpleNamespace(info={})) == ""
+    for encoding in ("utf-8", "utf-16", "utf-16-le", "utf-16-be"):
+        packet = "<x:xmpmeta>é</x:xmpmeta>".encode(encoding)
+        assert xmp_text(SimpleNamespace(info={"xmp": packet})) == "<x:xmpmeta>é</x:xmpmeta>"
     assert xmp_text(SimpleNamespace(info={}, tag_v2={700: b"of others"})) == "of others"
     with refused(VopdError):
         read_tags(tmp_path / "e.png")

@@ -244,6 +244,11 @@ def test_times_of_gpx_without_a_zone_are_utc(monkeypatch: pytest.MonkeyPatch) ->
     assert np.array_equal(zoned, bare)
 
 
+def test_blanks_around_a_time_of_gpx_are_none() -> None:
+    wide = point().replace("<time>", "<time>\n ").replace("</time>", "\t</time>")
+    assert np.array_equal(read(gpx(wide, wide)).time_s, read(gpx(point(), point())).time_s)
+
+
 def test_a_point_of_gpx_in_a_leap_second() -> None:
     assert_approved(told(gpx(point(), point().replace("12:00:00", "23:59:60"))))
 

@@ -230,7 +230,11 @@ def _opened(path: Path) -> Any:
 def xmp_text(image: Any) -> str:
     """Read the XMP packet of an image; empty if there is none."""
     found = image.info.get("xmp") or getattr(image, "tag_v2", {}).get(XMP, b"")
-    return found.decode("utf-8", "replace") if isinstance(found, bytes) else str(found)
+    if not isinstance(found, bytes):
+        return str(found)
+    found = found.removeprefix(b"\xff\xfe").removeprefix(b"\xfe\xff")
+    name = {b"\0": "utf-16-be"}.get(found[:1], "utf-8")  # it begins with < or a blank
+    return found.decode("utf-16-le" if found[1:2] == b"\0" else name, "replace")
 
 
 def exif_position(gps: dict[int, Any]) -> tuple[float, float, float]:

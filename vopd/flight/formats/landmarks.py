@@ -322,6 +322,12 @@ def recognises_gpx(file: InputFile) -> bool:
 
 
 NUMBERS_OF_GPX = "ele", "hdop", "vdop", "pdop"
+TIME_OF_GPX = re.compile("(?<=<time>)[^<]*")
+
+
+def _stripped(found: re.Match[str]) -> str:
+    """Take off blanks, with which gpxpy reads no time."""
+    return found[0].strip()
 
 
 def parse_gpx(file: InputFile) -> Any:
@@ -334,7 +340,7 @@ def parse_gpx(file: InputFile) -> Any:
             texts += [one.text] if one.tag.rpartition("}")[2] in NUMBERS_OF_GPX else []
             for text in filter(None, texts):
                 plain_number(text)  # gpxpy takes 1_0 and those of other scripts
-        return gpxpy.parse(file.text)
+        return gpxpy.parse(TIME_OF_GPX.sub(_stripped, file.text))
     except (gpxpy.gpx.GPXException, ElementTree.ParseError, *UNEXPECTED) as error:
         raise file.error(f"not valid GPX: {reason(error)}") from error
 
