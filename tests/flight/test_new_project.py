@@ -554,9 +554,14 @@ def test_a_value_of_set_may_have_an_equals_sign(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "value", ["track.height={ undulation = 4 }", "track.height={ undulation_m = 'x' }"]
+    "value",
+    [
+        "track.height={ undulation = 4 }",
+        "track.height={ undulation_m = 'x' }",
+        "flight.name=two\nlines",
+    ],
 )
-def test_a_wrong_table_of_set_is_refused_before_anything_is_written(
+def test_a_wrong_value_of_set_is_refused_before_anything_is_written(
     value: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write_project(tmp_path)

@@ -77,6 +77,7 @@ class Key(NamedTuple):
         within: the largest size of a number, above and below 0, or of a standard deviation
         size: how many numbers there are, 0 for any; one standard deviation stands for all
         option: the option of `vopd new` that gives it; empty for `--set SECTION.NAME=VALUE`
+        one_line: whether it is a text without control characters, for one line of exports and cards
     """
 
     section: str
@@ -91,6 +92,7 @@ class Key(NamedTuple):
     within: float = MOST_NUMBER
     size: int = 1
     option: str = ""
+    one_line: bool = False
 
     @property
     def new_option(self) -> str:
@@ -99,7 +101,7 @@ class Key(NamedTuple):
 
 
 KEYS: tuple[Key, ...] = (
-    Key("flight", "name", "text", '"my flight"', "a title", default=""),
+    Key("flight", "name", "text", '"my flight"', "a title", default="", one_line=True),
     Key("flight", "epoch", "date", "2026-05-01T11:58:42Z", "the moment of t = 0",
         "the moment of t = 0, with its zone. Needed if the times of the frames are in seconds and "
         "those of the track in UTC, or the reverse; 1970-01-01T00:00:00Z if the seconds count from "
@@ -397,6 +399,8 @@ class Section:
             raise self.error(key, f"{shown(value)} is not a text in quotes{known}")
         if choices and value not in choices:
             raise self.error(key, f"{shown(value)} is not known{did_you_mean(value, choices)}")
+        if row.one_line and not value.isprintable():
+            raise self.error(key, f"{shown(value)} has control characters: write one line")
         return value
 
     def number(self, key: str, default: float | None = None) -> float:

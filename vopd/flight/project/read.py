@@ -19,7 +19,6 @@ from vopd.findings import (
     did_you_mean,
     first_of,
     raise_all,
-    shown,
 )
 from vopd.flight.coordinates import (
     crs_name,
@@ -166,18 +165,6 @@ def require_clicks(project: Project) -> None:
 # The flight of a project file
 
 
-def _name(section: Section) -> str:
-    """Read the name of a flight, one line: exports and cards have one line for it.
-
-    Raises:
-        VopdError: where it has control characters
-    """
-    name = section.text("name")
-    if not name.isprintable():
-        raise section.error("name", f"{shown(name)} has control characters: write one line")
-    return name
-
-
 def read_flight(name: str, location: str | None = None) -> Flight:
     """Read the flight of a project file.
 
@@ -280,7 +267,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     lens, picks = camera_lens.read, given or read_pick_rows(project, camera_lens)
     number, times, index = frames_of(project, picks)
     one = _all_as_one(project)
-    flight_name, frames = _name(project.section("flight")), len(number)
+    flight_name, frames = project.section("flight").text("name"), len(number)
     turned: list[str] = []
     if one:
         if picks.tracks is None:
