@@ -218,6 +218,32 @@ def test_keys_and_models_of_opencv(
     assert (found.lens.kind is LensKind.FISHEYE) is fisheye
 
 
+@pytest.mark.parametrize(
+    ("names", "expected", "model"),
+    [
+        ("k3 k1 p2 k2 p1", [0.2, 0.4, 0.5, 0.3, 0.1], ""),
+        ("K1 k2 p1 p2", [0.1, 0.2, 0.3, 0.4], ""), ("k2 k1", [0.2, 0.1], ""),
+        ("k1 k2 k3 k4", [0.1, 0.2, 0, 0, 0.3, 0.4], "brown"),
+        ("k4 k3 k2 k1", [0.4, 0.3, 0.2, 0.1], "fisheye"),
+        ("k1 k6", [0.1, 0, 0, 0, 0, 0, 0, 0.2], ""),
+    ],
+)  # fmt: skip
+def test_coefficients_of_opencv_by_their_names(
+    names: str, expected: list[float], model: str, tmp_path: Path
+) -> None:
+    """The one that stands first is .1, the next .2."""
+    own = {name: round(0.1 * k, 1) for k, name in enumerate(names.split(), 1)}
+    found = read(tmp_path, json.dumps(OPENCV | {"dist": own}), model=model or "brown")
+    assert numbers(found) == [900, 800, 45, 35, *expected]
+    assert_approved(told(tmp_path, json.dumps(OPENCV | {"dist": own | {"b1": 0.1}})))
+
+
+def test_a_focal_length_beside_a_matrix_is_said_to_be_of_no_use(tmp_path: Path) -> None:
+    found = read(tmp_path, json.dumps(OPENCV | {"focal_length": 500.0}))
+    assert numbers(found) == [900, 800, 45, 35]
+    assert_approved(found.said)
+
+
 def test_the_size_in_an_opencv_file_is_the_calibration_s(tmp_path: Path) -> None:
     """Where it has none, the project says it; where both are there, the file's is given back."""
     text = json.dumps(OPENCV)
@@ -927,6 +953,16 @@ def test_broken_json_and_yaml_say_where() -> None:
 def test_pixels_one_and_a_half_times_as_wide_as_high_are_doubted(fy_px: float, told: int) -> None:
     middle = np.array([959.5, 539.5])
     lens = Lens(LensKind.BROWN, (1920, 1080), np.array([1500.0, fy_px]), middle, np.zeros(12))
+    assert len(list(doubts_of_lens(lens, "[camera] lens"))) == told
+
+
+@pytest.mark.parametrize(("p1", "p2", "told"), [(0.029, -0.029, 0), (0.031, 0, 1), (0, -0.031, 1)])
+def test_tangential_coefficients_that_no_lens_has_are_doubted(
+    p1: float, p2: float, told: int
+) -> None:
+    k = np.array([-0.1, 0.02, p1, p2, *np.zeros(8)])
+    middle = np.array([959.5, 539.5])
+    lens = Lens(LensKind.BROWN, (1920, 1080), np.full(2, 1500.0), middle, k)
     assert len(list(doubts_of_lens(lens, "[camera] lens"))) == told
 
 

@@ -418,6 +418,8 @@ COUNTS_OPENCV = MODELS[LensKind.BROWN].counts
 OTHER_COEFFICIENTS = re.compile(
     r"(dist|\w*(distortion|dist_?coe|radial|tangential|coeff))(?!\w*(model|type)$)|[kp][1-6]$"
 )
+OTHER_FOCAL = re.compile(r"focal|f[xy]?(_|$)")
+OF_OPENCV = (*BROWN, "k4", "k5", "k6", "s1", "s2", "s3", "s4")
 SIZES = "image_size", "imagesize", "img_size", "resolution"  # width and height, or the reverse
 SMALLEST_PX = 64  # fewer are the squares of a board
 BINNING = "binning_x", "binning_y"
@@ -440,7 +442,8 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
         raise file.error(message)
     values = _of_one(file, dict(own), question)
     matrix = _numbers(file, _first(file, values, MATRIX, "camera matrix"))
-    k = _numbers(file, _first(file, values, COEFFICIENTS, "distortion coefficients", needed=False))
+    listed = _first(file, values, COEFFICIENTS, "distortion coefficients", needed=False)
+    k = _coefficients(file, listed, question)
     for key in values if not {*COEFFICIENTS} & {*values} else ():
         if OTHER_COEFFICIENTS.match(key):
             wanted = "distortion_coefficients: [k1, k2, p1, p2, k3]"
@@ -469,7 +472,23 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     lens = make_lens(model, size_px, (matrix[0], matrix[4]), centre, k, skew, error=file.error)
     said = f"{file.name}: OpenCV, {coefficients_said(k, model)}, centre grid"
     said += f", a skew of {skew:g} px" if skew else ""
+    for key in filter(OTHER_FOCAL.match, values):
+        said += f"; its {shown(key)} is not used beside the matrix"
     return LensRead(lens, said)
+
+
+def _coefficients(file: InputFile, value: Any, question: LensQuestion) -> list[float]:
+    """Read coefficients in OpenCV's order, or by names where they are keys."""
+    if not isinstance(value, dict) or "data" in value:
+        return _numbers(file, value)
+    named = {str(key).lower(): one for key, one in value.items()}
+    of_fisheye = {*named} == {*FISHEYE} and question.model != "brown"
+    order = FISHEYE if of_fisheye else OF_OPENCV
+    if other := [key for key in named if key not in order]:
+        raise file.error(f"coefficient {shown(other[0])} is not known; {', '.join(order)} are")
+    last = max((order.index(key) + 1 for key in named), default=0)
+    count = next(one for one in COUNTS_OPENCV if one >= last)
+    return _numbers(file, [named.get(key, 0.0) for key in order[:count]])
 
 
 def _size(

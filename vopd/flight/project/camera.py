@@ -298,11 +298,12 @@ def check_size(section: Section, own: tuple[int, int], size: tuple[int, int], wh
 OBLONG = 1.5  # fx_px by fy_px: pixels of 1440 x 1080 that are shown in 16:9 have 1.33
 ASIDE = 0.1  # of a side: principal points are within some hundredths of the middle
 ALIKE = 0.05  # of a side, by which the two parts of it differ in a smaller picture
+TANGENTIAL = 0.03  # of p1 and p2: a lens has some thousandths, off its axis as it may be
 SHORT = 0.1  # of the longer side: an image without the distortion of a fisheye is 157 degrees wide
 
 
 def doubts_of_lens(lens: Lens, where: str) -> Iterator[str]:
-    """Doubt a principal point far from the middle, oblong pixels, a focal length in millimetres.
+    """Doubt a principal point far from the middle, oblong pixels, p1 and p2, a focal length in mm.
 
     Args:
         lens: one lens
@@ -330,6 +331,11 @@ def doubts_of_lens(lens: Lens, where: str) -> Iterator[str]:
         yield (
             f"{where}: fx_px = {fx_px:g} and fy_px = {fy_px:g}: pixels of most cameras are "
             "square; is one of the two something else? Numbers are FX,FY,CX,CY,K1,K2,P1,P2"
+        )
+    if lens.kind is LensKind.BROWN and (np.abs(lens.k[2:4]) > TANGENTIAL).any():
+        yield (
+            f"{where}: p1 = {lens.k[2]:g} and p2 = {lens.k[3]:g} are larger than those of lenses: "
+            "the coefficients are k1, k2, p1, p2, k3, in this order"
         )
     if lens.kind is LensKind.BROWN and fx_px < SHORT * side_px:
         wide = np.rad2deg(2.0 * np.arctan(side_px / 2.0 / fx_px))
