@@ -79,6 +79,7 @@ MARKERS = """<document version="1.2.0"><chunk><cameras><camera id="4" label="A.J
 </chunk></document>"""
 
 
+FRAME = MARKERS[MARKERS.index("<frame id") : MARKERS.index("</frames>")]
 KML = """<kml xmlns="http://www.opengis.net/kml/2.2"><Placemark><name>A</name><Point>
 <altitudeMode>%s</altitudeMode><coordinates>15,48,300</coordinates></Point></Placemark></kml>"""
 
@@ -220,6 +221,7 @@ def test_files_of_cirn_and_caltech(tmp_path: Path) -> None:
         (PICK_FORMATS, MARKERS.replace("</cameras>", '<camera id="4" label="B.JPG"/></cameras>')),
         (PICK_FORMATS, re.sub(r'tion": \[[^]]*', 'tion": [true, 0.1', json.dumps(CONTROL))),
         (PICK_FORMATS, re.sub(r'tion": \[[^]]*', 'tion": [1, 2, 3', json.dumps(CONTROL))),
+        (PICK_FORMATS, MARKERS.replace("<frames>", f"<frames>{FRAME}")),
     ],
 )  # fmt: skip
 def test_files_that_are_refused(formats: Any, text: str) -> None:

@@ -458,6 +458,10 @@ def _rows(
 def read_marker_picks(file: InputFile) -> PickRows:
     """Read the projections that a person has set, which are pinned."""
     root, names = marker_tree(file)
+    for chunk in root.iter("frames"):
+        if (count := sum(one.find(".//location") is not None for one in chunk)) > 1:
+            message = f"{count} frames have marks, of pictures under one camera's name"
+            raise file.error(f"{message}: export a chunk of one frame")
     images = dict[str, str]()
     for one in root.findall(".//camera[@label]"):
         number, label = one.get("id", one.get("camera_id", "")), one.get("label", "")
