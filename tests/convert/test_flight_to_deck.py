@@ -34,6 +34,7 @@ from vopd.convert.flight_to_deck import (
     card_wind,
     flight_job,
     lost_on_cards,
+    not_radial_text,
     roll_offset_deg,
     to_ten_columns,
 )
@@ -382,6 +383,23 @@ def test_picks_that_are_moved_by_more_than_five_thousandths_are_noted(
     assert len(more) == noted
     if noted:
         assert_approved(more[0], parts=[f"{wanted:.2g} px"])
+
+
+@pytest.mark.parametrize(
+    ("focal_px", "skew_px", "p1", "told"),
+    [
+        ((2000.0, 2000.1), 0.0, 0.0, "fx and fy differ by 0.005 %"),
+        ((2000.0, 1900.0), 0.25, 0.0, "fx and fy differ by 5 %, its skew is 0.25 px"),
+        ((2000.0, 2000.0), 0.0, 1e-4, "it has coefficients beside those of the radius"),
+        ((2000.0, 2000.0), 0.0, 0.0, ""),
+    ],
+)
+def test_by_what_a_lens_is_not_radial(
+    focal_px: tuple[float, float], skew_px: float, p1: float, told: str
+) -> None:
+    k = np.array([-0.1, 0.02, p1, *np.zeros(9)])
+    lens = Lens(LensKind.BROWN, (1920, 1080), np.array(focal_px), CENTRE, k, skew_px=skew_px)
+    assert not_radial_text(lens) == told and lens.is_radial == (told == "")
 
 
 def test_refraction_is_taken_off_the_points() -> None:

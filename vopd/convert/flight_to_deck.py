@@ -204,6 +204,19 @@ class CardFilm(NamedTuple):
     notes: tuple[str, ...]
 
 
+def not_radial_text(lens: Lens) -> str:
+    """Say by what a lens is not radial, and by how much."""
+    fx_px, fy_px = lens.focal_px.tolist()
+    why = []
+    if fx_px != fy_px:
+        why.append(f"fx and fy differ by {size_text(100.0 * abs(fy_px / fx_px - 1.0))} %")
+    if lens.skew_px:
+        why.append(f"its skew is {size_text(lens.skew_px)} px")
+    if not lens.model.only_radial(lens.coefficients):
+        why.append("it has coefficients beside those of the radius")
+    return ", ".join(why)
+
+
 @np.errstate(all="ignore")
 def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
     """Convert the picks of a flight to readings of a film.
@@ -222,7 +235,8 @@ def card_film(flight: Flight, solved: SolvedFlight) -> CardFilm:
         radius, added = rounded_rows(radius_table(lens, ideal), focal_mm)
     else:
         notes.append(
-            "the lens is not radial: its distortion is taken off the picks, and group 1 has none"
+            "the lens is not radial: its distortion is taken off the picks, and group 1 has none "
+            f"({not_radial_text(lens)})"
         )
     moved = _moved_px(flight, solved, ideal)
     if moved > NOTED_PX:
