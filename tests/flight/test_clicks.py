@@ -563,15 +563,17 @@ def test_the_sigma_of_clicks_is_the_one_that_is_stated_now(tmp_path: Path) -> No
 
 
 def test_the_sigmas_of_clicks_that_have_their_own_stay(tmp_path: Path) -> None:
-    """A column says them, and so does a point that is clicked twice."""
+    """A column says them, but for its empty cells, and so does a point that is clicked twice."""
     path = clicked_project(tmp_path)
     clicks = tmp_path / "picks.csv"
     head, *rows = clicks.read_text().splitlines()
     stated = path.read_text().replace(KEYS, KEYS + "sigma_px = 1.0\n")
     tracked = tmp_path / "tracked.csv"
-    for changed in (
-        [f"{head},sigma_px", *(f"{row},0.5" for row in rows)],
-        [head, *rows, rows[0]],
+    some = [f"{head},sigma_px", f"{rows[0]},0.5", *(f"{row}," for row in rows[1:])]
+    for changed, sigma_px in (
+        ([f"{head},sigma_px", *(f"{row},0.5" for row in rows)], {0.5}),
+        (some, {0.5, 1.0}),
+        ([head, *rows, rows[0]], {0.5}),
     ):
         clicks.write_text("\n".join([*changed, ""]))
         path.write_text(stated)
@@ -580,7 +582,7 @@ def test_the_sigmas_of_clicks_that_have_their_own_stay(tmp_path: Path) -> None:
         kept = [one for one in lines if not one.startswith("# clicks:")]
         tracked.write_text("\n".join([kept[0], f"# clicks: {digests['clicks']}", *kept[1:], ""]))
         picks = read_flight(str(path)).picks
-        assert picks.clicks is not None and set(picks.clicks.sigma_px.tolist()) == {0.5}
+        assert picks.clicks is not None and {*picks.clicks.sigma_px.tolist()} == sigma_px
 
 
 def test_the_cost_of_clicked_frames_is_that_of_the_solution() -> None:

@@ -211,16 +211,21 @@ def test_the_grid_and_the_way_of_v(
 
 
 def test_standard_deviations_of_picks(tmp_path: Path) -> None:
-    """The file's, else the project's, else 1; they are stated where one of them is there."""
+    """The file's, else the project's, else 1; they are stated where each has one of them."""
     grid = {"pixel_grid": "centre"}
     some = TABLE.format(",sigma_px", ",0.25", ",", ",3")
     for text, keys, sigma, stated in (
         (PLAIN, {}, [1.0, 1.0, 1.0], False), (PLAIN, {"sigma_px": 0.5}, [0.5, 0.5, 0.5], True),
-        (some, {}, [0.25, 1.0, 3.0], True), (some, {"sigma_px": 2}, [0.25, 2.0, 3.0], True),
+        (some, {}, [0.25, 1.0, 3.0], False), (some, {"sigma_px": 2}, [0.25, 2.0, 3.0], True),
         (TABLE.format(",sigma_px", ",", ",", ","), {}, [1.0, 1.0, 1.0], False),
     ):  # fmt: skip
         found = project_picks(tmp_path, text, **grid, **keys)
         assert (found.sigma_px.tolist(), found.stated) == (sigma, stated)
+        assert bool(found.doubts) == (text == some and not keys)
+        if found.doubts:
+            assert_approved(found.doubts)
+    every = TABLE.format(",sigma_px", ",0.25", ",1", ",3")
+    assert project_picks(tmp_path, every, **grid).stated
     for beyond in (9e-10, 1.1e9):
         with pytest.raises(VopdError, match=r"\[picks\] sigma_px: .* standard deviation must be"):
             project_picks(tmp_path, PLAIN, **grid, sigma_px=beyond)
@@ -232,9 +237,10 @@ def test_a_sigma_that_no_pick_has_is_told_by_its_line(tmp_path: Path) -> None:
         TABLE.format(",sigma_px", ",1e-4", *x)
         for x in ((",", ",1e-9"), (",9e-5", ",1e-9"), (",1", ","))
     )
-    found = [project_picks(tmp_path, text, pixel_grid="centre").doubts for text in (one, other)]
+    keys = {"pixel_grid": "centre", "sigma_px": 1.0}
+    found = [project_picks(tmp_path, text, **keys).doubts for text in (one, other)]
     assert_approved([text for doubts in found for text in doubts])
-    assert project_picks(tmp_path, usual, pixel_grid="centre").doubts == ()
+    assert project_picks(tmp_path, usual, **keys).doubts == ()
 
 
 IMAGES = (

@@ -138,8 +138,16 @@ def read_pick_rows(project: Project, camera: CameraLens) -> PickRows:
     own = np.isfinite(rows.sigma_px)
     sigma = np.where(own, rows.sigma_px, stated) if own.any() else np.broadcast_to(stated, own.size)
     said = f"{file.name}: {rows.said}, {count_text(len(sigma), 'pick')}, {grid} grid, v {way}"
-    known = section.has("sigma_px") or bool(own.any())
-    doubts = (*rows.doubts, *filter(None, [not_yet]))
+    known = section.has("sigma_px") or bool(own.all())
+    some = ""
+    if own.any() and not known:  # some are stated, and the others are of no known size
+        lacking = count_text(len(own) - int(own.sum()), "pick")
+        some = (
+            f"{file.name}: {lacking} of {len(own)} without sigma_px: they count {stated:g} px "
+            "beside the others, and the residuals say how much all are off; [picks] sigma_px "
+            "states it"
+        )
+    doubts = (*rows.doubts, *filter(None, [not_yet, some]))
     return replace(
         rows, grid=grid, up_from=up_from, v_said=v_said, sigma_px=sigma, stated=known, said=said,
         doubts=doubts,

@@ -92,18 +92,22 @@ def read_tracked_picks(project: Project, size_px: tuple[int, int]) -> PickRows:
 def _with_stated_sigma(rows: TrackedRows, project: Project) -> TrackedRows:
     """Take the clicks' `[picks] sigma_px` as it is stated now; it may have changed since the run.
 
-    Sigmas of the clicks' own file, and those of points that are clicked several times, stay.
+    Sigmas of the clicks' own rows, and those of points that are clicked several times, stay.
     """
     section = project.section("picks")
     if not (section.has("file") and section.has("sigma_px")):
         return rows
     read = project.read("picks", project.open("picks", "file"), PICK_FORMATS)
     frame = list(read.frame) if isinstance(read.frame, Names) else read.frame.tolist()
-    once = len({*zip(frame, read.landmark, strict=True)}) == len(frame)
-    if not once or np.isfinite(read.sigma_px).any():
+    own = dict(zip(zip(frame, read.landmark, strict=True), read.sigma_px.tolist(), strict=True))
+    if len(own) < len(frame) or (isinstance(frame[0], str) and np.isfinite(read.sigma_px).any()):
         return rows
-    stated_px = section.number("sigma_px")
-    return replace(rows, sigma_px=np.where(rows.status == CLICKED, stated_px, rows.sigma_px))
+    sigma_px, stated_px = rows.sigma_px.copy(), section.number("sigma_px")
+    names = list(rows.landmark)
+    for row in np.flatnonzero(rows.status == CLICKED).tolist():
+        of_row = own.get((int(rows.frame[row]), names[row]), np.nan)
+        sigma_px[row] = stated_px if np.isnan(of_row) else sigma_px[row]
+    return replace(rows, sigma_px=sigma_px)
 
 
 def hidden_marks(project: Project, landmarks: tuple[str, ...]) -> frozenset[tuple[str, int]]:
