@@ -138,7 +138,7 @@ def test_what_else_is_tried_of_a_misfit_knows_whether_a_landmark_is_named(
     """Another reading of the files is then named in its place only if it explains everything."""
     named: list[bool] = []
 
-    def usual(_: object, __: object, one: bool) -> list[str]:
+    def usual(_: object, __: object, one: bool, ___: object) -> list[str]:
         named.append(one)
         return []
 
@@ -152,6 +152,25 @@ def test_what_else_is_tried_of_a_misfit_knows_whether_a_landmark_is_named(
     monkeypatch.setattr(misfit, "significant_errors", lambda *_: [])  # nothing but the landmark
     assert solve_flight_read(two, project=lambda: nothing).misfits
     assert named == [False, True, True]
+
+
+def test_no_mistake_is_tried_twice_of_a_misfit(
+    flight: Flight, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Exchanges are first, and when they explain nothing, what is left of the usual mistakes."""
+    tried: list[str] = []
+
+    def explanations(table: tuple[Any, ...], *_: object) -> list[Any]:
+        tried.extend(one.name for one in table)
+        return []
+
+    monkeypatch.setattr(mistakes, "explanations", explanations)
+    nothing: Any = None
+    noise_px = np.random.default_rng(1).normal(0.0, 60.0, (len(flight.picks.frame), 2))
+    rough = replace(flight, picks=replace(flight.picks, pixel=flight.picks.pixel + noise_px))
+    assert solve_flight_read(rough, project=lambda: nothing).misfits
+    every = (*mistakes.AXES_MISTAKES, *mistakes.USUAL_MISTAKES)
+    assert {one.name for one in every} < {*tried} and len({*tried}) == len(tried)
 
 
 @pytest.mark.parametrize(

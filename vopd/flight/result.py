@@ -527,10 +527,10 @@ def _findings_of(
     (found, swaps), (apart, dropped) = search, out
     every = found._replace(pick=found.pick | swaps.marked(len(found.pick)))
 
-    def usual(named: bool) -> list[str]:
+    def usual(named: bool, exchanged: bool) -> list[str]:
         from vopd.flight.misfits.mistakes import usual_mistakes  # of few flights
 
-        return [] if project is None else usual_mistakes(project(), without, named)
+        return [] if project is None else usual_mistakes(project(), without, named, exchanged)
 
     doubts = flight_findings(flight, without, apart, found.landmark, usual, every.pick)
     estimates.contradict(doubts.sentence)

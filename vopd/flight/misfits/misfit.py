@@ -284,7 +284,7 @@ def flight_findings(
     estimates: FlightEstimates,
     left_out: Bools,
     wrong: Bools,
-    usual: Callable[[bool], list[str]] = lambda _: [],
+    usual: Callable[[bool, bool], list[str]] = lambda *_: [],
     blunders: Bools | None = None,
 ) -> Doubts:
     """Warn of a flight that misfits, and name errors of its inputs that explain it.
@@ -295,7 +295,7 @@ def flight_findings(
         left_out: picks that take no part in it, as they are named, (P,)
         wrong: landmarks that are named, which are not named again, (N,)
         usual: names mistakes that take another reading of the files, if the flight misfits; is
-            given whether an error is named already
+            given whether an error is named already, and whether exchanges have been tried
         blunders: picks that do not fit the others of their frames, (P,); None: none
     """
     joint, reading = estimates.joint, estimates.reading
@@ -323,7 +323,7 @@ def _explanations(
     estimates: FlightEstimates,
     left_out: Bools,
     wrong: Bools,
-    usual: Callable[[bool], list[str]],
+    usual: Callable[[bool, bool], list[str]],
     misfit: bool,
 ) -> tuple[list[str], bool]:
     """Name errors of a flight's inputs that explain its residuals.
@@ -337,7 +337,8 @@ def _explanations(
     joint, reading = estimates.joint, estimates.reading
     assert joint is not None and reading is not None
     stated = stated_sigma_px(flight)
-    causes, own = list[str](), False  # whether it is a landmark's or a pick's own error
+    causes, exchanged = list[str](), False
+    own = False  # whether it is a landmark's or a pick's own error
     exact = not joint.passes
     joint = of_sampled(joint)
     if flight.picks.clicks is not None:
@@ -349,7 +350,8 @@ def _explanations(
     if misfit:
         from vopd.flight.misfits.mistakes import exchanges  # of few flights
 
-        causes = exchanges(flight, expected_px)
+        tried = exchanges(flight, expected_px)
+        causes, exchanged = tried or [], tried is not None
     if not causes:
         without_px = expected_px if misfit and reading.source not in KNOWN else None
         if misfit:
@@ -364,7 +366,7 @@ def _explanations(
             causes = [named_text(found) + again]
         if misfit:  # units and clocks explain all residuals, which one landmark may seem to
             whole = bool(causes) and min(one.rest for one in found) < REJECTED**2
-            more = usual(own or whole)
+            more = usual(own or whole, exchanged)
             if more and not (causes and UNEXPLAINED in more[0]):
                 causes, own = more, False
     left = [one for one in causes if UNEXPLAINED not in one]

@@ -55,7 +55,9 @@ SMALL = (
 )
 
 
-def usual_mistakes(project: Project, estimates: FlightEstimates, named: bool = False) -> list[str]:
+def usual_mistakes(
+    project: Project, estimates: FlightEstimates, named: bool = False, exchanged: bool = False
+) -> list[str]:
     """Name the mistake that explains large residuals best.
 
     Args:
@@ -63,6 +65,7 @@ def usual_mistakes(project: Project, estimates: FlightEstimates, named: bool = F
         estimates: its solution
         named: whether an error of its inputs is named already; one of `UNIT_MISTAKES` is then
             named in its place if it explains all residuals
+        exchanged: whether `exchanges` has tried axes and labels, and found nothing
     """
     sigma = float(np.median(estimates.flight.picks.sigma_px))
     flight, joint = some_frames(estimates.flight), estimates.joint
@@ -71,7 +74,9 @@ def usual_mistakes(project: Project, estimates: FlightEstimates, named: bool = F
     estimate = estimates.whole() if known else solved_trial(flight)
     before = typical_px(flight, estimate)
     if before > DOUBTED * sigma and freedom(estimate) >= LEAST_FREEDOM:
-        tables = ((), UNIT_MISTAKES) if named else (AXES_MISTAKES, USUAL_MISTAKES)
+        tables = (AXES_MISTAKES, USUAL_MISTAKES)
+        if named or exchanged:
+            tables = ((), UNIT_MISTAKES if named else (*UNIT_MISTAKES, *LANDMARK_MISTAKES))
         axes, found = (explanations(table, trial_px, project, flight, estimate) for table in tables)
         # a number that is fitted never fits worse than the mistake that has its value
         below = DOUBTED * sigma if named and not far else np.inf
@@ -87,13 +92,17 @@ def usual_mistakes(project: Project, estimates: FlightEstimates, named: bool = F
     return []
 
 
-def exchanges(flight: Flight, expected_px: float) -> list[str]:
-    """Name the exchange of image axes or of labels that explains large residuals; or nothing."""
+def exchanges(flight: Flight, expected_px: float) -> list[str] | None:
+    """Name the exchange of image axes or of labels that explains large residuals; or nothing.
+
+    Returns:
+        The sentence, if there is any; None where nothing is tried, as the residuals are not large.
+    """
     flight = some_frames(flight)
     estimate = solved_trial(flight)
     before = typical_px(flight, estimate)
     if freedom(estimate) < LEAST_FREEDOM or before < BETTER * expected_px:
-        return []
+        return None
     axes, labels = (
         explanations(table, trial_px, None, flight, estimate)
         for table in (AXES_MISTAKES, (*LEVEL_MISTAKES, *PLACE_MISTAKES, *LABEL_MISTAKES))
@@ -544,14 +553,18 @@ UNIT_MISTAKES: tuple[Mistake[Flight], ...] = (
 )
 """Units, clocks and sizes that a fitted number may stand for."""
 
-USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
-    *UNIT_MISTAKES,
-    *LABEL_MISTAKES,
+LANDMARK_MISTAKES: tuple[Mistake[Flight], ...] = (
     Mistake(
         "a wrong landmark",
         _without_a_landmark,
         f"without {{}}: {OF_LANDMARK}",
     ),
+)
+
+USUAL_MISTAKES: tuple[Mistake[Flight], ...] = (
+    *UNIT_MISTAKES,
+    *LABEL_MISTAKES,
+    *LANDMARK_MISTAKES,
 )
 """The most telling mistake first."""
 
