@@ -254,7 +254,7 @@ KEYS = {
     "principal point": "[uncertainty] principal_px",
     "time": "[track] sigma_t_s",
     "distortion": "[uncertainty] k1, k2, p1p2",
-    "mount": "--mount-sigma",
+    "mount": "[vehicle] mount_sigma_deg",
     "velocity": "[track] velocity_sigma_m_s",
     "wind": "[wind] sigma_m_s",
 }

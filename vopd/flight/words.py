@@ -131,7 +131,7 @@ SIGMA_KEYS = {
     "refraction": "[atmosphere] sigma_k",
     "time": "[track] sigma_t_s",
     "readout": "[uncertainty] readout_ms",
-    "mount": "--mount-sigma",
+    "mount": "[vehicle] mount_sigma_deg",
     "velocity": "[track] velocity_sigma_m_s",
     "wind": "[wind] sigma_m_s",
     "click": "[picks] tracked_from: tracks of another program share those of their clicks",
