@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +17,8 @@ from tests.kit.simulated_flights import Errors, LensErrors, Plan, write_flight
 from tests.tolerances import assert_close
 from vopd.findings import VopdError
 from vopd.flight.adjust import tested
-from vopd.flight.adjust.tested import Prediction, predicted
-from vopd.flight.misfits.leave_out import LANDMARK, PICK, leave_out
+from vopd.flight.adjust.tested import Named, Prediction, predicted
+from vopd.flight.misfits.leave_out import FIX, LANDMARK, PICK, TIME, LeftOut, leave_out
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.joint import solve_jointly
@@ -68,6 +70,37 @@ def test_landmarks_without_picks_are_not_left_out(tmp_path: Path) -> None:
     after = tested.tested_flight(vopd.solve_flight(tmp_path / "flight.toml")).tests
     of_before, of_after = (np.sort(one.landmark[one.kind == LANDMARK]) for one in (before, after))
     assert len(of_before) > 2 and of_after.tolist() == (of_before + 1).tolist()
+
+
+@pytest.mark.parametrize(
+    ("sigma_m_s", "kind"), [((0.01, 5.0, 0.01), TIME), ((5.0, 0.01, 0.01), FIX)]
+)
+def test_a_fix_is_late_within_the_errors_of_its_velocity(
+    sigma_m_s: tuple[float, float, float], kind: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At 10 m/s to the north, 20 m north is 2 s late; 10 m east is two seconds of 5 m/s.
+
+    Standard deviations of velocities are of north, east, down, and errors of fixes of east, north,
+    up.
+    """
+    none, two = np.zeros(2, int) - 1, np.full((2, 3), np.nan)
+    tests = LeftOut(
+        np.array([FIX, TIME]), np.array([-1, 0]), none, np.array([0, -1]), none, none + 4,
+        *(np.zeros(2) for _ in range(3)), two[:, :2], two.copy(), np.zeros(2), two, none, two,
+    )  # fmt: skip
+    path = SimpleNamespace(velocity_sigma_m_s=np.array([sigma_m_s]))
+    model = SimpleNamespace(
+        priors=SimpleNamespace(fixes=0), flight=SimpleNamespace(path=path),
+        velocity_m_s=np.array([[0.0, 10.0, 0.0]]),
+        fix_sigma_m=np.full((1, 3), 0.02 * tested.NO_PRIOR),
+    )  # fmt: skip
+    state = SimpleNamespace(fix_m=np.array([[10.0, 20.0, 0.0]]))
+    joint: Any = SimpleNamespace(model=model, state=state, factored=None)
+    monkeypatch.setattr(tested, "fix_covariances", lambda _: 1e-4 * np.eye(3)[None])
+    found = tested._as_time(Named(tests), joint).tests
+    assert found.kind[0] == kind
+    if kind == TIME:
+        assert_close("time", found.error[0, 0], 2.0)
 
 
 def test_two_landmarks_of_one_frame_predict_no_pick(tmp_path: Path) -> None:
