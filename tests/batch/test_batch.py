@@ -360,6 +360,13 @@ def test_shards_with_other_options_are_refused(tmp_path: Path) -> None:
     assert_approved(ran.stderr)
 
 
+def test_a_quiet_part_says_nothing_of_the_others(tmp_path: Path) -> None:
+    sources = [CASE_1, DECKS / "appendix_h" / "case2.dat"]
+    told = vopd("batch", *sources, "-d", tmp_path / "told", "--shard", "1/2").stderr
+    quiet = vopd("batch", *sources, "-d", tmp_path / "quiet", "--shard", "1/2", "-q").stderr
+    assert "part 1 of 2 is finished" in told and "part 1 of 2" not in quiet
+
+
 def test_a_part_without_a_source_has_nothing_to_do(tmp_path: Path) -> None:
     """Also of a complete batch, which it is not going to begin again."""
     out = tmp_path / "out"

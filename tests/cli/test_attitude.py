@@ -431,6 +431,15 @@ def test_what_is_said_of_sources_in_their_order(
     assert heard == expected and capsys.readouterr().err == "b: wrong\n"
 
 
+def test_an_error_names_its_source_among_several(
+    monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    """One of a file that the source names does not say it itself."""
+    of_file = SourceEnd("b", VopdError("picks.csv: line 3: no number"))
+    collected(monkeypatch, Job("a"), of_file, quiet=True)
+    assert capsys.readouterr().err == "b: picks.csv: line 3: no number\n"
+
+
 def test_flights_that_are_doubted_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those whose inputs seem wrong; one that misfits is enough."""
     jobs = [Job(name) for name in "abc"]

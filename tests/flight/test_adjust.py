@@ -308,6 +308,16 @@ def test_names_of_one_text(text: str, names: list[str]) -> None:
     assert names_of(text) == names
 
 
+def test_a_frame_that_cannot_be_solved_is_none_that_does_not_converge(tmp_path: Path) -> None:
+    """It has one pick: the status is that of the others, and a warning names it."""
+    project = write_project(tmp_path)
+    head, *rows = (tmp_path / "picks.csv").read_text().splitlines()
+    kept = [row for k, row in enumerate(rows) if k == 0 or not row.startswith("0,")]
+    (tmp_path / "picks.csv").write_text("\n".join([head, *kept, ""]))
+    done = command("adjust", project, "--free", "focal")
+    assert done.status == 0 and "frame 0" in done.stderr
+
+
 def test_a_comma_in_the_name_of_a_known_landmark_splits_nothing(tmp_path: Path) -> None:
     known = ["a", "a,b", "old mill, north (1)"]
     text = "focal, landmark:old mill, north (1) ,k1,landmark:a,b,landmark:a,bc"
