@@ -186,7 +186,10 @@ def command(
             refuse_existing(Path(output), [NAME, COVARIANCE])
         made, project = _adjusted(source, ",".join(free) if names else "", test)
         if output is not None:
-            _write_project(project, made, Path(output), quiet)
+            from vopd.flight.adjust.project import adjusted_project
+
+            written = adjusted_project(project, made, Path(output))
+            write_project(Path(output), written, to_errors=True, quiet=quiet)
     messages = Messages(quiet)
     for finding in made.result.findings:
         messages(finding)
@@ -244,13 +247,6 @@ def _adjusted(source: str, free: str, test: bool) -> tuple[Adjustment, Project]:
         return adjust(flight, names, lambda: progress.add(1)), project
     finally:
         progress.close()
-
-
-def _write_project(project: Project, made: Adjustment, folder: Path, quiet: bool) -> None:
-    """Write the adjusted project, and say so beside the table."""
-    from vopd.flight.adjust.project import adjusted_project
-
-    write_project(folder, adjusted_project(project, made, folder), to_errors=True, quiet=quiet)
 
 
 def figure_suffix(figure: str) -> str:

@@ -164,7 +164,10 @@ def command(
     found = collect_jobs(sources, options, by_parts, misfits=misfits)
     request = _with_epoch(chosen, request, [job.head for job in found.jobs], found.messages)
     if columns is not None:
-        _check_columns(found, request)
+        try:
+            chosen_columns([job.head for job in found.jobs], request.columns)
+        except VopdError as error:
+            raise click.UsageError(f"--columns: {error}") from error
     progress = Progress(
         "frames written",
         total=sum(job.frames for job in found.jobs),
@@ -195,13 +198,6 @@ def command(
                 said += f"; not included: {left}" * bool(left)
             click.echo(f"{source}: {said}", err=True)
     ctx.exit(found.status(options))
-
-
-def _check_columns(found: Collected, request: FileRequest) -> None:
-    try:
-        chosen_columns([job.head for job in found.jobs], request.columns)
-    except VopdError as error:
-        raise click.UsageError(f"--columns: {error}") from error
 
 
 def _short(

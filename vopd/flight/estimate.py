@@ -435,7 +435,8 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
     camera_deg, vehicle_deg = camera_angles(solved), vehicle_angles(solved)
     attack, radians = attack_angles(solved), np.radians(camera_deg)
     lens = flight.lens.of(picks.frame)
-    seen = project(lens, _of_frames(rotation[picks.frame], solved.lines.direction))
+    ray = np.einsum("pij,pj->pi", rotation[picks.frame], solved.lines.direction)
+    seen = project(lens, ray)
     residual = -(picks.pixel - seen.pixel)
     by_turns = _part(used, seen.by_turns) @ IMAGE_FROM_CAMERA  # of the image, by turns of the axes
     partials = slots.coordinates(by_turns)
@@ -514,10 +515,6 @@ def _grid(solved: SolvedFlight) -> MapGrid | None:
     if grid is None or np.array_equal(solved.camera_m, stated_m, equal_nan=True):
         return grid
     return map_grid(grid.crs, solved.camera_m)
-
-
-def _of_frames(rotation: Floats, direction: Floats) -> Floats:
-    return np.asarray(np.einsum("pij,pj->pi", rotation, direction))
 
 
 def _part(used: Bools, values: Floats) -> Floats:
