@@ -175,17 +175,18 @@ def test_a_flight_is_warned(tmp_path: Path, sign: str) -> None:
 def test_velocities_between_rows_are_uncertain_by_what_they_bend() -> None:
     """t^2 and rows each 2 s: the line between two rows is a (1 - a) dt^2 = 1 m/s above at a = 1/2.
 
-    Three quarters of it at a = 1/4; nothing at a row, of a straight line, or of two rows; of noise
-    of .1 alone the squares of second differences have 6 times .01, which is taken off.
+    Three quarters of it at a = 1/4; nothing at a row, of a straight line, or of two rows. Six rows
+    do not tell how second differences grow with their step, and twice the square is taken.
     """
     time_s = np.arange(0.0, 12.0, 2.0)
     bent = np.stack([time_s**2, 3.0 * time_s, 0.0 * time_s], axis=1)
     exact, at_s = np.zeros((6, 3)), np.array([4.0, 5.0, 6.5, 9.0])
     found = off_line(at_s, time_s, bent, exact)
-    assert_close("flight speed", found, np.outer([0.0, 1.0, 0.75, 1.0], [1.0, 0.0, 0.0]))
+    twice = np.sqrt([0.0, 2.0, 2.0 * 0.75**2, 2.0])
+    assert_close("flight speed", found, np.outer(twice, [1.0, 0.0, 0.0]))
     # second differences are 8 m/s at each row, by 4 s^2, and those of noise 6 sigma^2
     sigma = np.full((6, 3), 0.5)
-    less = np.sqrt((8.0**2 - 6.0 * 0.25) / 8.0**2)
+    less = np.sqrt(2.0 * (8.0**2 - 6.0 * 0.25) / 8.0**2)
     assert_close("flight speed", off_line(at_s, time_s, bent, sigma)[1, 0], less)
     assert not off_line(at_s, time_s, bent, sigma)[:, 1:].any()
     assert not off_line(np.array([1.0]), time_s[:2], bent[:2], exact[:2]).any()
@@ -195,7 +196,76 @@ def test_uneven_rows() -> None:
     """t^2 has the second derivative 2 whatever the steps: the middle of a gap of 4 s is 4 off."""
     time_s = np.array([0.0, 1.0, 5.0, 6.0])
     bent = np.repeat(time_s[:, None] ** 2, 3, axis=1)
-    assert_close("flight speed", off_line(np.array([3.0]), time_s, bent, np.zeros((4, 3))), 4.0)
+    found = off_line(np.array([3.0]), time_s, bent, np.zeros((4, 3)))
+    assert_close("flight speed", found, np.full((1, 3), 4.0 * np.sqrt(2.0)))
+
+
+@pytest.mark.parametrize(("bent", "ratio"), [("slowly", 16.0), ("at random", 2.0)])
+def test_how_second_differences_grow_with_their_step_says_how_velocities_bend(
+    bent: str, ratio: float
+) -> None:
+    """In the middle of a gap: half of the second difference over half of the step of a second.
+
+    Over two steps those of t^2 are 4 times as large, and those of a sum of random steps have twice
+    the square; over half a step 4 times smaller, and half the square. The squares are those of the
+    six rows about five gaps.
+    """
+    time_s = np.arange(4001.0)
+    steps = np.random.default_rng(1).choice([-1.0, 1.0], 4001)
+    one = time_s**2 if bent == "slowly" else np.cumsum(steps)
+    found = off_line(np.array([2000.5]), time_s, np.tile(one[:, None], 3), np.zeros((4001, 3)))
+    square = np.average(np.diff(one, 2)[1997:2003] ** 2, weights=[0.5, 1.0, 1.0, 1.0, 1.0, 0.5])
+    two = one[4:] - 2.0 * one[2:-2] + one[:-4]
+    drawn = np.clip((two**2).mean() / (np.diff(one, 2) ** 2).mean(), 2.0, 16.0)
+    assert round(drawn) == ratio
+    assert_close("flight speed", found[0], np.full(3, np.sqrt(square / drawn / 4.0)))
+
+
+def drawn_velocity(kind: str, time_s: Floats, rng: np.random.Generator) -> Floats:
+    """A velocity, three columns, each .1 s."""
+    if kind == "bends slowly":
+        period_s, by, begin = (
+            rng.uniform(15.0, 60.0),
+            rng.normal(0.0, 5.0, 3),
+            rng.uniform(0.0, 6.3),
+        )
+        angle = 2.0 * np.pi * time_s[:, None] / period_s + begin + np.arange(3.0)
+        return np.asarray(by * np.sin(angle))
+    if kind == "white second derivative":
+        return np.asarray(np.cumsum(np.cumsum(rng.normal(0.0, 0.03, (len(time_s), 3)), 0), 0))
+    out, rate, speed, wanted = np.empty((len(time_s), 3)), *np.zeros((3, 3))
+    for k in range(len(time_s)):  # a pilot who wants another speed each 8 s or so
+        wanted = np.where(rng.random(3) < 1.0 / 80.0, rng.uniform(-10.0, 10.0, 3), wanted)
+        rate = rate + 0.1 * (wanted - speed - 1.6 * rate)
+        out[k] = speed = speed + 0.1 * rate
+    return out
+
+
+@pytest.mark.parametrize(
+    ("kind", "least", "most"),
+    [
+        ("bends slowly", 0.95, 1.0),
+        ("white second derivative", 0.90, 0.97),
+        ("a pilot's", 0.93, 0.98),
+    ],
+)
+def test_velocities_between_rows_are_within_what_is_said(
+    kind: str, least: float, most: float
+) -> None:
+    """Rows each 2 or 5 s of two minutes, to .1 m/s: 200 tracks, 20 moments, three columns."""
+    rng, within = np.random.default_rng(7), []
+    time_s = np.arange(1201) / 10.0
+    for k in range(200):
+        true, rows = drawn_velocity(kind, time_s, rng), slice(None, None, (20, 50)[k % 2])
+        row_s, read = time_s[rows], true[rows] + rng.normal(0.0, 0.1, true[rows].shape)
+        at_s = rng.choice(time_s[time_s <= row_s[-1]], 20)
+        line, here = (
+            np.stack([np.interp(at_s, of_s, one) for one in columns.T], axis=1)
+            for of_s, columns in ((row_s, read), (time_s, true))
+        )
+        sigma = np.hypot(off_line(at_s, row_s, read, np.full(read.shape, 0.1)), 0.1)
+        within.append((np.abs(line - here) < 1.96 * sigma).mean())
+    assert least < np.mean(within) < most
 
 
 @pytest.mark.parametrize("stated", ["0.05", '"exact"'])
@@ -212,6 +282,7 @@ def test_a_flight_has_what_its_velocities_bend(tmp_path: Path, stated: str) -> N
         return
     assert sigma_m_s is not None
     assert_close("flight speed", sigma_m_s[0], [0.05] * 3)
-    # second differences of 16 m/s less those of noise, 6 sigma^2, at a = .1: .09 / 2 of them
-    bent = 0.045 * np.sqrt(16.0**2 - 6.0 * 0.05**2)
+    # second differences of 16 m/s less those of noise, 6 sigma^2, at a = .1: .09 / 2 of them, and
+    # twice their square
+    bent = 0.045 * np.sqrt(2.0 * (16.0**2 - 6.0 * 0.05**2))
     assert_close("flight speed", sigma_m_s[1], [np.hypot(bent, 0.05), 0.05, 0.05])

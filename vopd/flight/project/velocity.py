@@ -523,11 +523,18 @@ def with_gaps(fixes: TrackFixes, time_s: Floats, *shapes: Floats) -> TrackFixes:
 # Velocities that a track has itself: between its rows, and against the differences of its positions
 
 
+MOST_RATIO, LEAST_RATIO = 16.0, 2.0  # of a parabola, and of a velocity that walks at random
+USUAL_RATIO = 8.0  # of a white second derivative, as that of the path's curvature is taken
+FEWEST_OF_TWO_STEPS = 6  # second differences over two steps, that their ratio is known
+
+
 def off_line(at_s: Floats, time_s: Floats, velocity_m_s: Floats, sigma_m_s: Floats) -> Floats:
     """Estimate how far velocities are from the line between those of two rows, (F, 3), rms.
 
-    A velocity whose second derivative is c is off by a (1 - a) c dt^2 / 2, a the part of the gap
-    that is over. c is that of the rows at both ends of the gap, less what their noise shows.
+    In the middle of a gap that is minus half of the second difference over half of the step. The
+    rows have those over a step, and over two, whose squares are r times as large; half of the step
+    has the r-th part. r is 16 where velocities bend slowly, and 2 where they change at random
+    between the rows. The squares are those about the gap, less what their noise shows.
 
     Args:
         at_s: the moments, within the track, (F,)
@@ -535,20 +542,29 @@ def off_line(at_s: Floats, time_s: Floats, velocity_m_s: Floats, sigma_m_s: Floa
         velocity_m_s: (T, 3)
         sigma_m_s: standard deviations of these, (T, 3)
     """
-    step_s = np.diff(time_s)[:, None]
-    if len(step_s) < 2:
+    if len(time_s) < 3:
         return np.zeros((len(at_s), 3))
+    square = _bends(time_s, velocity_m_s, sigma_m_s)
+    of_two = [_bends(*(one[k::2] for one in (time_s, velocity_m_s, sigma_m_s))) for k in (0, 1)]
+    two, ratio = np.concatenate(of_two), USUAL_RATIO
+    if len(two) >= FEWEST_OF_TWO_STEPS and square.mean() > 0.0:
+        ratio = float(np.clip(16.0 * two.mean() / square.mean(), LEAST_RATIO, MOST_RATIO))
+    of_rows = np.pad(square, ((1, 1), (0, 0)), mode="edge")  # at the ends those of the next one
+    bent = _near_gaps((of_rows[1:] + of_rows[:-1]) / 2.0)
+    before = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, len(time_s) - 2)
+    step_s = np.diff(time_s)[before]
+    part = (at_s - time_s[before]) / step_s
+    shape = np.maximum(4.0 * part * (1.0 - part), 0.0) ** min(2.0, (np.log2(ratio) + 1.0) / 2.0)
+    return np.asarray(np.sqrt(bent[before] * (step_s**4 * shape / (4.0 * ratio))[:, None]))
+
+
+def _bends(time_s: Floats, velocity_m_s: Floats, sigma_m_s: Floats) -> Floats:
+    """Square the second derivatives at all rows but the ends, less what is noise, (T-2, 3)."""
+    step_s = np.diff(time_s)[:, None]
     slope, both_s = np.diff(velocity_m_s, axis=0) / step_s, (step_s[1:] + step_s[:-1]) / 2.0
     noise = 1.0 / step_s[1:] ** 2 + 1.0 / step_s[:-1] ** 2
     noise = (noise + (1.0 / step_s[1:] + 1.0 / step_s[:-1]) ** 2) * sigma_m_s[1:-1] ** 2
-    square = (np.diff(slope, axis=0) ** 2 - noise) / both_s**2
-    square = np.pad(
-        square, ((1, 1), (0, 0)), mode="edge"
-    )  # of each row; at the ends the next one's
-    before = np.clip(np.searchsorted(time_s, at_s, side="right") - 1, 0, len(step_s) - 1)
-    part = ((at_s - time_s[before]) / step_s[before, 0])[:, None]
-    bent = np.sqrt(np.maximum((square[before] + square[before + 1]) / 2.0, 0.0))
-    return np.asarray(part * (1.0 - part) / 2.0 * step_s[before] ** 2 * bent)
+    return np.asarray((np.diff(slope, axis=0) ** 2 - noise) / both_s**2)
 
 
 FEWEST_STEPS = 4  # between positions: with fewer nothing is told
