@@ -233,6 +233,7 @@ def test_names_may_differ_by_their_suffix_alone_where_outputs_do(home: Path) -> 
         (b"\xef\xbb\xbf", "the manifest is empty: write one source on each line"),
         (b"# a.dat\n \n", "the manifest is empty: write one source on each line"),
         (b"a.dat\n\xfc.dat\n", "not a text file in UTF-8, at byte 6"),
+        (b"a.dat\n\nb\0.dat\n", "a null character in line 3"),
         (None, "No such file or directory"),
     ],
 )

@@ -680,3 +680,8 @@ def test_the_short_table_has_roll_as_it_is_asked_for(given: tuple[str, ...], rol
     shown = vopd("attitude", case_4, "--format", "text", *given).stdout
     (row,) = (line.split() for line in shown.splitlines() if line.startswith("   60"))
     assert row[6] == roll
+
+
+def test_columns_may_stand_behind_blanks() -> None:
+    ran = vopd("attitude", CASE_1, "--columns", "frame, vehicle_yaw_deg ,flags")
+    assert ran.stdout.splitlines()[0] == "frame,vehicle_yaw_deg,flags"

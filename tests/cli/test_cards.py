@@ -218,6 +218,10 @@ def test_sequence_numbers_are_taken_off(end: str, tmp_path: Path) -> None:
     both = zip(lines, free, strict=True)
     numbered = [f"{line:72}{k:08}" if one else line for k, (line, one) in enumerate(both, 1)]
     (tmp_path / "numbered.dat").write_bytes(end.join([*numbered, ""]).encode())
+    numbered_text = (tmp_path / "numbered.dat").read_bytes()
+    own = ("--strip-sequence", "-o", tmp_path / "numbered.dat")
+    assert vopd("cards", tmp_path / "numbered.dat", *own).status == 1
+    assert (tmp_path / "numbered.dat").read_bytes() == numbered_text
     ran = vopd("cards", tmp_path / "numbered.dat", "--strip-sequence", "-o", tmp_path / "bare.dat")
     assert (ran.status, ran.stdout) == (0, "")
     assert sum(free) > 50

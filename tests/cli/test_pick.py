@@ -129,6 +129,12 @@ def test_a_project_goes_on_where_it_was(tmp_path: Path) -> None:
     assert_approved(re.sub(r"[\d.]+ MB", "N MB", done.stderr).replace(str(tmp_path), "FOLDER"))
     assert data()["picks"] == [{"frame": 1, "landmark": "well", "u": 1.5, "v": 2.0}]
     assert data()["hidden"] == [{"frame": 1, "landmark": "mast"}]
+    alone = ("--clicks", "clicks.csv", "--landmarks", "landmarks.csv")
+    assert vopd("pick", "photos", "-o", "q.html", *alone).status == 0
+    assert [data("q.html")[one] for one in ("picks", "hidden")] == [
+        data()["picks"],
+        data()["hidden"],
+    ]
     (lens,) = data()["lenses"]
     assert (lens["kind"], lens["focal"], data()["sighted"][0]) == ("brown", [1500, 1490], "church")
     to = np.array([one["to"] for one in data()["frames"]])

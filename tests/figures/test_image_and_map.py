@@ -238,12 +238,12 @@ def test_a_strip_has_the_clicks_near_its_places(
     """Of 13 frames four places: 0, 4, 8, 12; a click stands for the first as near as half way.
 
     A wrong one goes before others, and the first good one stands at the left. One in a frame
-    without an attitude has no patch.
+    without an attitude has no patch. The scene has 20 frames more, before the history's.
     """
-    monkeypatch.setattr(patches, "camera_index", lambda history, k, scene: k)
+    monkeypatch.setattr(patches, "camera_index", lambda history, k, scene: k + 20)
     history: Any = SimpleNamespace(estimate=None, has_attitude=np.ones(13, bool))
     at = np.array([*clicks, 13])
-    every = at, np.zeros(len(at), int), np.zeros((len(at), 2)), np.isin(at, wrong)
+    every = at + 20, np.zeros(len(at), int), np.zeros((len(at), 2)), np.isin(at, wrong)
     scene: Any = SimpleNamespace(clicks=lambda: every)
     (found,) = patches._strips(history, scene, 4).values()
     assert ", ".join(f"{one.k} {one.kind}" for one in found) == strip
@@ -514,6 +514,21 @@ def test_names_do_not_cover_each_other(upward: float, count: int) -> None:
     assert len(boxes) == count - left_out and (left_out > 0) == (count > 2)
     for k, one in enumerate(boxes):
         assert not any(one.overlaps(other) for other in boxes[:k])
+
+
+@pytest.mark.parametrize(("at", "fits"), [((429.0, 429.0), True), ((216.0, 431.0), True),
+                                          ((431.0, 216.0), True)])  # fmt: skip
+def test_names_stay_in_the_picture(at: tuple[float, float], fits: bool) -> None:
+    figure = Figure(figsize=(6.0, 6.0), dpi=72)
+    axis = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axis.set(xlim=(0.0, 432.0), ylim=(0.0, 432.0))
+    whole = np.array([[0.0, 0.0], [432.0, 432.0]])
+    left_out = place_names(axis, np.array([at]), ["landmark"], np.ones(2), whole)
+    assert left_out == (not fits)
+    figure.draw_without_rendering()
+    for text in axis.texts:
+        box = text.get_window_extent()
+        assert box.x1 <= 432.0 and box.y1 <= 432.0
 
 
 @pytest.mark.usefixtures("not_laid_out")
