@@ -498,6 +498,7 @@ def test_fields_within_the_tolerance_are_counted() -> None:
     assert compare_listings(PAGE, near) == Comparison(1, 81, fields_within=1)
     assert compare_listings(PAGE, near, units=0).fields_within == 0
     assert compare_listings(PAGE, PAGE).fields_within == 0
+    assert compare_listings(PAGE, put(18, " 75.837", "75.8370")) == Comparison(1, 81)
 
 
 def test_only_one_line_for_one() -> None:

@@ -222,6 +222,18 @@ def test_degrees_below_zero_and_sides_that_are_not_given_are_refused(tags: dict[
         exif_position(GPS | tags)
 
 
+def test_tags_that_are_cut_off_are_damaged(tmp_path: Path) -> None:
+    """They say that there are 65,535 of them, and there is one."""
+    tags = Image.Exif()
+    tags[271] = "camera"
+    counted = b"MM\0*\0\0\0\x08"
+    cut = tags.tobytes().replace(counted + b"\0\1", counted + b"\xff\xff")
+    for name, exif in (("whole", tags.tobytes()), ("cut", cut)):
+        Image.new("L", (40, 30)).save(tmp_path / f"{name}.jpg", exif=exif)
+    assert not read_tags(tmp_path / "whole.jpg").damage
+    assert_approved(read_tags(tmp_path / "cut.jpg").damage)
+
+
 ZERO = (0, 0, 0)
 
 

@@ -91,12 +91,13 @@ def read_tags(path: Path) -> ImageTags:
     if kind := no_file(path):
         raise VopdError(f"{path.name}: {kind}")
     try:
-        with warnings.catch_warnings(record=True) as damage, _opened(path) as image:
+        with warnings.catch_warnings(record=True) as damage:
             warnings.simplefilter("always")  # Pillow warns of tags that it cannot read
-            every = image.getexif()
-            gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
-            xmp = xmp_text(image)
-            size = size_as_shown(image)
+            with _opened(path) as image:
+                every = image.getexif()
+                gps, exif = dict(every.get_ifd(GPS)), dict(every.get_ifd(EXIF))
+                xmp = xmp_text(image)
+                size = size_as_shown(image)
     except UNREADABLE as error:
         raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
     why = "damaged tags" * bool(damage)
