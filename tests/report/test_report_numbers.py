@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -498,6 +499,18 @@ def test_the_horizon_of_every_frame() -> None:
         dip = np.sqrt(2.0 * height_m * 0.87 / 6371e3)  # a plain, and standard refraction
         assert_close("azimuth of whole pixels", np.degrees(np.arcsin(seen[:, 2]) + dip), 0.0)
     assert set(job["north"]["u"]) == {None}
+
+
+def test_picks_of_a_check_landmark_are_no_misfits(tmp_path: Path) -> None:
+    """State 0: they take part; 1: they do not; 2: they do not fit."""
+    shutil.copytree(HILL.parent, tmp_path / "hill")
+    project = tmp_path / "hill" / "flight.toml"
+    project.write_text(project.read_text() + '[solve]\ncheck_landmarks = ["tower"]\n')
+    solved = solve_flight(project).history()
+    (job,) = json.loads(frames_json([solved]))["jobs"]
+    mark, state = (np.array(job["picks"][one]) for one in ("landmark", "state"))
+    (check,) = np.unique(mark[state != 0])
+    assert set(state[mark == check]) == {1} and job["names"][check] == "tower"
 
 
 def test_the_way_north_where_no_horizon_is_seen(tmp_path: Path) -> None:

@@ -318,6 +318,7 @@ RENAMED = {  # a header: its columns, and what is said
         "",
     ),
     "x_mm,y_mm,u,v,w,ra,dec": ("x_mm,y_mm,u,v,w,ra,dec", ""),
+    "x_mm,y_mm,x_m,y_m,z_m,ra,dec": ("x_mm,y_mm,x_m,y_m,z_m,ra,dec", ""),
     "id,xcentroid,ycentroid,mag": ("id,x_px,y_px,mag", "xcentroid, ycentroid read as x_px, y_px"),
     "x_px,y_px,name,x,y,dec": ("x_px,y_px,name,x,y,dec", ""),
     "hip,x_px,y_px": ("name,x_px,y_px", "hip read as name"),

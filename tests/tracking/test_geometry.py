@@ -102,11 +102,18 @@ def test_the_ground_from_twice_as_high(
 
 
 class Rising:
-    """A terrain that rises by a tenth to the east, 7 m below the landmark, unknown in the west."""
+    """A terrain that rises by a tenth to the east, 7 m below the landmark, unknown in the west.
+
+    Or, along axis 2, to the north, and unknown in the south.
+    """
+
+    def __init__(self, axis: int = 1) -> None:
+        self._axis = axis
 
     def above_m(self, position_m: Floats) -> Floats:
-        found = position_m[:, 0] - EARTH_M + 7.0 - 0.1 * position_m[:, 1]
-        return np.asarray(np.where(position_m[:, 1] < -200.0, np.nan, found))
+        along = position_m[:, self._axis]
+        found = position_m[:, 0] - EARTH_M + 7.0 - 0.1 * along
+        return np.asarray(np.where(along < -200.0, np.nan, found))
 
 
 DOWNWARD = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -167,6 +174,9 @@ def test_the_ground_on_a_terrain() -> None:
     unknown = scene.ground(view(0, NADIR), np.array([[-150.0, 80.0]]), 0)  # along the slope
     t = 1000.0 / 0.975
     assert_close("ground on a terrain", unknown, [[-0.25 * t, 0.0, 1000.0 - t]])
+    north = replace(above(1000.0), terrain=Rising(2))
+    unknown = north.ground(view(0, NADIR), np.array([[100.0, 330.0]]), 0)
+    assert_close("ground on a terrain", unknown, [[0.0, -0.25 * t, 1000.0 - t]])
 
 
 def test_a_file_s_heights_are_those_of_the_middles_of_its_cells(tmp_path: Path) -> None:
