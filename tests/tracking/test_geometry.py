@@ -411,10 +411,14 @@ def test_how_fast_a_camera_turns_by_its_neighbours() -> None:
     assert_close("turn by drawn shifts", rates[:, :2], 0.0 * rates[:, :2])
 
 
-def test_a_frame_that_has_turned() -> None:
-    """The picture of a camera that has turned by .4 degree, aligned from no turn at all."""
+@pytest.mark.parametrize("times", [1.0, 2.3])
+def test_a_frame_that_has_turned(times: float) -> None:
+    """The picture of a camera that has turned by .4 degree, aligned from no turn at all.
+
+    By 2.3 times as much it is found in the coarse level alone, and then in the fine one.
+    """
     scene = above(1000.0, 1000.0)
-    turn = np.array([0.0015, -0.001, 0.006])
+    turn = times * np.array([0.0015, -0.001, 0.006])
     after = turned_by(turn, NADIR)
     v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
     ray, _ = scene.rays(view(1, after), np.stack([u, v], axis=-1))

@@ -297,7 +297,7 @@ def render_dated(
             "to frame": about if form == "aem" else BODY_FRAME,
             "quaternion": QUATERNION.format(a="ICRF" if form == "aem" else "Earth-fixed axes",
                                             b=frame_b if form == "aem" else "the body"),
-            "stars": "; ".join(dict.fromkeys(one.epoch.partition("; stars ")[2] for one in dated)),
+            "stars": "; ".join(dict.fromkeys(one.epoch.rpartition("; stars ")[2] for one in dated)),
         },
         place,
         None if sky.place is None else from_axes(np.array([fixed for _, fixed in axes])),
