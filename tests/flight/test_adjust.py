@@ -382,8 +382,7 @@ def test_a_clock_that_puts_the_last_frame_beyond_the_track_is_said() -> None:
     row_s = np.linspace(flight.time_s[0] - 1.0, flight.time_s[-1] - 0.05, 9)
     flight = replace(flight, path=replace(flight.path, row_s=row_s))
     (text,) = said(adjust(flight, ["clock"]))
-    assert f"{flight.frame[-1]} beyond the track, which has" in text
-    assert f"puts frames {flight.frame[0]}-" not in text
+    assert_approved(text)
 
 
 def test_what_an_error_spoils_that_is_not_free_is_said() -> None:
