@@ -334,6 +334,21 @@ def test_a_history_is_asked_for_with_all_that_is_given(monkeypatch: pytest.Monke
     assert given == [([9], HistoryOptions())]
 
 
+@pytest.mark.parametrize(("sigma_m_s", "counts"), [(0.1, True), (0.0, False)])
+def test_a_part_beyond_the_track_has_the_components_of_the_others(
+    sigma_m_s: float, counts: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Velocities are not known there; those that are exact are no component anywhere."""
+    flight = uneven_flight(COUNTS)
+    sigma = np.full((len(COUNTS), 3), sigma_m_s)
+    sigma[-20:] = np.nan
+    flight = replace(flight, path=replace(flight.path, velocity_sigma_m_s=sigma))
+    in_blocks(monkeypatch, 20)
+    made = history(flight)
+    assert ("velocity" in made.uncertainty.components) == counts
+    assert len(made.status) == len(COUNTS)
+
+
 def test_what_a_result_gives_of_its_flight() -> None:
     flight = replace(three_frames(), about=("a lens", "a track"))
     result = FlightResult(FlightEstimates(solve(flight)), ())

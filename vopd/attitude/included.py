@@ -272,7 +272,7 @@ def usual_effects(estimate: Estimate, names: Collection[str]) -> dict[str, str]:
         field, size, text = sizes[name]
         force = in_force(estimate, Sigmas(reading=0.0, fiducial=0.0))
         none: dict[str, Any] = dict.fromkeys(force._fields, 0.0)
-        none |= {one: np.zeros(3) for one in ("landmark", "position", "place")}
+        none |= {one: np.zeros(3) for one in ("landmark", "position", "place", "velocity")}
         none["principal_point"] = (0.0, 0.0)
         of_one = given_components(estimate, type(force)(**none | {field: size}))
         own = [gains.effect(one).angles_deg for one in of_one if one.name == name]

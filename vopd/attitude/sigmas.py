@@ -217,7 +217,7 @@ def given_components(
         found.append(one._replace(common=one.common and name not in OF_FRAMES))
     if sigmas.mount_deg > 0.0:
         found.append(_mount(estimate, sigmas.mount_deg))
-    if np.any(sigmas.velocity):
+    if estimate.velocity_sigma is not None or np.any(sigmas.velocity):
         by_frame = np.reshape(sigmas.velocity, (-1, 1, 3))
         found.append(_velocity("velocity", r.attack_by_velocity * by_frame, estimate))
     if sigmas.wind > 0.0:

@@ -136,6 +136,7 @@ class FlightEstimates:
         origin_axes: east, north, up there as rows, (3, 3)
         landmark_names: by their numbers
         largest_lean_deg: between the geodetic and the geocentric vertical
+        velocities_err: whether the velocity of any frame has a standard deviation above 0
     """
 
     def __init__(
@@ -152,6 +153,8 @@ class FlightEstimates:
         self.origin_axes = local_axes(self.origin_m[None])[0]
         self.landmark_names = dict(zip(marks.number.tolist(), marks.name, strict=True))
         self.largest_lean_deg = lean_of_verticals_deg(camera_m)
+        velocity = solved.flight.path.velocity_sigma_m_s
+        self.velocities_err = velocity is not None and bool(np.nan_to_num(velocity).any())
         self._begun: dict[bytes, Estimate] = {}  # whatever the reading sigma
         self._made: dict[bytes, Estimate] = {}
         self._outlier: Bools | None = None  # (P,)
@@ -499,7 +502,7 @@ def flight_estimate(solved: SolvedFlight, whole: FlightEstimates | None = None) 
         landmark_sigma=slots.spread(flight.landmarks.sigma_m[picks.landmark])
         if flight.landmarks.sigma_m.any()
         else None,
-        velocity_sigma=flight.path.velocity_sigma_m_s,
+        velocity_sigma=flight.path.velocity_sigma_m_s if whole.velocities_err else None,
         grid=_grid(solved),
         gimbal_deg=flight.path.gimbal_deg,
         lens=flight.lens.which if isinstance(flight.lens, Lenses) else None,
