@@ -11,6 +11,7 @@ import pytest
 
 from tests.approved.texts import refused
 from tests.tolerances import assert_close
+from vopd.cli.track import command
 from vopd.findings import Finding, VopdError
 from vopd.tracking import follow
 from vopd.tracking.journal import ROW, Journal
@@ -119,3 +120,9 @@ def test_clicks_that_are_not_used_are_told_where_the_rest_cannot_be_solved(
     findings = [Finding(text, "flight.toml", severity="warning") for text in texts]
     footage: Any = SimpleNamespace(flight=SimpleNamespace(findings=findings), project=None)
     assert follow._misfit_of_clicks(footage) == [findings[0], findings[2]]
+
+
+def test_options_in_a_file_are_those_of_the_command() -> None:
+    """Each by its first name; the fields of the library's options have them all."""
+    own = {one.name: one.opts[0] for one in command.params if one.name in follow.OPTION}
+    assert own == follow.OPTION and [*own] == [*follow.TrackOptions._fields]

@@ -23,8 +23,8 @@ from vopd.export.ccsds import (
     scalar_last,
     timed_attitudes,
 )
-from vopd.export.tables import as_text, below_360
-from vopd.findings import Report, VopdError
+from vopd.export.tables import as_text
+from vopd.findings import Report, VopdError, angle_in_range
 from vopd.geometry.rotations import from_axes, product
 
 # CZML: one packet a job with its position and orientation on the Earth, for Cesium.
@@ -242,8 +242,9 @@ def _track(placemark: ET.Element, one: TimedAttitude, when: list[str]) -> None:
     angles = one.history.estimate.vehicle_deg[one.frames] * [1.0, -1.0, -1.0]
     angles[:, 2] = np.where(angles[:, 2] < -180.0, angles[:, 2] + 360.0, angles[:, 2])
     for three in angles + 0.0:
-        heading, *others = (f"{angle:.6f}" for angle in three)
-        _leaf(track, "gx:angles", " ".join([*below_360([heading]), *others]))
+        heading, *others = three.tolist()
+        angles_deg = angle_in_range(heading, 6), *others
+        _leaf(track, "gx:angles", " ".join(f"{angle:.6f}" for angle in angles_deg))
 
 
 def _frame(row: dict[str, str], coordinates: str, when: str) -> ET.Element:
