@@ -249,6 +249,20 @@ def test_blanks_around_a_time_of_gpx_are_none() -> None:
     assert np.array_equal(read(gpx(wide, wide)).time_s, read(gpx(point(), point())).time_s)
 
 
+@pytest.mark.parametrize("library", ["lxml.etree", "xml.etree.ElementTree"])
+@pytest.mark.parametrize("within", ["<?a 3?>", "<!-- 3 -->", "<!-- <ele>3</ele>\n -->", "<?a?> "])
+def test_what_xml_has_for_programs_and_people_is_no_part_of_a_number(
+    within: str, library: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Gpxpy takes lxml where it is; it read 5 of a height of `5<?a?>00`, without a word."""
+    monkeypatch.setattr("gpxpy.parser.mod_etree", pytest.importorskip(library))
+    plain = point().replace("<ele>", "<![CDATA[<!--]]><name><![CDATA[<?]]></name><ele>")
+    one = plain.replace("<ele>5", f"<ele>5{within.strip()}").replace("<time>", f"<time>{within}")
+    rows = read('<?xml version="1.0" encoding="ascii"?>' + gpx(plain, one))
+    assert rows.coordinate.tolist() == [[16.5, 47.5, 500.0]] * 2
+    assert rows.time_s[0] == rows.time_s[1]
+
+
 def test_a_point_of_gpx_in_a_leap_second() -> None:
     assert_approved(told(gpx(point(), point().replace("12:00:00", "23:59:60"))))
 

@@ -323,6 +323,9 @@ def recognises_gpx(file: InputFile) -> bool:
 
 NUMBERS_OF_GPX = "ele", "hdop", "vdop", "pdop"
 TIME_OF_GPX = re.compile("(?<=<time>)[^<]*")
+NOT_READ = re.compile(r"(<!\[CDATA\[.*?\]\]>)|<!--.*?-->|<\?.*?\?>", re.DOTALL)
+"""Comments and processing instructions, outside of text that is quoted. At one of them lxml, which
+gpxpy prefers, ends a number; and by the declaration it takes our UTF-8 for another encoding."""
 
 
 def _stripped(found: re.Match[str]) -> str:
@@ -340,7 +343,8 @@ def parse_gpx(file: InputFile) -> Any:
             texts += [one.text] if one.tag.rpartition("}")[2] in NUMBERS_OF_GPX else []
             for text in filter(None, texts):
                 plain_number(text)  # gpxpy takes 1_0 and those of other scripts
-        return gpxpy.parse(TIME_OF_GPX.sub(_stripped, file.text))
+        text = NOT_READ.sub(lambda found: found[1] or "", file.text)
+        return gpxpy.parse(TIME_OF_GPX.sub(_stripped, text))
     except (gpxpy.gpx.GPXException, ElementTree.ParseError, *UNEXPECTED) as error:
         raise file.error(f"not valid GPX: {reason(error)}") from error
 
