@@ -276,6 +276,27 @@ def upright_size(path: Path) -> tuple[int, int]:
         raise VopdError(f"{path.name}: not an image that can be read: {reason(error)}") from error
 
 
+def frame_size(path: Path) -> tuple[int, int]:
+    """Read width and height of a video as it is shown, of the first of its frames that decodes.
+
+    Raises:
+        VopdError: if none does
+    """
+    picture = None
+    if has_pyav():
+        for frame in _decodable(path, -np.inf):
+            picture = _upright(_luma(frame), frame)
+            break
+    else:
+        one = ("-frames:v", "1", "-f", "image2pipe", "-vf", "format=gray", "-c:v", "pgm")
+        with _ffmpeg(path, *one) as output:
+            picture = _read_pnm(output)
+    if picture is None:
+        raise VopdError(f"{path.name}: no frame of it can be decoded: is the file complete?")
+    height, width = picture.shape
+    return width, height
+
+
 def size_as_shown(image: Image) -> tuple[int, int]:
     """Read width and height of an opened image as it is shown upright.
 

@@ -383,6 +383,24 @@ def test_a_video_of_another_size_than_the_lens(tmp_path: Path) -> None:
     assert not [told for told in messages_of_files(same) if "the lens is for" in told]
 
 
+@pytest.mark.parametrize("decoder", ["PyAV", "ffmpeg"])
+def test_each_answer_says_that_a_video_has_another_size_than_the_lens(
+    decoder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("av")
+    from tests.kit.video import write_video
+
+    if decoder == "ffmpeg":
+        if shutil.which("ffmpeg") is None:
+            pytest.skip("ffmpeg is not there")
+        monkeypatch.setattr("vopd.video.has_pyav", bool)  # False
+    path = write_project(tmp_path, TOML.replace('"picks.csv"', '"picks.csv"\nvideo = "a.mp4"'))
+    write_video(tmp_path / "a.mp4", [100 * k for k in range(5)])
+    for command in ("attitude", "check"):
+        ran = vopd(command, path)
+        assert (ran.stdout + ran.stderr).count("a.mp4 has 64 x 48 upright") == 1, ran
+
+
 def test_picks_outside_the_image_are_counted_and_the_first_is_named(tmp_path: Path) -> None:
     one = flight(tmp_path)
     pixel = one.picks.pixel.copy()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
@@ -99,42 +99,51 @@ MOST_SIZES = 20  # pictures whose size each answer looks at
 def other_size(flight: Flight, most: int | None = None) -> str:
     """Name the first picked picture that has another size than its lens; empty if none has.
 
-    One that is not there, or cannot be read, is none; of a video one frame is decoded.
-
     Args:
         flight: whose project may name the pictures by `[picks] video`
-        most: how many pictures are looked at, and no video; None: all
+        most: how many pictures are looked at; None: all
     """
-    from vopd.video import upright_size
-
-    if not flight.video or flight.folder is None or (most and not flight.image_name):
+    if not flight.video or flight.folder is None or not len(flight.picks.frame):
         return ""
-    folders = [one if one.is_dir() else one.parent for one in flight.video]
-    places = image_places([*folders, flight.folder])
-    sizes = np.broadcast_to(flight.lens.by_rows("size_px"), (len(flight.frame), 2))
-    for k in np.unique(flight.picks.frame)[:most].tolist():
-        try:
-            if flight.image_name:
-                name = flight.image_name[k]
-                if (path := image_file(places, name)) is None:
-                    continue
-                size = upright_size(path)
-            else:
-                name = f"frame {flight.frame[k]}"
-                size = photograph(flight, int(flight.frame[k]), "").size
-        except VopdError:  # which is told where it is shown
-            continue
-        if (sizes[k] != size).any():
-            own, of_lens = (f"{one[0]:.0f} x {one[1]:.0f}" for one in (size, sizes[k]))
-            turned = ", turned" if (sizes[k] == size[::-1]).all() else ""
+    of_lens = np.broadcast_to(flight.lens.by_rows("size_px"), (len(flight.frame), 2))
+    for k, name, size in _sizes(flight, np.unique(flight.picks.frame)[:most].tolist()):
+        if (of_lens[k] != size).any():
+            own, lens = (f"{one[0]:.0f} x {one[1]:.0f}" for one in (size, of_lens[k]))
+            turned = ", turned" if (of_lens[k] == size[::-1]).all() else ""
             return (
-                f"[picks] video: {name} has {own} upright, and the lens is for {of_lens}{turned}: "
+                f"[picks] video: {name} has {own} upright, and the lens is for {lens}{turned}: "
                 "if it was picked in, give the lens of such pictures; of the same picture in "
                 "another size it is lens_size_px"
             )
-        if not flight.image_name:
-            break
     return ""
+
+
+def _sizes(flight: Flight, frames: list[int]) -> Iterator[tuple[int, str, tuple[int, int]]]:
+    """Iterate over the sizes of pictures of a flight, each with its frame and its name.
+
+    One that is not there, or cannot be read, is left out, which is told where it is shown. The
+    frames of a video have one size, for which one of them is decoded.
+    """
+    from vopd.video import STILLS, frame_size, open_frames, upright_size
+
+    assert flight.folder is not None
+    first, named = flight.video[0], flight.image_name
+    with suppress(VopdError):
+        if not named and first.suffix.lower() not in STILLS and not first.is_dir():
+            yield frames[0], first.name, frame_size(first)
+            return
+        folders = [one if one.is_dir() else one.parent for one in flight.video]
+        places = image_places([*folders, flight.folder])
+        images = None if named else open_frames([str(one) for one in flight.video])
+        for k in frames:
+            with suppress(VopdError):
+                if images is None:
+                    path, name = image_file(places, named[k]), named[k]
+                else:
+                    path = images.images[images.place(int(flight.frame[k]), "")]
+                    name = path.name
+                if path:
+                    yield k, name, upright_size(path)
 
 
 def image_places(folders: Iterable[Path]) -> list[Path]:

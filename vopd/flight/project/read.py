@@ -203,7 +203,7 @@ def flight_or_errors(project: Project) -> Flight:
 
 def _with_doubt_of_size(flight: Flight) -> Flight:
     """Warn of a picture of another size than its lens, among the first that the project names."""
-    if not (flight.video and flight.image_name):
+    if not flight.video:
         return flight
     from vopd.flight.formats.photographs import MOST_SIZES, other_size  # of few flights
 
