@@ -462,6 +462,9 @@ TOLERANCES = {
     ),
     "rae advised point": Tolerance("mm", 5.1e-3, "four printed digits of 18 mm"),
     "rae advised pixel": Tolerance("px", 5.1e-3, "six printed digits of 3,000 px"),
+    "rae advised pixel by stars": Tolerance(
+        "px", 3.6, "three of the 1.2 px to which 30 stars read to .1 px hold the point"
+    ),
     "rae advised k1": Tolerance("1", 5e-3, "readings of 1 px over .05 r**3 of 20 px, 12 stars"),
     "rae sum of seconds": Tolerance("arcsec", 1e-9, "sums of three of 1E3 seconds, 1E-13 each"),
     "rae defect": Tolerance("1", 1e-14, "products of elements below 1, nine sums of three"),

@@ -698,6 +698,31 @@ def test_distortion_of_the_lens_is_named() -> None:
     assert_approved(both.stderr)
 
 
+@pytest.mark.parametrize(
+    ("options", "off"),
+    [(("--focal-px", "15300"), (300.0, 240.0)), (("--free", "focal"), (200.0, 160.0))],
+)
+def test_a_camera_is_named_whose_errors_only_together_explain_the_residuals(
+    options: tuple[str, ...], off: tuple[float, float]
+) -> None:
+    """A principal point off by 384 or 256 px, and distortion, which turn the axis by a degree.
+
+    Mending one of them leaves more than a third of the residuals; mending all leaves the .1 px
+    of the readings.
+    """
+    text = in_pixels(photograph(30, 0.0005), k1=-0.05)
+    centre = ("--centre", f"{2999.5 - off[0]},{1999.5 - off[1]}", "--y-down")
+    wrong = solve_px(text, *options, *centre)
+    assert wrong.status == 3
+    (advice,) = [line for line in wrong.stderr.splitlines() if "residuals are then" in line]
+    found = re.search(r"--centre (\S+),(\S+), .* --free (\S+) solves", advice)
+    assert found is not None and found[3] == "focal,centre,k1", advice
+    assert_close(
+        "rae advised pixel by stars", [float(one) for one in found.groups()[:2]], [2999.5, 1999.5]
+    )
+    assert solve_px(text, "--free", found[3], *centre, "-q").status == 0
+
+
 @pytest.mark.parametrize("focal", [7.6, 760.0])
 def test_a_principal_distance_in_other_units_is_named_and_solved(focal: float) -> None:
     text = written(exact())

@@ -115,6 +115,8 @@ def judge(
         mistake = one_mistake(file, stars, fit, axes, outliers, CAMERA_MISTAKES * camera)
         if expected and mistake is None:
             mistake = two_mistakes(file, stars, fit, axes)
+        elif camera and mistake is None and int(stars.count) > FEW:
+            mistake = several_of_camera(file, stars, fit, axes)
     if not expected and mistake is not None:
         expected = (
             f"mending the mistake named below leaves {size_text(mistake.residual, 3)} {file.unit}"
@@ -447,9 +449,20 @@ def one_mistake(
     best = simplest([*others, *cameras, *wrong])
     if best is None or best not in cameras:
         return best
-    several = likeliest(tried(SEVERAL_OF_CAMERA, file, stars, fit, axes), AS_GOOD)
+    several = several_of_camera(file, stars, fit, axes)
     better = several is not None and several.residual**2 * LEAST_GAIN < best.residual**2
     return several if better else best
+
+
+def several_of_camera(
+    file: StarFile, stars: StarField, fit: AttitudeFit, axes: ImageAxes
+) -> Explanation | None:
+    """Find what is wrong about a camera where no single thing is; arguments as `one_mistake`.
+
+    An ordinary lens is off in its principal point and distorts: either alone, corrected, may
+    leave most of the residuals.
+    """
+    return likeliest(tried(SEVERAL_OF_CAMERA, file, stars, fit, axes), AS_GOOD)
 
 
 NOTICED = 3.0
@@ -480,7 +493,7 @@ def suspicious_photographs(
     """Test photographs together: may a mistake make plausible residuals much smaller?
 
     Nothing is iterated: a mistake of the camera is estimated from its derivatives, others from
-    the singular-value solution. Where neither helps, `one_mistake` finds none.
+    the singular-value solution. Where neither helps, `judge` finds none.
     """
     found = np.array([bool(one.outliers) for one in fitted])
     variance = np.array([one.fit.variance_mm2 for one in fitted])
@@ -506,7 +519,7 @@ def two_mistakes(
     file: StarFile, stars: StarField, fit: AttitudeFit, axes: ImageAxes
 ) -> Explanation | None:
     """Find two mistakes that only together explain the residuals; arguments as `one_mistake`."""
-    several = likeliest(tried(SEVERAL_OF_CAMERA, file, stars, fit, axes), AS_GOOD)
+    several = several_of_camera(file, stars, fit, axes)
     found = tried(TWO_MISTAKES, file, stars, fit, axes)
     return simplest([*([several] if several else []), *found])
 
