@@ -17,6 +17,7 @@ import ccsds_ndm
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from scipy.stats import t as t_distribution
 from skyfield import jpllib
 from skyfield.api import load
 from skyfield.errors import EphemerisRangeError
@@ -171,6 +172,38 @@ def test_the_command_gives_azimuth_elevation_and_the_vehicle() -> None:
     down = solved(ORION, *AT, "--mount", "down")
     turned = solved(ORION, *AT, "--mount", "0,-90,0")
     assert_close("rae angle", down["vehicle_pitch_deg"], turned["vehicle_pitch_deg"])
+
+
+def test_several_photographs_have_their_angles_in_tables(tmp_path: Path) -> None:
+    """Orion an hour apart: each row has what the photograph by itself has, and its interval.
+
+    Half of the 95 % interval is the standard deviation times Student's t of 13 degrees of freedom.
+    """
+    dates = ["2020-01-15T21:00:00Z", "2020-01-15T22:00:00Z"]
+    head, *stars = [line for line in Path(ORION).read_text().splitlines() if line[0] != "#"]
+    rows = [f"night {date[11:13]},{date},{star}" for date in dates for star in stars]
+    night = tmp_path / "night.csv"
+    night.write_text("\n".join([f"image,utc,{head}", *rows, ""]))
+    place = ("--place", "48,11,500", "--mount", "90,10,5")
+    result = solve(night, *place)
+    assert result.status == 0
+    printed = result.stdout.splitlines()
+    for first, names in (
+        ("azimuth", ("azimuth", "elevation", "camera_roll")),
+        ("vehicle yaw", ("vehicle_yaw", "vehicle_pitch", "vehicle_roll")),
+    ):
+        (at,) = [k for k, line in enumerate(printed) if f" {first} " in line]
+        for k, date in enumerate(dates):
+            one = solved(ORION, "--date", date, *place)
+            cells = printed[at + 2 + k].split()
+            assert cells[:2] == ["night", date[11:13]] and len(stars) == 8
+            for name, value, half in zip(names, cells[3::2], cells[4::2], strict=True):
+                decimals = len(value.partition(".")[2])
+                assert value == f"{one[f'{name}_deg']:.{decimals}f}"
+                width = one[f"sigma_{name}_deg"] * t_distribution.ppf(0.975, 13)
+                assert half == f"{width:.{decimals}f}"
+    (epoch,) = [line for line in printed if line.startswith("right ascension and declination")]
+    assert not any(date in epoch for date in dates)
 
 
 def test_a_vehicle_with_a_mount_by_hand() -> None:

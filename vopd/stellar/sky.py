@@ -528,8 +528,9 @@ IDENTIFIED_UNDATED = (
     "ICRF axes (J2000), stars identified in Gaia DR3 and Hipparcos, at 2000.0: no aberration or "
     "refraction"
 )
+EQUINOX_OF = "the true equator and equinox of "
 DATED = (
-    "ICRF axes (J2000), and where it says of date the true equator and equinox of {moment}; "
+    f"ICRF axes (J2000), and where it says of date {EQUINOX_OF}{{moment}}; "
     "stars of {source}, seen with {effects}"
 )
 """What right ascensions and declinations refer to."""

@@ -18,7 +18,7 @@ from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
 from vopd.stellar.listed import LISTED_CORRECTIONS, stars_printout
 from vopd.stellar.methods.run import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
-from vopd.stellar.sky import OF_PLACE, OF_VEHICLE
+from vopd.stellar.sky import EQUINOX_OF, OF_PLACE, OF_VEHICLE
 
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
 
@@ -49,19 +49,36 @@ def as_text(
             pages += [table, residuals]
         pages.append(_details(one, photograph.file))
     elif rows:
-        pages += [_directions([row for row in rows if row[0].epoch]), _table(rows)]
+        pages += [_directions([row for row in rows if row[0].epoch])]
+        pages += [_horizon(rows, OF_PLACE), _horizon(rows, OF_VEHICLE), _table(rows)]
         pages = [page for page in pages if page]
     if any(one.points for _, one in rows):
         pages.insert(1, _points([row for row in rows if row[1].points]))
     if len(rows) > 1 and rows[0][1].camera is not None:
         pages += _cameras(rows)
-    epochs = dict.fromkeys(one.epoch for one in photographs if one.epoch and one.solved)
-    if epochs:
+    if len(rows) > 1 and any("azimuth_deg" in (one.sky or {}) for _, one in rows):
+        pages.append(f"{EXACT_SKY}\n")
+    if epochs := _epochs([one.epoch for one in photographs if one.epoch and one.solved]):
         pages.append("".join(f"right ascension and declination: {epoch}\n" for epoch in epochs))
     for photograph in photographs:
         if any(one.disagreement_arcsec is not None for one in photograph.solved):
             pages.append(_disagreements(photograph))
     return "\n".join(pages)
+
+
+def _epochs(stated: list[str]) -> list[str]:
+    """List what right ascensions refer to, each once: those that differ by their dates are one."""
+    dates: dict[tuple[str, str], dict[str, None]] = {}
+    for epoch in stated:
+        before, of, rest = epoch.partition(EQUINOX_OF)
+        date, _, after = rest.partition(";")
+        dates.setdefault((before + of, after), {})[date] = None
+    return [
+        head
+        + ("the date of each photograph" if len(of) > 1 else "".join(of))
+        + f";{after}" * bool(after)
+        for (head, after), of in dates.items()
+    ]
 
 
 WHOLE_TURN = 360.0  # degrees
@@ -186,6 +203,32 @@ def _directions(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]]) -> str:
         keep = [k for k, cell in enumerate(table[0]) if cell != "+-"]
         table = [[row[k] for k in keep] for row in table]
     return _laid_out(table)
+
+
+def _horizon(rows: Sequence[tuple[SolvedPhotograph, SolvedStars]], names: Sequence[str]) -> str:
+    """Tabulate angles against the horizon of those photographs that have them.
+
+    Args:
+        rows: photographs and their solutions
+        names: names of the angles, as in `OF_PLACE`
+    """
+    heads = [name.removesuffix("_deg").replace("_", " ") for name in names]
+    table = [
+        ["image", "method", *(cell for head in heads for cell in (head, "+-"))],
+        ["", "", *(cell for _ in heads for cell in ("deg", ""))],
+    ]
+    for photograph, one in rows:
+        sky = one.sky or {}
+        if names[0] not in sky:
+            continue
+        cells = []
+        for name in names:
+            sigma = sky.get(f"sigma_{name}")
+            half = None if sigma is None else half_widths([sigma], one.reading_freedom)[0]
+            cells += with_half(sky[name], half)
+        table.append([photograph.label, one.method, *cells])
+    keep = [k for k in range(len(table[0])) if any(row[k] for row in table[2:])]
+    return _laid_out([[row[k] for k in keep] for row in table]) if keep else ""
 
 
 def _laid_out(table: list[list[str]]) -> str:
