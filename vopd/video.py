@@ -482,6 +482,50 @@ def presentation(path: Path) -> tuple[Ints, float, int, int]:
     Raises:
         VopdError: if it cannot be read, or has no frames
     """
+    try:
+        return _presentation(path)
+    except VopdError as error:
+        if told := _cut_off(path):
+            raise VopdError(f"{path.name}: {told}") from error
+        raise
+
+
+MOST_BOXES = 1_000  # of an MP4: they are a handful, or the parts of a stream
+
+
+def _cut_off(path: Path) -> str:
+    """Say that an MP4 or MOV ends before one of its boxes does, or has no index.
+
+    A box begins with its length and its name. What decoders say of such a file depends on where it
+    ends.
+
+    Returns:
+        Empty for others.
+    """
+    whole = path.stat().st_size
+    at, names = 0, list[bytes]()
+    with path.open("rb") as file:
+        while at < whole and len(names) < MOST_BOXES:
+            file.seek(at)
+            head = file.read(16)
+            names.append(head[4:8])
+            if names[0] not in (b"ftyp", b"moov", b"mdat", b"wide", b"free", b"skip"):
+                return ""
+            size = int.from_bytes(head[:4])
+            size = int.from_bytes(head[8:]) if size == 1 else size or whole - at
+            at += max(size, 8)
+    if at > whole:
+        missing = count_text(at - whole, "byte is missing", "bytes are missing")
+        return f"the file is cut off, {missing} at the end: copy it again"
+    if at == whole and b"moov" not in names:
+        return (
+            "the file has no index (moov): the recording or the copy did not come to its end: copy "
+            "it again, or repair it by the camera maker's program"
+        )
+    return ""
+
+
+def _presentation(path: Path) -> tuple[Ints, float, int, int]:
     lost = hidden = 0
     with path.open("rb") as file:
         head = file.read(512)

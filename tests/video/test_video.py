@@ -77,6 +77,28 @@ def test_a_video_that_is_cut_off_behind_its_index(tmp_path: Path) -> None:
     assert_approved(frames.about)
 
 
+@pytest.mark.parametrize("decodes", [True, False], ids=["PyAV", "ffmpeg"])
+def test_a_video_that_is_cut_off_within_its_index(
+    decodes: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a decoder says depends on the place: no decoder, no frame, no time, no valid data."""
+    if not decodes and shutil.which("ffmpeg") is None:
+        pytest.skip("ffmpeg is not there")
+    content = write_video(tmp_path / "a.mp4", EVEN_MS).read_bytes()
+    index = content.index(b"moov") - 4
+    monkeypatch.setattr("vopd.video.has_pyav", lambda: decodes)
+    inside = [content.index(name) for name in (b"mvhd", b"stsd", b"avcC", b"stts", b"stsz")]
+    whole = int.from_bytes(content[index : index + 4])
+    for end in (index - 9, index + 8, *inside):
+        (tmp_path / "cut.mp4").write_bytes(content[:end])
+        missing = (index if end < index else index + whole) - end
+        with refused(VopdError, parts=[f"{missing} bytes"]):
+            open_frames([str(tmp_path / "cut.mp4")])
+    (tmp_path / "cut.mp4").write_bytes(content[:index])
+    with refused(VopdError):
+        open_frames([str(tmp_path / "cut.mp4")])
+
+
 def test_frames_that_an_edit_list_does_not_show(tmp_path: Path) -> None:
     """Without a unit of time all but the first are behind the end of the list."""
     content = bytearray(example_project().contents["flight.mp4"])
@@ -231,9 +253,8 @@ def test_frames_spread_over_a_video(tmp_path: Path) -> None:
 
 def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    video = write_video(tmp_path / "a.mp4", EVEN_MS)
+    write_video(tmp_path / "a.mp4", EVEN_MS)
     Path("list.mp4").write_text("#EXTM3U\n#EXTINF:10,\na.mp4\n")
-    Path("cut.mp4").write_bytes(video.read_bytes()[: video.stat().st_size // 2])
     Path("words.mp4").write_bytes(b"\0frame,landmark\n" * 9)
     Path("geo.txt").write_text("EPSG:32633\n" + "F0.JPG 600000 5200000 540 0 0 0\n" * 60)
     Path("\xe4.nfo").write_bytes(511 * b"a" + "\xe4".encode() + b"a" * 9)  # cut within a letter
@@ -247,7 +268,7 @@ def test_what_is_no_video(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
         Path(name).mkdir()
         Path(name, "same.png").write_bytes(b"")
     for names in (
-        ["none.mp4"], ["words.mp4"], ["cut.mp4"], ["folder"], ["a.mp4", "a.mp4"],
+        ["none.mp4"], ["words.mp4"], ["folder"], ["a.mp4", "a.mp4"],
         ["a.mp4", "empty.png"],
         ["a", "empty.png"], ["a/same.png", "b/same.png"], ["/dev/zero"], ["list.mp4"],
         ["sound.wav"], ["bare.h264"], ["geo.txt"], ["\xe4.nfo"],
