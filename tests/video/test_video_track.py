@@ -258,6 +258,31 @@ def test_subtitles_of_drones(block: str, place: tuple[float, float, float], tmp_
     assert_approved([rows.said, rows.from_ground])
 
 
+@pytest.mark.parametrize("behind", ["", "x", "m", "°", "ft", " ft", "_5", ".5", ",5", "-"])
+@pytest.mark.parametrize(
+    "block",
+    [
+        "[latitude: 47.25{}] [longitude: 15.5] [rel_alt: 31.500 abs_alt: 221.2]",
+        "[latitude: 47.25] [longitude: 15.5] [rel_alt: 31.500 abs_alt: 221.2{}]",
+        "F/2.8, GPS (15.5, 47.25, 19), D 221.2m, H 221.2{}, H.S 0.00m/s",
+    ],
+    ids=["latitude", "abs_alt", "H"],
+)
+def test_numbers_of_subtitles_with_something_behind_them(
+    block: str, behind: str, tmp_path: Path
+) -> None:
+    """A unit that is right is read; with anything else a number is refused, and not cut off."""
+    path = tmp_path / "a.SRT"
+    path.write_text(f"1\n00:00:01,000 --> 00:00:02,000\n{block.format(behind)}\n", "utf-8")
+    if behind in ("", "°" if block.startswith("[latitude: 47.25{") else "m"):
+        assert_close(
+            "place or time as a file has it", read(path).coordinate, [[15.5, 47.25, 221.2]]
+        )
+    else:
+        with refused(VopdError):
+            read(path)
+
+
 def test_subtitles_repeat_positions(tmp_path: Path) -> None:
     """Four frames of three positions, one of which is written twice; the other spelling too."""
     lines = []

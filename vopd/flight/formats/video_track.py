@@ -188,12 +188,14 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
 
 ARROW = re.compile("-->")
 BLOCK = re.compile(r"(?<!\d)(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->", re.ASCII)
+NUMBER = r"(-?[\d.][^\s\])<,;]*(?:,\d[^\s\])<,;]*)?(?: ft\b)?)"  # to its end, whatever is in it
+UNITS = re.compile("(?<=[0-9.])°$"), re.compile("(?<=[0-9.])[mM]$")  # of angles, of heights
 FIELDS = tuple(
-    re.compile(rf"\b(?:{names})\s*:\s*(-?[\d.]+(?:,\d+|[eE][-+]?\d+)?)")
+    re.compile(rf"\b(?:{names})\s*:\s*{NUMBER}")
     for names in ("latitude", "longitude|longtitude", "abs_alt|altitude")
 )
 BEFORE = re.compile(r"\bGPS\s*\(\s*(-?[\d.]+)\s*,\s*(-?[\d.]+)\s*,\s*(?:\d+|-?[\d.]+(M))\s*\)")
-ABOVE = re.compile(r"\b(?:BAROMETER:|Hb:|H )\s*(-?[\d.]+)")
+ABOVE = re.compile(rf"\b(?:BAROMETER:|Hb:|H )\s*{NUMBER}")
 HEIGHTS_ABOVE = "BAROMETER, Hb or H"
 NO_BRACKETS = (
     "no block has [latitude: ..] [longitude: ..] and abs_alt or altitude, or GPS(..) with "
@@ -236,7 +238,8 @@ def read_srt(file: InputFile) -> TrackRows:
         hours, minutes, seconds, parts = start.groups()
         try:
             t = whole_number(hours) * 3600.0 + int(minutes) * 60.0 + int(seconds)
-            place = [plain_number(one) for one in words]
+            own = [UNITS[k == 2].sub("", one) for k, one in enumerate(words)]
+            place = [plain_number(one) for one in own]
         except ValueError as error:
             raise file.error(reason(error), line) from error
         if not np.isfinite(place).all():
