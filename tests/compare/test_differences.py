@@ -402,6 +402,9 @@ REFUSED = {
     "nan": "units: not a number of 0 or more: 'nan'",
     "inf": "units: not a number of 0 or more: 'inf'", "1,5": "units: not a number: '1,5'",
     "-1E-9": "units: not a number of 0 or more: '-1E-9'",
+    "1e400": "units: not a number of 0 or more: '1e400'",
+    "1e99999999999": "units: not a number of 0 or more: '1e99999999999'",
+    "1_0": "units: not a number: '1_0'", "\u0663": "units: not a number: '\u0663'",
 }  # fmt: skip
 
 

@@ -7,13 +7,14 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from dataclasses import field as derived
-from decimal import Context, Decimal, InvalidOperation
+from decimal import Context, Decimal
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import BinaryIO, Literal
 
 from vopd.findings import VopdError, listed
+from vopd.inputs import is_number
 from vopd.listing.formats import LINES, Field, Line
 from vopd.listing.lines import (
     ILLEGIBLE,
@@ -199,15 +200,14 @@ def exact_units(units: float | Decimal | str) -> Decimal:
         The same number, exactly.
 
     Raises:
-        VopdError: if `units` is negative, not finite, or no number.
+        VopdError: if `units` is negative, beyond 1e308, or no number.
     """
-    try:
-        exact = Decimal(str(units))
-    except InvalidOperation:
-        raise VopdError(f"units: not a number: {str(units)!r}") from None
-    if not exact.is_finite() or exact < 0:
-        raise VopdError(f"units: not a number of 0 or more: {str(units)!r}")
-    return exact
+    text = str(units)
+    if not is_number(text):
+        raise VopdError(f"units: not a number: {text!r}")
+    if not 0.0 <= float(text) < float("inf"):
+        raise VopdError(f"units: not a number of 0 or more: {text!r}")
+    return Decimal(text)
 
 
 def printed_number(text: str) -> Decimal | None:
@@ -369,7 +369,7 @@ def compare_listings(
         The differences, and how many pages and fields were compared.
 
     Raises:
-        VopdError: if `units` is negative, not finite, or no number.
+        VopdError: if `units` is negative, beyond 1e308, or no number.
     """
     result = Comparison()
     result.differences = tuple(
