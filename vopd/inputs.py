@@ -253,8 +253,43 @@ LATEST_CLOCK_S = 1e9
 """In 2001: clocks count from a date before, of 1970, 1980 or 2000; a flight from its own."""
 
 
+GPS_AHEAD_S = (  # of UTC, from a date on
+    (datetime(2017, 1, 1, tzinfo=UTC), 18.0),
+    (datetime(2015, 7, 1, tzinfo=UTC), 17.0),
+    (datetime(2012, 7, 1, tzinfo=UTC), 16.0),
+    (datetime(2009, 1, 1, tzinfo=UTC), 15.0),
+    (datetime(2006, 1, 1, tzinfo=UTC), 14.0),
+)
+
+
+def gps_ahead_s(moment: datetime | float | None) -> float:
+    """Look up by how much GPS time is ahead of UTC, now where no date is known; NaN before 2006.
+
+    Args:
+        moment: a date, or seconds since 1970, of any size
+    """
+    if moment is None:
+        return GPS_AHEAD_S[0][1]
+    at_s = moment.timestamp() if isinstance(moment, datetime) else moment
+    return next((ahead for since, ahead in GPS_AHEAD_S if at_s >= since.timestamp()), float("nan"))
+
+
+GPS_ZERO_S = 315_964_800.0  # 1980-01-06, from which GPS counts its seconds, since 1970
+A_DAY_S = 86_400.0
+
+
+def gps_second(moment: datetime) -> float:
+    """Convert a date to GPS seconds, those since 1980-01-06 on its clock; NaN before 2006."""
+    return moment.timestamp() - GPS_ZERO_S + gps_ahead_s(moment)
+
+
+def is_gps_second(second: float, epoch: datetime) -> bool:
+    """Tell whether a time, as GPS seconds, is within a day of a date."""
+    return abs(second - gps_second(epoch)) < A_DAY_S
+
+
 def since_1970(epoch: datetime | None, first_s: float) -> str:
-    """Say of times that are counted from 1970 that the date of their zero is another.
+    """Say of times that are counted from 1970, or from 1980, that their zero is another date.
 
     Args:
         epoch: the date that is stated for t = 0, if any
@@ -265,9 +300,13 @@ def since_1970(epoch: datetime | None, first_s: float) -> str:
     """
     if epoch is None or not LATE_S <= first_s <= LAST_S or epoch.timestamp() < LATEST_CLOCK_S:
         return ""
+    what, zero = "seconds since 1970", "1970-01-01T00:00:00Z"
+    if is_gps_second(first_s, epoch):
+        what = "GPS seconds, since 1980-01-06,"
+        zero = f"{datetime.fromtimestamp(GPS_ZERO_S - gps_ahead_s(epoch), UTC):%Y-%m-%dT%H:%M:%SZ}"
     return (
-        f"is the moment of t = 0, and the frames' times are from {first_s:.10g} s on, as seconds "
-        "since 1970 are: write 1970-01-01T00:00:00Z"
+        f"is the moment of t = 0, and the frames' times are from {first_s:.10g} s on, as {what} "
+        f"are: write {zero}"
     )
 
 

@@ -297,6 +297,33 @@ def test_times_since_1970_have_no_other_zero(tmp_path: Path) -> None:
     assert "START_TIME = 2026-05-01T11:58:44.000000" in aem
 
 
+GPS_S = START_S - 315_964_800 + 18  # since 1980-01-06, without leap seconds
+
+
+def test_gps_seconds_are_named_with_the_line_that_brings_them_to_the_flights(
+    tmp_path: Path,
+) -> None:
+    """In a column t_s, and in one that is taken for seconds since 1970; and of the frames."""
+    path = write_project(tmp_path)
+    rows = [one.partition(",") for one in (tmp_path / "track.csv").read_text().splitlines()[1:]]
+    for name, more in (("t_s", ""), ("time", 'clock = "gps"\n')):
+        text = "".join(f"{float(t) + GPS_S},{rest}\n" for t, _, rest in rows)
+        (tmp_path / "track.csv").write_text(f"{name},lat_deg,lon_deg,h_m\n{text}")
+        path.write_text(TOML.replace("[track]\n", f"[track]\n{more}"))
+        with refused(VopdError, parts=[tmp_path]):
+            vopd.solve_flight(path)
+    cure = f'columns = {{ t_s = "time" }}\noffset_s = {-GPS_S}\n'
+    path.write_text(TOML.replace("[track]\n", f"[track]\n{cure}"))
+    truth = truth_deg() % 360.0 - [0, 360, 0]
+    assert_close("flight angle", vopd.solve_flight(path).camera_deg, truth)
+    frames = "".join(f"{k},{GPS_S + 2.0 + k / 10}\n" for k in range(5))
+    (tmp_path / "times.csv").write_text("frame,t_s\n" + frames)
+    rate = "frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0\n"
+    path.write_text(TOML.replace(rate, 'times = "times.csv"\n'))
+    with refused(VopdError, parts=[tmp_path]):
+        vopd.solve_flight(path)
+
+
 def test_frames_with_dates_on_a_track_in_seconds_need_the_date_of_its_zero(tmp_path: Path) -> None:
     """Or that of the frames' own first second would be taken for it, 2 s after the track's."""
     text = "frame,t_utc\n" + "".join(f"{k},2026-05-01T11:58:44.{k}Z\n" for k in range(5))

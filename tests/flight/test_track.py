@@ -426,6 +426,8 @@ def test_what_is_said_of_a_track_that_has_other_images_or_another_clock() -> Non
     for hours, is_zone in ((14.0, True), (15.0, False)):
         late = track_rows(time_s=np.array([0.0, 1.0, 2.0]) + 3600.0 * hours)
         assert ("a time zone?" in why_nowhere(section, late, times((5.0,)))) == is_zone
+    undated = times((5.0,))
+    assert_approved(why_nowhere(section, track_rows(clock="seconds", time_s=since), undated))
     between = track_rows(time_s=np.array([40.0, 50.0, 60.0]))
     assert_approved(why_nowhere(section, between, times((-9_999.0, 99_999.0))))
 

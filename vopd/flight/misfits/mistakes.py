@@ -26,10 +26,11 @@ from vopd.flight.misfits.input_errors import (
 )
 from vopd.flight.project.keys import Project
 from vopd.flight.project.read import flight_of
-from vopd.flight.project.track import gps_ahead_s, height_datum
+from vopd.flight.project.track import height_datum
 from vopd.flight.solve.rotations import FlightBlocks, solve
 from vopd.geometry.earth import earth_centred_m, geodetic
 from vopd.geometry.lenses import MODELS, Lenses
+from vopd.inputs import gps_ahead_s
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 
 DOUBTED = 2.0  # in standard deviations of a pick: from there on mistakes are tried

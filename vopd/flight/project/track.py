@@ -53,30 +53,10 @@ from vopd.flight.project.velocity import (
     with_gaps,
 )
 from vopd.geometry.earth import NED_FROM_ENU, local_axes
-from vopd.inputs import LAST_S, LATE_S
+from vopd.inputs import GPS_ZERO_S, LAST_S, LATE_S, gps_ahead_s, gps_second, is_gps_second
 from vopd.video import find_images, twins_text
 
 # Clocks of tracks: UTC, GPS time, or seconds of the flight
-
-GPS_AHEAD_S = (  # of UTC, from a date on
-    (datetime(2017, 1, 1, tzinfo=UTC), 18.0),
-    (datetime(2015, 7, 1, tzinfo=UTC), 17.0),
-    (datetime(2012, 7, 1, tzinfo=UTC), 16.0),
-    (datetime(2009, 1, 1, tzinfo=UTC), 15.0),
-    (datetime(2006, 1, 1, tzinfo=UTC), 14.0),
-)
-
-
-def gps_ahead_s(moment: datetime | float | None) -> float:
-    """Look up by how much GPS time is ahead of UTC, now where no date is known; NaN before 2006.
-
-    Args:
-        moment: a date, or seconds since 1970, of any size
-    """
-    if moment is None:
-        return GPS_AHEAD_S[0][1]
-    at_s = moment.timestamp() if isinstance(moment, datetime) else moment
-    return next((ahead for since, ahead in GPS_AHEAD_S if at_s >= since.timestamp()), float("nan"))
 
 
 def track_on_clock(section: Section, rows: TrackRows, times: FrameTimes) -> Floats:
@@ -839,8 +819,22 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
     gap = max(first - own[-1], own[0] - last)  # of the frame next to the track
     apart = f"{gap:.3g} s apart{covering_text(own, times.time_s, section.number('offset_s'))}"
     assert rows.time_s is not None
-    if rows.clock == "seconds" and LAST_S >= rows.time_s[0] >= LATE_S > last:
+    if times.epoch is not None and is_gps_second(float(rows.time_s[0]), times.epoch):
+        apart = f"apart: the track's times are {GPS_SECONDS}: "
+        if rows.clock != "seconds":
+            apart += "call the column t_s, leave [track] clock out, and "
+        apart += f"write [track] offset_s = {-gps_second(times.epoch):.14g}"
+    elif rows.clock == "seconds" and LAST_S >= rows.time_s[0] >= LATE_S > last:
         apart = "apart: the track's t_s are seconds since 1970, call the column t_unix_s"
+        if times.epoch is None:
+            by_1970, by_gps = (
+                f"{datetime.fromtimestamp(rows.time_s[0] + zero_s, UTC):%Y-%m-%d}"
+                for zero_s in (0.0, GPS_ZERO_S)
+            )
+            apart += (
+                f" (from {by_1970} on), or GPS seconds (from {by_gps} on): then [track] offset_s "
+                "is that of t = 0, with a minus"
+            )
     elif gap < 0.0:
         apart = "before and behind it"
     elif hours := round(gap / 3600.0):
@@ -852,6 +846,7 @@ def why_nowhere(section: Section, rows: TrackRows, times: FrameTimes) -> str:
     )
 
 
+GPS_SECONDS = "GPS seconds (since 1980-01-06)"
 NEARLY_S = 0.1
 """Frames that are no farther beyond a track are told which offset of its clock covers them."""
 

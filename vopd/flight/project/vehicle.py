@@ -11,8 +11,8 @@ from vopd.flight.formats.columns import TIME
 from vopd.flight.formats.tables import frame_names, read_csv
 from vopd.flight.project.keys import Project
 from vopd.flight.project.times import FrameTimes, refuse_seconds
-from vopd.flight.project.track import gps_ahead_s
 from vopd.geometry.rotations import body_axes
+from vopd.inputs import gps_ahead_s
 
 
 def read_vehicle(project: Project, offset_s: float, times: FrameTimes) -> VehicleAttitudes:
