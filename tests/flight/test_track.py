@@ -37,6 +37,7 @@ from vopd.flight.project.track import (
     rows_of_images,
     times_of_track,
     track_clock,
+    track_height,
     track_on_clock,
     why_nowhere,
 )
@@ -189,6 +190,10 @@ def test_a_position_that_the_track_leaps_to_is_named() -> None:
         moved = position + aside_m * np.eye(3)[1] * (np.arange(5) == 3)[:, None]
         ten_a_second = replace(rows, time_s=np.arange(5.0) / 10.0)
         assert bool(doubts_of_leaps(ten_a_second, moved, None, "t.csv")) == named
+    # 1.45 m there and back within .05 s: 29 m/s more, which the half second before does not last
+    uneven = replace(rows, time_s=np.array([0.0, 0.5, 0.55, 1.05, 1.55]))
+    still = np.tile(START, (5, 1)) + 1.45 * np.eye(3)[1] * (np.arange(5) == 2)[:, None]
+    assert doubts_of_leaps(uneven, still, None, "t.csv") == []
 
 
 def test_a_leap_is_more_than_the_errors_of_fixes_make() -> None:
@@ -269,6 +274,9 @@ def test_two_positions_are_a_track() -> None:
     times = FrameTimes(np.array([0.25]), (), None)
     found = path_by_time(keys(), rows, rows.coordinate, times, Notes([], {}), "t.csv")
     assert_close("flight position", found.position_m[0], START + 1.0)
+    noisy = replace(rows, sigma_m=np.full((2, 3), 0.1))
+    found = path_by_time(keys(), noisy, rows.coordinate, times, Notes([], {}), "t.csv")
+    assert found.fixes is not None and found.fixes.slopes is None  # what bends is not known
 
 
 def test_frames_without_times_are_refused() -> None:
@@ -381,6 +389,9 @@ def test_heights_of_a_track_are_the_format_s_or_the_project_s() -> None:
     ground = Section("p.toml", "track", {"height": {"ground_m": 20.0}})
     on_a_geoid = HeightDatum("undulation", 40.0, ground_m=20.0)
     assert height_datum(ground, Section("p.toml", "landmarks", above)) == on_a_geoid
+    marks = Section("p.toml", "landmarks", {"height": "ellipsoid"})
+    with refused(VopdError):  # a file that says it, and a ground besides
+        track_height(ground, track_rows(height="ellipsoid"), marks)
     for key in ("ground_m", "undulation_m"):
         assert_approved(refusal("track", {"height": {key: -1e12}}, track_rows()))
     said = refusal("track", {"height": "geoid"}, track_rows())

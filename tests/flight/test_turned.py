@@ -11,13 +11,15 @@ from vopd.flight.project.turned import doubts_of_turn
 
 IMAGES = ("march.jpg", "april.jpg", "may.jpg")
 PLACES = {"mast": (10, 20), "well": (610, 30), "arch": (320, 240), "barn": (15, 460)}
-TENTHS = np.random.default_rng(1974).integers(-9, 10, (3, 4, 2)) / 10.0
+TENTHS = np.random.default_rng(1974).integers(-9, 10, (60, 4, 2)) / 10.0
 
 
-def doubts(moved: dict[tuple[str, str], tuple[float, float]]) -> list[str]:
+def doubts(
+    moved: dict[tuple[str, str], tuple[float, float]], days: tuple[str, ...] = IMAGES
+) -> list[str]:
     """Doubt picks with errors below a pixel, those of an image and a landmark moved besides."""
     names, image, pixel = [], [], []
-    for k, day in enumerate(IMAGES):
+    for k, day in enumerate(days):
         for n, (name, (u, v)) in enumerate(PLACES.items()):
             right, down = moved.get((day, name), (0.0, 0.0))
             names.append(name)
@@ -25,9 +27,9 @@ def doubts(moved: dict[tuple[str, str], tuple[float, float]]) -> list[str]:
             pixel.append(TENTHS[k, n] + (u + right, v + down))
     sigma = np.ones(len(names))
     rows = PickRows(
-        Names(IMAGES[k] for k in image), Names(names), np.array(pixel), sigma, "centre", None, "CSV"
+        Names(days[k] for k in image), Names(names), np.array(pixel), sigma, "centre", None, "CSV"
     )
-    return doubts_of_turn(rows, np.array(image), IMAGES)
+    return doubts_of_turn(rows, np.array(image), days)
 
 
 def test_an_image_whose_picks_are_all_shifted_is_told() -> None:
@@ -35,6 +37,11 @@ def test_an_image_whose_picks_are_all_shifted_is_told() -> None:
     told = doubts({("april.jpg", name): (-9.0, 12.0) for name in PLACES})
     assert_approved(told)
     assert "april.jpg" in told[0]
+
+
+def test_of_many_images_the_last_are_looked_at_too() -> None:
+    days = tuple(f"{k:02d}.jpg" for k in range(60))
+    assert len(doubts({(day, name): (0.0, 9.0) for day in days[50:] for name in PLACES}, days)) == 1
 
 
 def test_a_picture_that_is_turned_about_its_middle_is_told() -> None:

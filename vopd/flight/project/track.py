@@ -529,10 +529,8 @@ NEAR_ROWS = 30_000  # before and after the frames: those farther away are not lo
 
 
 def _near(at_s: Floats, time_s: Floats) -> slice:
-    """Select the rows of a long track about the frames; all where no frame has a row."""
+    """Select the rows of a long track about the frames."""
     first, behind = np.searchsorted(time_s, [np.nanmin(at_s), np.nanmax(at_s)])
-    if behind == 0 or first == len(time_s):
-        return slice(None)
     return slice(max(int(first) - NEAR_ROWS, 0), int(behind) + NEAR_ROWS)
 
 
