@@ -67,6 +67,26 @@ def test_a_nearly_singular_matrix_is_not_only_inverted() -> None:
     assert_close("table value", pseudo_inverse(tall)[0, 1, 1] / 1e5, 1.0)
 
 
+def test_many_singular_matrices_cost_no_call_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sums of one product are singular but for rounding, and numpy finds a zero in part of them."""
+    ray = np.random.default_rng(3).normal(size=(2000, 2, 3))
+    ray[::5] = 0.0
+    stack = ray.swapaxes(1, 2) @ ray
+    stack[1::5] += np.eye(3)
+    real, calls = np.linalg.inv, list[int]()
+
+    def counted(a: Floats) -> Floats:
+        calls.append(1)
+        return real(a)
+
+    monkeypatch.setattr(np.linalg, "inv", counted)
+    found = inverse(stack)
+    assert len(calls) < 10
+    each = np.concatenate([inverse(one[None]) for one in stack])
+    assert np.array_equal(found, each, equal_nan=True)
+    assert np.isnan(found[::5]).all() and np.isfinite(found[1::5]).all()
+
+
 def test_from_which_condition_on_an_inverse_is_doubted() -> None:
     assert (linear_algebra.FAR_FROM_SINGULAR, linear_algebra.WELL_DETERMINED) == (1e6, 1e4)
 

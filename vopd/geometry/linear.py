@@ -25,8 +25,18 @@ def inverse(matrices: Floats) -> Floats:
     Args:
         matrices: (..., N, N)
     """
-    (found,) = _of_each(lambda a: (np.linalg.inv(a),), matrices, np.eye(matrices.shape[-1]))
+    (found,) = _of_each(_inverses, matrices, np.eye(matrices.shape[-1]))
     return found
+
+
+def _inverses(matrices: Floats) -> tuple[Floats]:
+    """Invert matrices at once, those aside whose determinant is 0 by the same factors."""
+    try:
+        return (np.linalg.inv(matrices),)
+    except np.linalg.LinAlgError:
+        singular = np.asarray(np.linalg.slogdet(matrices)[0] == 0.0)
+        rest = np.where(singular[..., None, None], np.eye(matrices.shape[-1]), matrices)
+        return (np.where(singular[..., None, None], np.nan, np.linalg.inv(rest)),)
 
 
 @np.errstate(all="ignore")

@@ -575,7 +575,8 @@ def frames_uncovered(
         if some.any():
             labels = [label(k) for k in np.flatnonzero(some).tolist()]
             hint = f"; {COMMENTS}" * any(one.startswith("#") for one in labels)
-            messages.append(f"{what} {first_of(labels, 3)}{hint or twins_text(labels)}")
+            hint = hint or (twins_text(labels) if times.image else "")
+            messages.append(f"{what} {first_of(labels, 3)}{hint}")
     if path.row_s is not None and (lost & ~untimed).any():
         offset_s = project.section("track").number("offset_s")
         messages[-1] += covering_text(path.row_s, times.time_s, offset_s)
