@@ -557,6 +557,7 @@ TOLERANCES = {
     "mean of one frame": Tolerance("1", 1e-6, "of its covariance; the reading sigma to .1 %"),
     "mean of propagated turns": Tolerance("1", 3e-3, "axes of frames .1 degree from the mean's"),
     "mean of one frame, deg": Tolerance("deg", 1e-9, "rotations of 1E-16, by their angles"),
+    "gimbal digits": Tolerance("deg", 6e-3, "two digits of each angle in a tag, mean of five"),
     "mount": Tolerance("deg", 1e-3, "the camera's own error beside .3 degree of the vehicle's"),
     "part of a sigma": Tolerance(
         "1", 0.01, "an adjusted project gives the joint solution's angles and sigmas to that"

@@ -23,6 +23,7 @@ from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg,
 from tests.kit.tagged_images import Rational, tagged_image
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
+from vopd.flight.adjust.adjustment import adjust
 from vopd.flight.formats import image_tags
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import InputFile
@@ -104,6 +105,43 @@ def test_a_folder_of_images_is_a_track_and_the_gimbal_a_comparison(tmp_path: Pat
     for axis, degrees in axes:
         assert f"{axis} {degrees:+.2f} ({degrees:+.2f} to" in table.attrs["gimbal"]
     assert "gimbal" not in vopd.solve_flight(write_project(tmp_path / "other")).to_dataframe().attrs
+
+
+VEHICLE = '[vehicle]\nattitude = "images"\n'
+
+
+def test_the_turn_from_the_gimbal_to_the_camera_is_a_mount_with_its_sigma(tmp_path: Path) -> None:
+    """Five images: the mean of their five turns, each good to .3 degree.
+
+    The picks are exact, so that only the two digits of a tag are off: .003 degree.
+    """
+    project = images_project(tmp_path)
+    text = project.read_text()
+    project.write_text(text + VEHICLE)
+    with refused():
+        vopd.solve_flight(project)
+    project.write_text(text + VEHICLE + "attitude_sigma_deg = 0.3\n")
+    found = adjust(project, ["mount"])
+    turns = [
+        Rotation.from_matrix(local_to_camera(one) @ local_to_camera(one - [1.0, -2.0, 0.5]).T)
+        for one in truth_deg()
+    ]
+    right, down, forward = -np.mean([one.as_rotvec(True) for one in turns], axis=0)
+    after = [one.after for one in found.parameters]
+    assert_close("gimbal digits", after, [forward, right, down])
+    assert_close("mount", [one.sigma_after for one in found.parameters], 0.3 / np.sqrt(5.0))
+    said = found.result.history().about.words.conventions["gimbal"]
+    assert_approved(said.partition(";")[0])
+
+
+def test_images_without_a_gimbal_have_no_attitude_of_the_vehicle(tmp_path: Path) -> None:
+    project = images_project(tmp_path)
+    (tmp_path / "bare").mkdir()
+    tagged_image(tmp_path / "bare" / "IMG_0.JPG")
+    text = VEHICLE.replace("images", "bare") + "attitude_sigma_deg = 0.1\n"
+    project.write_text(project.read_text() + text)
+    with refused():
+        vopd.solve_flight(project)
 
 
 def test_tables_of_flights_with_and_without_a_gimbal_join(tmp_path: Path) -> None:

@@ -24,6 +24,8 @@ from vopd.flight.flight import CameraPath
 from vopd.flight.project.keys import read_project
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import solve_flight
+from vopd.flight.words import mount_sentence
+from vopd.geometry.rotations import mount_by_angles
 
 PLAN = Plan(Errors(0.3), frames=20, landmarks=6, sigma_px=True, frame_hz=5.0, jitter_deg=0.0)
 SENSOR_DEG = 0.3
@@ -289,7 +291,7 @@ def test_the_adjusted_project_has_the_mount(tmp_path: Path) -> None:
     assert "attitude" not in read_project(str(new / "flight.toml")).section("vehicle").values
 
 
-@pytest.mark.parametrize("what", ["no times", "no sigmas", "no frame", "no file"])
+@pytest.mark.parametrize("what", ["no times", "no sigmas", "no frame", "no file", "no yaw"])
 def test_what_is_missing_is_said(tmp_path: Path, what: str) -> None:
     write(tmp_path, [0.0] * 3, "row,second" if what == "no times" else "frame,second",
           np.random.default_rng(1))  # fmt: skip
@@ -303,6 +305,9 @@ def test_what_is_missing_is_said(tmp_path: Path, what: str) -> None:
     if what == "no frame":
         head, *lines = rows.read_text(encoding="utf-8").splitlines()
         rows.write_text("\n".join([head, *(f"9{one}" for one in lines)]), encoding="utf-8")
+    if what == "no yaw":  # and no key that would map it
+        named = rows.read_text(encoding="utf-8").replace("yaw_deg", "gimbal_yaw_deg", 1)
+        rows.write_text(named, encoding="utf-8")
     with refused():
         adjust(file, ["mount"])
 
@@ -436,3 +441,13 @@ def test_what_flies_backward(
     flight = replace(flight, path=path, mount=flight.mount[[1, 2, 0]] if mounted else flight.mount)
     angles = np.tile([240.0, 0.0, 0.0], (3, 1))
     assert bool(doubted_angles(flight, angles)) == told
+
+
+@pytest.mark.parametrize(
+    "turn", [(1.3, -0.7, 0.4), (0.0, -89.0, 0.0), (30.0, -87.0, 0.0), (30.0, -84.0, 0.0)]
+)
+def test_a_direction_that_is_nearly_up_or_down_has_no_azimuth(
+    turn: tuple[float, float, float],
+) -> None:
+    """The top of a picture .7 degree from up looked 30 degrees right of forward."""
+    assert_approved(mount_sentence(mount_by_angles(turn)))

@@ -402,6 +402,12 @@ def mount_text(frames: ShownFrames) -> str:
     return own_words(frames.jobs, "mount")
 
 
+def gimbal_text(frames: ShownFrames) -> str:
+    """Compare the camera's attitudes with those of its gimbal, where the images' tags have them."""
+    gimbal = own_words(frames.jobs, "gimbal")
+    return gimbal and f"gimbal: {gimbal}"
+
+
 def check_text(frames: ShownFrames) -> str:
     """Say how far landmarks that take no part are from where they were picked."""
     return own_words(frames.jobs, "check landmarks")
@@ -473,7 +479,7 @@ def text(
             doubts.append(f"{count_text(printed, 'warning')} above")
         hint = looks_down(frames) and not any(names_mount(job.head) for job in frames.jobs)
         paragraphs = (
-            [*filter(None, [azimuth_text(frames), mount_text(frames)])],
+            [*filter(None, [azimuth_text(frames), mount_text(frames), gimbal_text(frames)])],
             [*filter(None, [where_text(part.estimate for part in frames.head)])],
             [sure_text(frames), *filter(None, [check_text(frames)])],
             [left_text(frames) or "nothing that can be stated"],

@@ -402,6 +402,7 @@ class VehicleAttitudes(NamedTuple):
     apart: tuple[float, float] = (0.0, 0.0)
     """Root mean square, about an axis, of what frames differ by from that mount, and what is
     expected of it, degrees."""
+    of_gimbal: bool = False  # from the tags of the images
 
 
 class NotHeld(NamedTuple):

@@ -24,7 +24,7 @@ from vopd.geometry.rotations import FORWARD, from_yaw_pitch_roll, rotation_vecto
 # Comparison with the gimbal's angles, which are never used in a solve
 
 
-def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
+def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats, *, used: bool = False) -> str:
     """Describe the rotations from the gimbal's attitudes to the solved ones, in a sentence.
 
     They are rotations about the camera's own axes: near nadir yaw and roll differ by tens of
@@ -33,6 +33,7 @@ def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
     Args:
         camera_deg: solved yaw, pitch, roll, (F, 3)
         gimbal_deg: those of the gimbal, (F, 3); NaN where not known
+        used: whether they are the vehicle's attitudes, from which the mount is solved for
     """
     known = np.isfinite(camera_deg).all(axis=1) & np.isfinite(gimbal_deg).all(axis=1)
     if not known.any():
@@ -46,8 +47,9 @@ def gimbal_sentence(camera_deg: Floats, gimbal_deg: Floats) -> str:
         for axis, k in (("right", 1), ("down", 2), ("forward", 0))
     )
     count = count_text(len(turn), "frame")
+    use = "the mount comes from it" if used else "not used"
     return (
-        "not used; rotation from the gimbal's attitude to the solved one about the camera's axes, "
+        f"{use}; rotation from the gimbal's attitude to the solved one about the camera's axes, "
         f"degrees, median of {count} and range: {parts}"
     )
 
@@ -66,6 +68,7 @@ def mount_sentence(mount: Floats) -> str:
 
 
 WAYS = {0.0: "forward", 90.0: "right", -90.0: "left", 180.0: "back", -180.0: "back"}
+NEARLY_DEG = 85.0  # elevation above which a direction is nearly up
 UPRIGHT = 1e-3  # of a unit vector that is not up or down: less has no way
 
 
@@ -79,6 +82,8 @@ def _along(axis: Floats) -> str:
     elevation = round(degrees(atan2(-down, level)), 1)
     aside = f"{abs(azimuth):g} degrees {'right' if azimuth > 0.0 else 'left'} of forward"
     way = WAYS.get(azimuth, aside)
+    if way is aside and abs(elevation) > NEARLY_DEG:  # its azimuth is that of hardly anything
+        return f"{'up' if elevation > 0.0 else 'down'}, {90.0 - abs(elevation):.1g} degrees off"
     if not elevation:
         return way
     return f"{way} and {abs(elevation):g} degrees {'up' if elevation > 0.0 else 'down'}"
@@ -173,7 +178,9 @@ def flight_words(solved: SolvedFlight, joint: JointSolution | None = None) -> Wo
     if check := check_sentence(solved):
         conventions["check landmarks"] = check
     if flight.path.gimbal_deg is not None:
-        conventions["gimbal"] = gimbal_sentence(camera_angles(solved), flight.path.gimbal_deg)
+        used = vehicle is not None and vehicle.of_gimbal
+        gimbal = flight.path.gimbal_deg
+        conventions["gimbal"] = gimbal_sentence(camera_angles(solved), gimbal, used=used)
     if joint is not None and joint.model.clicks is not None:
         conventions["clicks"] = clicks_text(joint)
     if joint is not None and joint.model.flight.options.free:

@@ -78,6 +78,7 @@ class InputFile:
             where it has no header
         crs: that the project gives its coordinates
         clock: that it gives its times, utc or gps
+        mappable: whether the project may say in `columns` what its columns are
     """
 
     name: str
@@ -86,6 +87,7 @@ class InputFile:
     columns: Columns | None = None
     crs: str | None = None
     clock: str | None = None
+    mappable: bool = True
 
     @cached_property
     def text(self) -> str:

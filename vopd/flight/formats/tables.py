@@ -249,8 +249,8 @@ class CsvTable:
         that = " if it is that" if only and not near else ""
         if name == "speed_m_s":
             that = " if it is in m/s, to speed_kt if it is in knots"
-        line = mapped(name, only[0] if only else "...")
-        return f": rename {which} to {name}{that}, or map it, {line}"
+        line = f", or map it, {mapped(name, only[0] if only else '...')}"
+        return f": rename {which} to {name}{that}{line * self.file.mappable}"
 
     def require(self, names: Sequence[str]) -> None:
         """Refuse a table that lacks several columns, all of them at once.
@@ -277,7 +277,8 @@ class CsvTable:
             near = {name: nearest_word(name, free) for name in lacking}
             pairs = ", ".join(f'{name} = "{(near[name] or ["..."])[0]}"' for name in lacking)
             message = f"no columns {', '.join(lacking)}: rename {', '.join(free[:MANY_NAMED])}"
-            raise self.file.error(f"{message}, or map them, columns = {{ {pairs} }}", 1)
+            line = f", or map them, columns = {{ {pairs} }}" * self.file.mappable
+            raise self.file.error(f"{message}{line}", 1)
 
     def _free(self) -> list[str]:
         """List the columns that have no other use here."""

@@ -274,7 +274,8 @@ KEYS: tuple[Key, ...] = (
     Key("vehicle", "attitude", "file", "",
         "the vehicle's attitudes, from which `free = [\"mount\"]` finds the mount: a CSV with "
         "`yaw_deg` from true north, `pitch_deg`, `roll_deg` and `frame`, `image`, `t_s` or "
-        "`t_utc`, seconds or dates on the clock of the track"),
+        "`t_utc`, seconds or dates on the clock of the track; or a folder of images whose tags "
+        "have the angles of the gimbal that carries the camera"),
     Key("vehicle", "attitude_sigma_deg", "sigma", "",
         "standard deviation of each of these attitudes by itself, degrees about each axis; needed "
         "unless the file has a column `sigma_deg`"),
@@ -651,7 +652,8 @@ class Project:
                 one if isinstance(one := known.get(name), str) else None
                 for name in ("crs", "clock")
             )
-            return open_input(where.text(key), self.folder, columns, crs, clock)
+            file = open_input(where.text(key), self.folder, columns, crs, clock)
+            return file if key == "file" else replace(file, mappable=False)
         except VopdError as error:
             raise error if where.project in str(error) else where.error(key, str(error)) from error
 

@@ -138,8 +138,9 @@ def _refused(flight: Flight, name: str) -> str:
             return ""
         return (
             "no pick depends on how the camera is mounted, which turns the vehicle's angles and "
-            "not the camera's: name a file with the vehicle's attitudes in [vehicle] attitude, or "
-            "measure it, state it in [vehicle] mount, and its error in mount_sigma_deg"
+            "not the camera's: name a file with the vehicle's attitudes in [vehicle] attitude (or "
+            "the folder of images whose tags have those of the gimbal), or measure it, state it in "
+            "[vehicle] mount, and its error in mount_sigma_deg"
         )
     if name not in FREE:
         known = (*FREE, LANDMARKS, MOUNT, f"{LANDMARK}NAME")
