@@ -102,7 +102,11 @@ def test_one_velocity_that_its_positions_contradict_is_found() -> None:
 
     assert alone(3, 33.0) == [3, 33.0] and alone(3, -1e5) == [3, 1e5] and not alone(3, 32.0)
     assert alone(3, 100.0, 6.2) == [3, 100.0] and not alone(3, 100.0, 6.3)
-    assert alone(1, 50.0, count=6) == [1, 50.0] and not alone(1, 50.0, count=5)
+    for count in (4, 5, 6):
+        assert alone(1, 50.0, count=count) == [1, 50.0]
+        assert alone(count - 2, 100.0, 6.2, count) == [count - 2, 100.0]
+        assert not alone(count - 2, 100.0, 6.3, count)
+    assert not alone(1, 50.0, count=3)  # all of them may be off
     assert not alone(0, 1e5) and not alone(7, 1e5)  # of one step alone
     leaping = path()
     leaping[3] += 500.0
@@ -123,6 +127,10 @@ def test_a_track_of_images_is_told_the_same_whatever_the_order_of_its_rows(
     assert doubts_of_own_velocities(rows, path()[order], found, "t.csv") == doubts(-TRUE_M_S)
     right = replace(rows, velocity_m_s=np.where(np.array(order)[:, None] == 4, own, -own))
     assert_approved(doubts_of_own_velocities(right, path()[order], found, "t.csv"))
+    few, off = [k for k in order if k < 5], np.tile(TRUE_M_S, (5, 1))
+    off[np.array(few) == 2] *= -3.0  # 4 times the speed off, 65 m/s in the median of four steps
+    five = TrackRows(path()[few], False, None, "utc", TIME_S[few], "", [], off)
+    assert_approved(doubts_of_own_velocities(five, path()[few], found, "t.csv"))
     leaping = path()
     leaping[5] += 500.0
     for whole in (True, False):  # rounded to whole seconds they tell neither

@@ -29,7 +29,7 @@ def inverse(matrices: Floats) -> Floats:
     return found
 
 
-def _inverses(matrices: Floats) -> tuple[Floats]:
+def _inverses(matrices: Floats) -> tuple[Any]:
     """Invert matrices at once, those aside whose determinant is 0 by the same factors."""
     try:
         return (np.linalg.inv(matrices),)

@@ -725,13 +725,14 @@ def doubts_of_own_velocities(
         usual_s = float(np.median(np.diff(time_s)))
         of_fix_m = np.median(path.fixes.of_positions_m, axis=0)
         variance += 2.0 * float((of_fix_m**2).sum()) / usual_s**2
-    beside = time_s, position[order], rows.velocity_m_s[order], variance**0.5
-    alone, off_m_s = velocities_alone(*beside)
-    doubts = doubts_of_velocities(name, *beside)
-    if len(alone) and not doubts:
+    at_m, own_m_s = position[order], rows.velocity_m_s[order]
+    alone, off_m_s = velocities_alone(time_s, at_m, own_m_s, variance**0.5)
+    time_s, at_m, own_m_s = (np.delete(one, alone, axis=0) for one in (time_s, at_m, own_m_s))
+    doubts = doubts_of_velocities(name, time_s, at_m, own_m_s, variance**0.5)
+    if len(alone):
         labels = [rows.label(row) for row in order[alone].tolist()]
         by = f"{'up to ' * (len(labels) > 1)}{size_text(off_m_s.max())} m/s"
-        doubts = [f"{name}: {first_of(labels, MANY)}: the velocity is {by} {ALONE_TEXT}"]
+        doubts.append(f"{name}: {first_of(labels, MANY)}: the velocity is {by} {ALONE_TEXT}")
     return doubts
 
 

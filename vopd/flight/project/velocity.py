@@ -612,6 +612,7 @@ def _beside_steps(time_s: Floats, position: Floats, velocity_m_s: Floats) -> tup
     return moved_m / np.diff(time_s)[:, None], (velocity_m_s[1:] + velocity_m_s[:-1]) / 2.0
 
 
+FEWEST_BESIDE = 4  # positions, of which one step is beside no velocity that is off
 ALONE = 8.0  # times what differences are in the median, and so many standard deviations of one
 ALIKE = 0.25  # of their sum: by so much those before and behind one may be unlike, others be off
 
@@ -633,11 +634,11 @@ def velocities_alone(
     Returns:
         Their indices, and by how much each is off, (n,).
     """
-    if len(time_s) <= FEWEST_STEPS + 1:
+    if len(time_s) < FEWEST_BESIDE:
         return np.zeros(0, np.int64), np.zeros(0)
     moved_m_s, stated_m_s = _beside_steps(time_s, position, velocity_m_s)
     apart = stated_m_s - moved_m_s
-    usual = float(np.median(np.linalg.norm(apart, axis=1)))
+    usual = float(np.median(np.sort(np.linalg.norm(apart, axis=1))[:-2]))  # beside one that is off
     speed = float(np.median(np.linalg.norm(moved_m_s, axis=1)))
     off = np.linalg.norm(apart[1:] + apart[:-1], axis=1)
     alike = np.linalg.norm(apart[1:] - apart[:-1], axis=1) < ALIKE * off
