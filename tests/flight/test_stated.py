@@ -95,6 +95,15 @@ def test_velocities_have_columns_of_their_own() -> None:
     assert rows.velocity_sigma_m_s.tolist() == [[0.1, 0.2, 0.3]] and rows.sigma_m is None
 
 
+def test_standard_deviations_of_velocities_that_are_not_there_are_told(tmp_path: Path) -> None:
+    path = write_project(tmp_path)
+    head, *rows = (tmp_path / "track.csv").read_text().split()
+    more = ",sigma_vn_m_s,sigma_ve_m_s,sigma_vd_m_s"
+    text = "\n".join([head + more, *(f"{row},.1,.1,.2" for row in rows), ""])
+    (tmp_path / "track.csv").write_text(text)
+    assert_approved([one.message for one in read_flight(str(path)).findings])
+
+
 def test_a_receiver_s_own_sigmas_need_what_is_common_to_its_positions(tmp_path: Path) -> None:
     """Four positions 3 m off each would be 1.5 m off in the mean; a CSV's columns are stated."""
     path = write_project(tmp_path, TOML.replace('"track.csv"', '"t.gpx"'))

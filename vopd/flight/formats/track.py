@@ -137,9 +137,15 @@ def read_csv_track(file: InputFile) -> TrackRows:
     table, without = _with_positions(table, coordinate_columns(geodetic))
     coordinate = coordinates_of(table, geodetic)
     velocity = velocity_sigma = None
+    doubts = list[str]()
     if any(table.has(name) for name in VELOCITY):
         velocity = np.stack([table.numbers(name) for name in VELOCITY], axis=1)
         velocity_sigma = table.sigmas_of_axes(VELOCITY_SIGMAS)
+    elif given := [name for name in VELOCITY_SIGMAS if table.has(name)]:
+        doubts.append(
+            f"{file.name}: {', '.join(given)}: not used, as the file has no velocities, "
+            f"{', '.join(VELOCITY)}"
+        )
     timeless = table.has("image") and not any(map(table.has, TIME))
     time_s, utc = (None, False) if timeless else table.clock(TIME[::-1])
     sigma = table.sigmas_of_axes(SIGMAS, SIGMA)
@@ -172,6 +178,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
         velocity_sigma_m_s=velocity_sigma if velocity_sigma is None else velocity_sigma[new],
         from_ground=table.from_ground,
         names_units=True,
+        doubts=doubts,
     )
 
 
