@@ -315,10 +315,13 @@ def test_variances_that_the_residuals_contradict_are_left_out_and_told(tmp_path:
     picks.write_text(picks.read_text().replace("\n4,", "\n14,"))
     told: list[Finding] = []
     one = solve_flight(tmp_path / "p").history()
+    turn = one.quaternion.copy()
+    turn[0] = np.nan  # which leaves a frame out before them
+    one = replace(one, quaternion=turn)
     text = FORMATS["acm"].render([one], FileRequest(epoch=ZERO), told.append).decode()
     found = held_to_the_standard_acm(text)
-    assert len(found["ATT"][0][1]) == 5
-    assert found["COV"][0][1][:, 0].tolist() == [2.0, 2.1, 2.2, 2.3]
+    assert len(found["ATT"][0][1]) == 4
+    assert found["COV"][0][1][:, 0].tolist() == [2.1, 2.2, 2.3]
     assert_approved([finding.message for finding in told])
 
 
@@ -333,7 +336,8 @@ def test_it_needs_an_epoch_and_ascii_names() -> None:
     with refused(VopdError):
         FORMATS["acm"].render(flight(), FileRequest())
     acm = ("attitude", CASES_123, "--format", "acm", "--epoch", EPOCH)
-    named = vopd(*acm, "--object-name", "\u00c4")
+    assert vopd(*acm, "--object-name", "a" * 200).status == 0
+    named = vopd(*acm, "--object-name", "a" * 201)
     assert named.status == 2 and "at most 200 ASCII characters" in named.stderr
     version = vopd(*acm, "--aem-version", "1")
     assert version.status == 2 and "--aem-version is for aem, not acm" in version.stderr
@@ -440,18 +444,17 @@ def test_an_acm_of_several_jobs() -> None:
     """From the first start to the last stop, in whatever order the jobs are given."""
     none = level_flight(3, 30.0)
     wide = replace(none.uncertainty, covariance_deg2=np.full((2, 3, 3), np.nan))
-    text, said = text_of(
-        "acm", level_flight(1, 50.0), replace(none, uncertainty=wide), level_flight(2, 10.0)
-    )
+    long = level_flight(2, time_s=np.array([10.0, 60.0]))
+    text, said = text_of("acm", level_flight(1, 50.0), replace(none, uncertainty=wide), long)
     lines = text.splitlines()
     assert "ACM_DATA_ELEMENTS = ATT, ATT, ATT, COV, COV" in lines
-    assert "START_TIME = 10.000000" in lines and "STOP_TIME = 52.500000" in lines
+    assert "START_TIME = 10.000000" in lines and "STOP_TIME = 60.000000" in lines
     named = [line for line in lines if "_ID = JOB" in line]
     assert named == [
         *(f"ATT_BASIS_ID = JOB {k}" for k in (1, 2, 3)), "COV_BASIS_ID = JOB 1",
         "COV_BASIS_ID = JOB 3",
     ]  # fmt: skip
-    assert len(said) == 4 and text.count("\n\nATT_START\n") == 3
+    assert len(said) == 6 and text.count("\n\nATT_START\n") == 3
 
 
 def test_frames_in_another_order_keep_their_variances_and_turns() -> None:

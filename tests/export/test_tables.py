@@ -36,7 +36,7 @@ from tests.kit.attitude_files import (
     write,
 )
 from tests.kit.command import DECKS, ROOT, vopd
-from tests.kit.estimates import REQUEST, level_flight
+from tests.kit.estimates import REQUEST, estimate, level_flight
 from tests.kit.histories import histories
 from tests.kit.jobs import reread
 from tests.tolerances import assert_close
@@ -432,11 +432,12 @@ def test_files_are_the_same_in_blocks_of_one_row(monkeypatch: pytest.MonkeyPatch
         ([level_flight(3)], REQUEST, strict),
     ]
     usual = FORMATS["csv"].render_files(files)
-    placemarks = FORMATS["kml"].render([level_flight()], REQUEST)
+    three = [history(estimate(np.tile([140.0, -60.0, 20.0], (3, 1))))]
+    placemarks = FORMATS["kml"].render(three, REQUEST)
     monkeypatch.setattr(csv_table, "row_blocks", one_by_one)
     monkeypatch.setattr(kml, "row_blocks", one_by_one)
     assert FORMATS["csv"].render_files(files) == usual
-    assert FORMATS["kml"].render([level_flight()], REQUEST) == placemarks
+    assert FORMATS["kml"].render(three, REQUEST) == placemarks
     rows = [[row for row in file.decode().splitlines() if row[0] != "#"] for file in usual]
     assert [len(one) for one in rows] == [5, 3]
     assert [row.split(",")[:3] for row in rows[1][1:]] == [

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.approved.texts import assert_approved, refused
+from tests.approved.texts import refused
 from tests.kit.estimates import estimate
 from tests.kit.histories import about, with_estimate
 from vopd.attitude.history import History, history
@@ -46,20 +46,6 @@ def flight() -> History:
 def at(history: History, times: Sequence[float]) -> History:
     """The same frames at other times."""
     return with_estimate(history, time_s=np.array(times))
-
-
-def test_frames_are_sorted_and_times_stand_once(flight: History) -> None:
-    times = np.arange(40.0)
-    times[:5] = [3.0, 1.0, 2.0, 1.0000004, 0.5]  # the fourth is the second to the microsecond
-    said: list[Finding] = []
-    (one,) = timed_attitudes([at(flight, times)], ZERO, said.append)
-    assert one.frames[:4].tolist() == [4, 1, 2, 0] and len(one.frames) == 39
-    assert one.microseconds[:4] == [500_000, 1_000_000, 2_000_000, 3_000_000]
-    np.testing.assert_array_equal(one.quaternion, flight.quaternion[one.frames])
-    (warning,) = said
-    fourth = flight.estimate.frame[3]
-    assert_approved(str(warning), parts=["job 1", fourth, "row 4", "row 2"])
-    assert warning.severity == "warning"
 
 
 def test_all_dated_formats_hold_times_once(flight: History) -> None:
@@ -98,15 +84,6 @@ def test_a_time_without_a_date_costs_one_frame(flight: History, time_s: float) -
     assert "outside the years 1 to 9999" in left_out[0]
 
 
-def test_frames_without_a_position_are_left_out(flight: History) -> None:
-    here = flight.estimate.position
-    altitude = here.altitude.copy()
-    altitude[3] = np.nan
-    bent = with_estimate(flight, position=replace(here, altitude=altitude))
-    (one,) = timed_attitudes([bent], ZERO, print)
-    assert 3 not in one.frames and len(one.frames) == 39
-
-
 def test_files_have_near_neighbours_and_no_minus_zero(flight: History) -> None:
     """Half a turn about forward, now a little more, now less: the table's x jumps, w is 0."""
     half = np.array([1e-12, 1.0, -1e-12, 0.0])
@@ -128,14 +105,6 @@ def test_czml_has_near_neighbours(flight: History) -> None:
     packet = json.loads(FORMATS["czml"].render([turns], FileRequest(epoch=ZERO)))[1]
     turn = np.reshape(packet["orientation"]["unitQuaternion"], (-1, 5))[:, 1:]
     assert ((turn[1:] * turn[:-1]).sum(axis=1) > 0.0).all()
-
-
-def test_signs_are_continuous() -> None:
-    q = np.array([[1.0, 0, 0, 0], [-0.9, 0.1, 0, 0], [0.8, -0.2, 0, 0], [0.7, -0.3, 0, 0]])
-    wanted = q * [[1.0], [-1.0], [1.0], [1.0]]
-    np.testing.assert_array_equal(continuous(q), wanted)
-    np.testing.assert_array_equal(continuous(q[:1]), q[:1])
-    np.testing.assert_array_equal(continuous(-q), -wanted)
 
 
 @pytest.mark.parametrize(

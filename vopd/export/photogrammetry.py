@@ -276,7 +276,7 @@ def render_odm_geo(histories: Sequence[History], request: FileRequest, report: R
     level = 0
     for poses in poses_of(histories, report):
         angles = yaw_pitch_roll_deg(poses.local_from_camera)
-        level += int((angles[:, 1] > NEAR_LEVEL_DEG).sum())
+        level += int((np.abs(angles[:, 1]) > NEAR_LEVEL_DEG).sum())
         for name, where, angle in zip(poses.name, poses.geodetic, angles, strict=True):
             if len(name.split()) != 1 or name.startswith("#"):
                 message = f"{name}: a name in geo.txt has no blank, and no # in front: the frame "
