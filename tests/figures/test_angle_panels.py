@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
+from tests.approved.texts import assert_approved
 from tests.kit.figures import (
     ANGLES,
     DARK_RED,
@@ -130,6 +132,14 @@ def test_the_caption_and_the_legend(which: Any, columns: int) -> None:
     assert which(figure, [film()], None).splitlines()[0] == "hand.toml, job 1: a flight by hand"
     assert len(figure.axes) == 4 * columns
     assert texts(figure.legends[0]) == [BAND]
+
+
+def test_a_wind_whose_errors_are_in_no_job_is_told() -> None:
+    one, wind = film(), {"wind": np.zeros((5, 9))}
+    doubt = replace(one.uncertainty, components=one.uncertainty.components | wind)
+    known = replace(one, uncertainty=doubt)
+    told = [draw_attack(Figure(), jobs).splitlines() for jobs in ([one], [one, known])]
+    assert_approved(sorted({*told[0]} - {*told[1]}))
 
 
 TICKS = {  # by the angle that is drawn: yaw from 0 to 360, all others from -180 to 180

@@ -28,32 +28,26 @@ from tests.kit.estimates import estimate
 from tests.kit.histories import about, by_hand, flight, histories, turning, with_estimate
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import History, history
-from vopd.attitude.long_history import frame_landmarks, with_about
+from vopd.attitude.long_history import frame_landmarks
 from vopd.attitude.table import table
 from vopd.attitude.uncertainty import ANGLES
 from vopd.errata import fixes
 from vopd.figures import (
     FIGURES,
-    MOST_DRAWN,
     OF_CLICKS,
     draw,
-    drawn_jobs,
     least_size_in,
     refuse_small,
 )
 from vopd.figures.attitude import (
     NO_ATTACK,
-    broken,
     draw_table,
-    from_cut,
-    in_time,
     interval_of,
-    unwrapped_about,
     values_of,
 )
 from vopd.figures.image import arrow_scale, chosen
 from vopd.figures.residuals import draw_residuals
-from vopd.figures.style import caption, label, matplotlib_figure, ready, save, svg
+from vopd.figures.style import caption, matplotlib_figure, ready, save, svg
 from vopd.findings import VopdError
 from vopd.pipeline import read_deck, run
 
@@ -208,7 +202,8 @@ def test_the_table_of_one_frame_tells_camera_and_vehicle_apart() -> None:
     The letters keep their size where the figure is small.
     """
     half = np.array([[0.5, np.inf, 0.02, 3.0, 0.3, 12.0, 1.0, 1.0, 1.0]])
-    one = by_hand(1, half_deg=half, attack_deg=np.array([[np.nan, 2.0, 3.0]]))
+    attack, eta = np.array([[np.nan, 2.0, 3.0]]), np.array([[2.5, 4.5]])
+    one = by_hand(1, half_deg=half, attack_deg=attack, eta_deg=eta)
     one = with_estimate(
         one, camera_deg=np.array([[10.0, -60.0, 20.0]]), vehicle_deg=np.array([[30.0, 1.0, 2.0]])
     )
@@ -219,6 +214,8 @@ def test_the_table_of_one_frame_tells_camera_and_vehicle_apart() -> None:
         figure.draw_without_rendering()
         cells = figure.axes[0].tables[0].get_celld()
         assert not figure.axes[0].axison
+        with_yaw = any("yaw" in name for name in names)
+        assert ("yaw from true north" in figure.axes[0].get_title("left")) == with_yaw
         assert {cell.get_fontsize() for cell in cells.values()} == {11.0}
         rows = {row: cells[row, 0].get_text().get_text() for row, _ in cells}
         return {name: cells[row, 1].get_text().get_text() for row, name in rows.items()}
@@ -229,6 +226,7 @@ def test_the_table_of_one_frame_tells_camera_and_vehicle_apart() -> None:
         "vehicle pitch": "1.00 ± 0.30", "vehicle roll": "2 ± 12", "flags": "none",
     }  # fmt: skip
     assert shown(["vehicle_roll", "alpha"])["alpha"] == "none"
+    assert shown(["eta"])["eta"] == "3.0 ± 1.0"  # the mean of its two sides
     assert {*shown(ANGLES[3:6])} == {"frame", "yaw", "pitch", "roll", "flags"}
 
 
@@ -429,6 +427,8 @@ def test_the_smallest_size_of_all_has_room_for_each() -> None:
     for kind in map(FIGURES.__getitem__, OF_JOBS):
         assert kind.least_in[0] <= width
         assert kind.least_in[1] <= height * kind.size_in[1] / usual + 0.05
+    with refused(VopdError):  # nor have several a narrow form
+        refuse_small(["patches", "residuals"], (4.5, 99.0))
 
 
 @pytest.mark.usefixtures("not_laid_out")
@@ -529,33 +529,6 @@ def test_hostile_titles_are_text() -> None:
     save(draw("image", [about(one, source="$x$\n_^", title="$\\frac{ <b>&\x07$")]), ".svg")
 
 
-# Where lines break
-
-
-def test_cuts_and_breaks_by_hand() -> None:
-    assert unwrapped_about(np.array([350.0, 10.0, np.nan])) == -180.0
-    assert from_cut(np.array([350.0, 10.0]), -180.0).tolist() == [-10.0, 10.0]
-    times, index = broken(np.array([0.0, 1, 2, 9, 10]), np.array([0.0, 1, 190, 191, 192]))
-    assert index.tolist() == [0, 1, -1, 2, -1, 3, 4]
-    assert np.isnan(times[[2, 4]]).all() and times[5] == 9.0
-
-
-def stacked(count: int) -> list[History]:
-    """One job as many; the flags of the last but one say that it did not converge."""
-    (one,) = histories("appendix_h/case4")
-    made = [with_about(one, one.about._replace(job=k + 1)) for k in range(count)]
-    raised = {**one.flags.raised, "not_converged": np.ones_like(one.has_attitude)}
-    made[-2] = replace(made[-2], flags=replace(one.flags, raised=raised))
-    return made
-
-
-def test_of_many_jobs_the_worst_are_drawn() -> None:
-    """The one that did not converge, and of equals the first; in the order of the deck."""
-    drawn = [h.about.job for h in drawn_jobs(stacked(30))]
-    assert drawn == [*range(1, MOST_DRAWN), 29]
-    assert len(drawn_jobs(stacked(MOST_DRAWN))) == MOST_DRAWN
-
-
 @pytest.mark.usefixtures("not_laid_out")
 def test_the_command_says_which_jobs_are_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -632,6 +605,8 @@ def test_all_figures(asked: list[tuple[Any, ...]]) -> None:
     assert {one[3] for one in asked} == {"DJI_0001.JPG"}
     assert figure.get_size_inches().tolist() == [9.0, 28.5]
     assert figure.subfigs[0]._subplotspec.get_gridspec().get_height_ratios() == [8, 7, 7, 6.5]
+    tables = draw(["attitude", "attack"], [by_hand(1)] * 3)  # of a frame each
+    assert tables.get_size_inches().tolist() == [9.0, 2 * (3.5 + 2 * 0.25)]
 
 
 def test_of_many_jobs_some_are_drawn_but_any_frame(asked: list[tuple[Any, ...]]) -> None:
@@ -659,6 +634,9 @@ def test_of_many_jobs_some_are_drawn_but_any_frame(asked: list[tuple[Any, ...]])
     asked.clear()
     draw("all", jobs[3:23])
     assert [one[2] for one in asked] == [jobs[3:23]] * 4
+    asked.clear()
+    draw("all", [by_hand(3, attack_deg=np.full((3, 3), np.nan))] * 20 + [by_hand(3)])
+    assert [one[0] for one in asked] == ["attitude", "residuals", "image"]
 
 
 WORSE = {  # flags of some jobs, and of those that are worse
@@ -849,12 +827,6 @@ def test_a_long_path_leaves_room_for_the_title() -> None:
     assert len(text) < 100 and text.endswith("folder/flight.toml, job 1: a title")
 
 
-def test_the_label_of_a_job() -> None:
-    one, two, other = of_source("a"), of_source("a", 2), of_source("b", 3)
-    assert [label(h, [one, two]) for h in (one, two)] == ["job 1", "job 2"]
-    assert [label(h, [one, other]) for h in (one, other)] == ["a, job 1", "b, job 3"]
-
-
 def with_landmarks(*counts: int) -> History:
     """The history with so many landmarks that take part in each frame."""
     used = np.arange(4) < np.array(counts)[:, None]
@@ -918,13 +890,6 @@ def test_values_and_intervals_of_every_angle(name: str) -> None:
         assert low[[0, 2]].tolist() == (-half[[0, 2], index]).tolist()
         assert high[[0, 2]].tolist() == half[[0, 2], index].tolist()
     assert np.isnan([low[1], high[1]]).all()
-
-
-def test_frames_in_order_of_time() -> None:
-    """Frames without a time are left out; of equal times the first stays first."""
-    assert in_time(with_estimate(made(), time_s=np.array([2.0, np.nan, 1.0]))).tolist() == [2, 0]
-    assert in_time(with_estimate(made(), time_s=np.array([1.0, 1.0, 0.5]))).tolist() == [2, 0, 1]
-    assert in_time(with_estimate(made(), time_s=np.full(3, np.nan))).tolist() == [0, 1, 2]
 
 
 LONG = "a name of sixteen"

@@ -223,7 +223,13 @@ def test_one_frame_has_its_residuals_by_landmark() -> None:
 
 def test_a_residual_of_one_frame_that_does_not_fit_is_marked() -> None:
     odd = [[False, True, False, False]]
-    figure, _ = drawn(by_hand(1, residual=np.column_stack([X, Y])[:1], outlier=odd))
+    one = by_hand(1, residual=np.column_stack([X, Y])[:1], outlier=odd)
+    figure, said = drawn(one)
+    rms = np.sqrt(np.mean(residual_points([one]).sigmas[[0, 2, 3]] ** 2))
+    assert f"in sigmas, rms of those that fit: {rms:#.3g} (1 if sigma is right)" in said
+    reading = replace(one.uncertainty.reading, source="residuals")
+    fitted = replace(one, uncertainty=replace(one.uncertainty, reading=reading))
+    assert "; sigma is" in drawn(fitted)[1] and "; sigma is" not in drawn(fitted, one)[1]
     for axis, values in zip(figure.axes, (-X[0], -Y[0]), strict=True):
         assert points(labelled(axis)["does not fit"]) == [[1.0, values[1]]]
 

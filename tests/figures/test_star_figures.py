@@ -234,12 +234,12 @@ def test_sizes() -> None:
 
 
 def test_names_that_have_no_room_are_counted() -> None:
-    zero = np.zeros((60, 2))
-    axis = drawn(images=zero, residuals=zero, labels=["a"] * 60)
+    zero = np.zeros((230, 2))
+    axis = drawn(images=zero, residuals=zero, labels=["a"] * 230)
     assert len(axis.texts) == 4  # right, left, above, below
     assert_close("table value", axis.get_xlim(), (-0.00135, 0.00135))
     assert arrows_and_key(axis)[1] is None
-    assert "56 names left out" in axis.get_figure().get_suptitle()
+    assert "226 names left out" in axis.get_figure().get_suptitle()
 
 
 # The photograph's own frame
