@@ -53,6 +53,9 @@ TOLERANCES = {
     "match of a drawn patch": Tolerance("px", 0.02, "sampled between four pixels"),
     "turn by drawn shifts": Tolerance("rad", 2e-6, "the prior of the turn, .03 rad"),
     "turn by whole frames": Tolerance("rad", 1e-4, "a tenth of a pixel"),
+    "running attitude": Tolerance(
+        "px", 0.2, "1/50 of a degree at this lens; the rates' errors, .1"
+    ),
     "attitude under a long readout": Tolerance(
         "deg", 0.3, "rms, of six clicks of half a pixel, .13 degree each, and shake of 4 to 13 Hz"
     ),
