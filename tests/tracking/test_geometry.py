@@ -361,10 +361,10 @@ def test_shake_while_rows_are_read_is_told_from_a_turn() -> None:
 
 
 def test_of_many_patches_some_pairs_are_tried() -> None:
-    """Of forty patches, ten of which have moved by 9 px; 780 pairs are too many."""
+    """Of forty patches, the first ten of which have moved by 9 px; 780 pairs are too many."""
     rng = np.random.default_rng(6)
     by_turns, turn = rng.normal(0.0, 800.0, (40, 2, 3)), np.array([1e-3, -2e-3, 5e-4])
-    moved = np.arange(40) % 4 == 0
+    moved = np.arange(40) < 10
     shift = by_turns @ turn + 9.0 * moved[:, None]
     one = laid(above(1000.0), picture(), (120.0, 70.0))
     patches = [replace(one, patch=replace(one.patch, landmark=k)) for k in range(40)]
@@ -374,6 +374,22 @@ def test_of_many_patches_some_pairs_are_tried() -> None:
     agreed = agreement(warps, found, patches, np.full(40, RESIDUAL_PX))
     assert agreed is not None and agreed[1].tolist() == (~moved).tolist()
     assert_close("turn by drawn shifts", agreed[0], turn)
+
+
+def test_landmarks_agree_and_not_their_clicks() -> None:
+    """One of five has six clicks, which another agrees with; the other three do not."""
+    rng = np.random.default_rng(7)
+    by_turns, turn = rng.normal(0.0, 800.0, (10, 2, 3)), np.array([1e-3, -2e-3, 5e-4])
+    mark = np.array([0] * 6 + [1, 2, 3, 4])
+    shift = by_turns @ np.where(mark[:, None] > 1, turn, -turn)[..., None]
+    one = laid(above(1000.0), picture(), (120.0, 70.0))
+    patches = [replace(one, patch=replace(one.patch, landmark=k)) for k in mark.tolist()]
+    eye, usable = np.tile(np.eye(2), (10, 1, 1)), np.ones(10, bool)
+    warps = Warps(np.zeros((10, 625, 2)), np.zeros((10, 2)), eye, by_turns, usable)
+    sigma_px = np.full(10, 0.05)
+    found = no_matches(10)._replace(shift=shift[..., 0], good=usable, sigma_px=sigma_px)
+    agreed = agreement(warps, found, patches, np.full(10, RESIDUAL_PX))
+    assert agreed is not None and agreed[1].tolist() == (mark > 1).tolist()
 
 
 def test_patches_of_one_landmark_make_no_turn() -> None:
