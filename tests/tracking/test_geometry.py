@@ -379,7 +379,7 @@ def test_of_many_patches_some_pairs_are_tried() -> None:
 def test_landmarks_agree_and_not_their_clicks() -> None:
     """One of five has six clicks, which another agrees with; the other three do not."""
     rng = np.random.default_rng(7)
-    by_turns, turn = rng.normal(0.0, 800.0, (10, 2, 3)), np.array([1e-3, -2e-3, 5e-4])
+    by_turns, turn = rng.normal(0.0, 800.0, (10, 2, 3)), np.array([0.01, -0.02, 0.005])
     mark = np.array([0] * 6 + [1, 2, 3, 4])
     shift = by_turns @ np.where(mark[:, None] > 1, turn, -turn)[..., None]
     one = laid(above(1000.0), picture(), (120.0, 70.0))
