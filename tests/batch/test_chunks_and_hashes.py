@@ -185,8 +185,8 @@ RECORD = SourceRecord("a", "a.dat", SOLVED, "", "digest", "1", "options")
 def test_a_record_is_read_as_it_was_written() -> None:
     full = replace(
         RECORD, source="Zürich \udcff", error="line\nline", jobs=2, frames=3, attitudes=4,
-        flagged=5, not_converged=6, warnings=7, flags={"jump": 8}, seconds=0.25,
-        outputs={"Zürich \udcff.csv": "x"},
+        flagged=5, not_converged=6, warnings=7, messages=["a\nb", "ü"], flags={"jump": 8},
+        seconds=0.25, outputs={"Zürich \udcff.csv": "x"},
     )  # fmt: skip
     line = full.line()
     assert line.endswith(b"}\n") and line.count(b"\n") == 1
@@ -212,6 +212,7 @@ def test_a_record_is_read_as_it_was_written() -> None:
         {"source": None}, {"path": 7}, {"status": "x"}, {"status": []}, {"version": 9},
         {"options": {}}, {"frames": "x"}, {"frames": -1}, {"jobs": True}, {"jobs": 10**400},
         {"flagged": None}, {"errata": {}}, {"seconds": "x"}, {"seconds": float("nan")},
+        {"messages": "x"}, {"messages": [7]}, {"messages": None}, {"messages": {"x": 1}},
         {"flags": []}, {"flags": None}, {"flags": {"jump": "x"}}, {"outputs": {"a.csv": None}},
         {"outputs": ["a.csv"]}, {"outputs": {"a.csv\0": "x"}},
         {"outputs": {"../a.csv": "x"}}, {"outputs": {"/a.csv": "x"}},
@@ -393,7 +394,7 @@ def test_a_record_counts_frames_of_all_jobs() -> None:
     now = SolvedSource(source, "digest", findings=found, histories=jobs)
     assert write_source(now, SETTINGS) == SourceRecord(
         "a", "in/a.dat", "not converged", "", "digest", __version__, SETTINGS.options, jobs=2,
-        frames=8, attitudes=6, not_converged=1, flagged=4, warnings=2,
+        frames=8, attitudes=6, not_converged=1, flagged=4, warnings=2, messages=["one", "two"],
         flags={"not_converged": 1, "outlier": 4, "jump": 1},
     )  # fmt: skip
     none = SolvedSource(source, "digest", histories=[history([], [], [])])

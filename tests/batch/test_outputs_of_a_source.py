@@ -62,6 +62,9 @@ def test_all_outputs_of_a_deck(write: Any) -> None:
     }
     assert (record.source, record.path) == ("deep/a", "in/deep/a.dat")
     assert (record.status, record.error, record.warnings) == (SOLVED, "", 2)
+    assert record.messages == ["warning 1", "warning 2"]
+    many, _ = write(source(findings=[Finding(f"{k}") for k in range(21)]))
+    assert many.warnings == 21 and many.messages == [f"{k}" for k in range(20)]
     assert (record.input_sha256, record.version) == ("digest", __version__)
 
 

@@ -32,7 +32,7 @@ from vopd.version import __version__
 
 FULL = SourceRecord(
     "deep/ü", "in/ü.dat", UNCONVERGED, "", "hash", "9.9", "{}", jobs=1, frames=2, attitudes=3,
-    not_converged=4, flagged=5, warnings=6, mistaken=1, errata=2, unread=1,
+    not_converged=4, flagged=5, warnings=6, messages=["ü 1", "2"], mistaken=1, errata=2, unread=1,
     flags={"jump": 7, "outlier": 8},
     outputs={"deep/ü.lst": "x", "deep/ü.html": "y"}, seconds=1.23456789,
 )  # fmt: skip
@@ -53,6 +53,7 @@ COLUMNS = [
     "not_converged",
     "flagged",
     "warnings",
+    "messages",
     "mistaken",
     "errata",
     "unread",
@@ -82,7 +83,7 @@ def test_the_lines_of_the_summary_and_of_the_times(tmp_path: Path) -> None:
         '{"source": "deep/ü", "path": "in/ü.dat", "status": "not converged", "error": "", '
         '"input_sha256": "hash", "version": "9.9", "options": "{}", "jobs": 1, "frames": 2, '
         '"attitudes": 3, "not_converged": 4, "flagged": 5, "warnings": 6, '
-        '"mistaken": 1, "errata": 2, "unread": 1, '
+        '"messages": ["ü 1", "2"], "mistaken": 1, "errata": 2, "unread": 1, '
         '"flags": {"jump": 7, "outlier": 8}, "outputs": {"deep/ü.lst": "x", "deep/ü.html": "y"}}'
     )
     assert json.loads(lines[1])["error"] == "b.dat: breaks off" and len(lines) == 2
@@ -117,7 +118,8 @@ def test_every_column_of_the_parquet_file(tmp_path: Path) -> None:
     names = [*COLUMNS, *(f"flag_{name}" for name in MEANING)]
     assert table.column_names == names
     first, second = table.to_pylist()
-    for name in COLUMNS:
+    assert (first.pop("messages"), second.pop("messages")) == ("ü 1\n2", "")
+    for name in [one for one in COLUMNS if one != "messages"]:
         assert (first[name], second[name]) == (getattr(FULL, name), getattr(BROKEN, name))
     flags = {name: first[f"flag_{name}"] for name in MEANING if first[f"flag_{name}"]}
     assert flags == {"jump": 7, "outlier": 8}

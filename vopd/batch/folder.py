@@ -137,6 +137,9 @@ SOLVED, MISFITS, UNCONVERGED, FAILED = "solved", "misfits", "not converged", "fa
 """How a source ended."""
 
 
+MOST_MESSAGES = 20  # warnings of a source whose words are in the summary
+
+
 @dataclass(frozen=True)
 class SourceRecord:
     """A row of the summary."""
@@ -154,6 +157,7 @@ class SourceRecord:
     not_converged: int = 0  # frames that did not converge
     flagged: int = 0  # frames that have any flag
     warnings: int = 0  # number of warnings
+    messages: list[str] = field(default_factory=list)  # the first `MOST_MESSAGES` of them
     mistaken: int = 0  # 1 where residuals or track of a flight speak for an error of its inputs
     errata: int = 0  # jobs in which errata change an angle by more than its standard deviation
     unread: int = 0  # 1 where a deck goes on behind its last job
@@ -209,9 +213,11 @@ def _is_sound(record: SourceRecord) -> bool:
     for one in fields(SourceRecord):
         values.setdefault(str(one.type), []).append(getattr(record, one.name))
     texts = [*values["str"], *record.flags, *record.outputs, *record.outputs.values()]
+    texts += record.messages
     counts = [*values["int"], *record.flags.values()]
     return (
-        all(isinstance(one, str) for one in texts)
+        isinstance(record.messages, list)
+        and all(isinstance(one, str) for one in texts)
         and all(type(one) is int and 0 <= one < MOST_NUMBER for one in counts)
         and 0.0 <= record.seconds < MOST_NUMBER
         and record.status in WORST_FIRST
@@ -485,6 +491,7 @@ COLUMNS = {
     "not_converged": "frames that did not converge",
     "flagged": "frames that have any flag",
     "warnings": "number of warnings",
+    "messages": f"the first {MOST_MESSAGES} warnings, a line each",
     "mistaken": "1 where residuals or track of a flight speak for an error of its inputs",
     "errata": "jobs in which errata change an angle by more than its standard deviation",
     "unread": "1 where a deck goes on behind its last job",
@@ -549,8 +556,12 @@ def _parquet(records: Sequence[SourceRecord]) -> bytes | None:
     except VopdError:
         return None
     values: dict[str, Any] = {
-        name: np.array([getattr(one, name) for one in records]) for name in COLUMNS
+        name: np.array([getattr(one, name) for one in records])
+        for name in COLUMNS
+        if name != "messages"
     }
+    values["messages"] = np.array(["\n".join(one.messages) for one in records])
+    values = {name: values[name] for name in COLUMNS}
     meanings = COLUMNS | {f"flag_{name}": f"frames with the flag {name}" for name in MEANING}
     values |= {
         f"flag_{name}": np.array([one.flags.get(name, 0) for one in records]) for name in MEANING

@@ -16,6 +16,7 @@ from vopd.attitude.history import History
 from vopd.batch.folder import (
     FAILED,
     MISFITS,
+    MOST_MESSAGES,
     SOLVED,
     UNCONVERGED,
     SourceRecord,
@@ -202,6 +203,7 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
         not_converged=lost,
         flagged=sum(int(h.flags.any().sum()) for h in histories),
         warnings=len(now.findings),
+        messages=[one.headline() for one in now.findings[:MOST_MESSAGES]],
         mistaken=int(mistaken),
         errata=now.errata,
         unread=int(goes_on(now.findings)),
