@@ -35,8 +35,8 @@ def as_text(
     """Format solutions as text for people.
 
     Returns:
-        Where the cameras point, and a table of the attitudes; of a single one its residuals and
-        matrix too; of all pairs each star's disagreement with the others.
+        Where the cameras point, why that is doubtful, and a table of the attitudes; of a single one
+        its residuals and matrix too; of all pairs each star's disagreement with the others.
     """
     rows = [(photograph, one) for photograph in photographs for one in photograph.solved]
     pages = []
@@ -54,6 +54,13 @@ def as_text(
         pages = [page for page in pages if page]
     if any(one.points for _, one in rows):
         pages.insert(1, _points([row for row in rows if row[1].points]))
+    if doubts := [
+        f"doubtful: {one.label}: {text}\n" if one.label else f"doubtful: {text}\n"
+        for one in photographs
+        for text in one.doubts
+        if one.solved
+    ]:
+        pages.insert(1, "".join(doubts))
     if len(rows) > 1 and rows[0][1].camera is not None:
         pages += _cameras(rows)
     if len(rows) > 1 and any("azimuth_deg" in (one.sky or {}) for _, one in rows):
