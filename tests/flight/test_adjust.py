@@ -285,6 +285,21 @@ def test_an_adjustment_draws_the_flight_as_it_is_solved() -> None:
     assert made.plot().axes[0].get_ylabel() == made.plot("attitude").axes[0].get_ylabel()
 
 
+def test_the_focal_lengths_that_two_parameters_make_are_told() -> None:
+    """Both after `focal`, then fy by `aspect`: the mean in the table is before that."""
+    made = adjust(drawn(3, (), {"focal": 4.0}, frames=6), ["focal", "aspect"])
+    mean, ratio = (one.after for one in made.parameters)
+    before, after = (one.lens.focal_px for one in (made.result.estimates.read, made.result.flight))
+    fx_px = before[0] * mean / before.mean()
+    assert_close("ratio", after / [fx_px, fx_px * ratio], [1.0, 1.0])
+    assert (
+        as_text(made, correlations=False)
+        .splitlines()[-1]
+        .endswith(f"fx is {after[0]:.2f} px and fy {after[1]:.2f} px")
+    )
+    assert "fx is" not in str(adjust(drawn(3, (), {"focal": 4.0}, frames=6), ["focal"]))
+
+
 def test_parameters_that_are_hardly_correlated_are_told_as_such() -> None:
     made = adjust(drawn(3, (), {"focal": 4.0}, frames=6), ["focal"])
     assert_approved(as_text(made, correlations=True).splitlines()[-1])

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 from vopd.findings import count_text, size_text
 from vopd.flight.parameters import text_row
+from vopd.flight.solve.free import decimals
+from vopd.geometry.lenses import Lenses
 from vopd.screen import aligned
 
 if TYPE_CHECKING:
@@ -37,9 +39,23 @@ def as_text(made: Adjustment, correlations: bool) -> str:
     lines = [_solved_text(made)]
     if made.parameters:
         lines += ["", *aligned([head, *map(text_row, made.parameters)], {0, 1, 7, 8})]
+        lines += _focal_lengths(made)
     if correlations:
         lines += ["", *_pairs(made)]
     return "\n".join(lines) + "\n"
+
+
+def _focal_lengths(made: Adjustment) -> list[str]:
+    """Say what fx and fy are where they change by two parameters, one after the other."""
+    if not any(one.name == "aspect" and one.held for one in made.parameters):
+        return []
+    sigma_px = [one.sigma_after for one in made.parameters if one.name == "focal" and one.held]
+    digits = decimals(sigma_px[0]) if sigma_px else None
+    lens = made.result.flight.lens
+    px = (f"{one:.7g}" if digits is None else f"{one:.{digits}f}" for one in lens.focal_px.tolist())
+    first = " of the first lens" if isinstance(lens, Lenses) else ""
+    also = "focal is the mean of fx and fy before aspect scales fy; " if sigma_px else ""
+    return ["", "{}as solved{} fx is {} px and fy {} px".format(also, first, *px)]
 
 
 def _pairs(made: Adjustment) -> list[str]:
