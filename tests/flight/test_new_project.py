@@ -249,6 +249,17 @@ def test_a_lens_is_read_with_what_is_said_of_it(
     assert camera == {"lens": "../lens"} | keys | ({"image_size_px": size_px} if size_px else {})
 
 
+@pytest.mark.parametrize("size", ["--image-size=64,48", "--set=camera.image_size_px=[64,48]"])
+def test_the_size_that_an_option_gives_is_the_lens_s(size: str, tmp_path: Path) -> None:
+    """Of a file without one, which was said to be missing beside --image-size."""
+    (tmp_path / "lens").write_text(OF_FOUR)
+    given = ("--lens", tmp_path / "lens", "--set=camera.model=fisheye", size)
+    ran = run("new", tmp_path / "p", *given)
+    assert (ran.status, ran.stderr, "image_size_px" in ran.stdout) == (0, "", False)
+    camera = tomllib.loads((tmp_path / "p" / "flight.toml").read_text())["camera"]
+    assert camera["image_size_px"] == [64, 48]
+
+
 def test_a_new_project_without_any_file(tmp_path: Path) -> None:
     new, values = asked(tmp_path)
     assert values == {"flight name": '"my flight"'}

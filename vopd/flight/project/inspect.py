@@ -58,7 +58,7 @@ class NewProject:
     columns: dict[str, Columns] = field(default_factory=dict)  # of CSV files, by section
     crs: dict[str, str] = field(default_factory=dict)  # that the user gives, by section
     clock: str | None = None  # that the user gives the track's times
-    answered: set[tuple[str, str]] = field(default_factory=set)  # keys that options answer
+    answered: dict[tuple[str, str], str] = field(default_factory=dict)  # by options, as TOML
     picked: tuple[str, ...] = ()  # names of the images that have picks
     options: dict[tuple[str, str], str] = field(default_factory=dict)  # those that are not usual
     track_height: str = ""  # what heights of the track are counted from, where its format says it
@@ -127,7 +127,7 @@ def look_at_lens(new: NewProject, values: KeyValues, folder: Path, name: str | N
     stated = {
         key: from_toml(text)
         for key in ("model", "camera", "image_size_px", "lens_size_px")
-        if (text := values.get(("camera", key)))
+        if (text := values.get(("camera", key), new.answered.get(("camera", key))))
     }
     size = stated.get("lens_size_px", stated.get("image_size_px"))
     question = LensQuestion(stated.get("model"), stated.get("camera"), size and tuple(size))

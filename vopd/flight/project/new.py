@@ -160,13 +160,13 @@ def project_of_files(
     own = "track", "clock"
     for clock in [(before or {}).get(own), *(one.value for one in answers if own in one.keys)]:
         new.clock = from_toml(clock) if clock else new.clock
-    new.answered = {key for one in answers for key in one.keys}
+    new.answered = {key: one.value for one in answers for key in one.keys}
     look_at_files(new, values, folder, given, video)
     for one in [one for one in answers if one.at_once]:
         for section, key in one.keys:
             if section == "track" and any(own == "position" for own, _ in values):
                 new.said.append(f"{one.option}: [track] {key} is not used beside [position]")
-            if (other := values[section, key]) != one.value:
+            if from_toml(other := values[section, key]) != from_toml(one.value):
                 raise VopdError(
                     f"{one.option}: [{section}] {key} = {one.value}, and by a file or option it is "
                     f"{other}: leave one out"
