@@ -51,6 +51,8 @@ TOLERANCES = {
     "height of a terrain": Tolerance("m", 1e-3, "heights are kept in 32 bits, 6E-5 m at 1000 m"),
     "turns of 4,000 draws": Tolerance("1", 0.045, "a ratio; four deviations of 1.1 percent"),
     "match of a drawn patch": Tolerance("px", 0.02, "sampled between four pixels"),
+    "match of a searched patch": Tolerance("px", 0.5, "whole pixels of a patch half as large"),
+    "ratio of sigmas of matches": Tolerance("1", 0.05, "the gain of a noisy frame, 3 percent"),
     "turn by drawn shifts": Tolerance("rad", 2e-6, "the prior of the turn, .03 rad"),
     "turn by whole frames": Tolerance("rad", 1e-4, "a tenth of a pixel"),
     "running attitude": Tolerance(

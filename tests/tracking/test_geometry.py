@@ -150,6 +150,31 @@ def test_a_line_of_sight_that_grazes_the_ground_ends_across_it() -> None:
     assert_close("ground on a terrain", found, [10.0, 0.0, 5.0 - 0.158])
 
 
+def test_a_line_of_sight_that_grazes_a_slope_ends_across_it() -> None:
+    """Of a landmark 1000 m west and 176 m down, 10 degrees: 4.3 above ground that rises by 5.7."""
+    scene = above(176.0)
+    scene.path.position_m[0, 1] = 1000.0
+    ahead = np.array([-1000.0, 0.0, -176.0]) / np.hypot(1000.0, 176.0)
+    looks = np.array([[0.0, 1.0, 0.0], [ahead[2], 0.0, -ahead[0]], ahead])
+    found = replace(scene, terrain=Rising()).ground(view(0, looks), np.array([110.0, 75.0]), 0)
+    away_m = np.hypot(1000.0, 176.0)
+    expected = away_m * (0.01 * looks[0] - 0.005 * looks[1])
+    assert_close("ground on a terrain", found, expected)
+
+
+def test_the_ground_of_a_landmark_that_refraction_raises_is_at_the_landmark() -> None:
+    """14 km to the north and 1 km below: by more than a metre."""
+    scene = replace(above(1000.0), refraction=Refraction(0.13, False))
+    marks = replace(scene.landmarks, position_m=np.array([[EARTH_M, 0.0, 14000.0]]))
+    scene = replace(scene, landmarks=marks)
+    looks = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    raised_m = scene.raised_m(0)
+    assert raised_m[0, 2] > 1.0
+    away = scene.landmark_m + raised_m - scene.camera_m(0, looks)
+    pixel, _ = scene.pixels(view(0, looks), away)
+    assert_close("ground on a terrain", scene.ground(view(0, looks), pixel[0], 0), [0.0, 0.0, 0.0])
+
+
 class Falling:
     """A terrain that falls from the landmark on, by .1125 of the square of what is east."""
 
@@ -230,6 +255,9 @@ def test_a_patch_moved_brighter_and_flatter() -> None:
     assert_close("match of a drawn patch", found.shift[0], [1.37, -0.64])
     far = match(picture((6.3, 0.0)), warps, [patch], np.zeros((1, 2)), 4.0)
     assert not far.good.any()  # beyond its reach
+    near = match(picture((6.3, 0.0)), warps, [patch], np.array([[5.0, 1.0]]), 4.0)
+    assert near.good.all()  # which counts from where it begins
+    assert_close("match of a drawn patch", near.shift[0], [6.3, 0.0])
     shift, several = search(picture((11.0, -9.0)), warps, [patch], 12.0)
     assert not several.any()
     assert shift[0].tolist() == [11.0, -9.0]
@@ -251,6 +279,33 @@ def test_a_patch_is_searched_in_the_whole_picture(way: int, u: float) -> None:
     warps = warp(scene, view(1, NADIR), [patch])
     shift, _ = search(moved, warps, [patch], 7.0)
     assert shift[0].tolist() == [5.0, -4.0]
+
+
+def test_the_sigma_of_a_match_is_that_of_its_noise_over_its_contrast() -> None:
+    """Half as bright, noise included, it is the same; of noise twice as strong it is twice that."""
+    scene = above(1000.0, 1000.0)
+    patch = laid(scene, picture(), (120.3, 70.8))
+    warps = warp(scene, view(1, NADIR), [patch])
+    noise = np.random.default_rng(12).normal(0.0, 4.0, SIZE[::-1])
+    sigma_px = [
+        match(gain * (picture() + times * noise), warps, [patch], np.zeros((1, 2)), 4.0).sigma_px[0]
+        for gain, times in ((1.0, 1.0), (0.5, 1.0), (1.0, 2.0))
+    ]
+    assert_close("ratio of sigmas of matches", np.array(sigma_px) / sigma_px[0], [1.0, 1.0, 2.0])
+
+
+def test_a_patch_seen_from_farther_away_is_blurred() -> None:
+    """From twice the height the frame does not show waves that are three pixels long."""
+    scene = above(1000.0, 2000.0)
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    patch = laid(scene, picture() + 60.0 * np.cos(2.0 / 3.0 * np.pi * (u + v)), (120.0, 70.0))
+    warps = warp(scene, view(1, NADIR), [patch])
+    seen = drawn(100.0 + 2.0 * (u - 105.7), 80.0 + 2.0 * (v - 77.6))
+    found = match(seen, warps, [patch], np.array([[5.0, -2.0]]), 4.0)
+    assert found.good.all() and found.correlation[0] > 0.9
+    assert_close("match of a drawn patch", found.shift[0], [5.7, -2.4])
+    shift, _ = search(seen, warps, [patch], 8.0, least=0.8)
+    assert_close("match of a searched patch", shift[0], [5.7, -2.4])
 
 
 def test_a_patch_seen_from_nearer_by_is_compared_with_a_blurred_frame() -> None:
@@ -302,6 +357,8 @@ def test_what_is_no_match() -> None:
     assert cut_patch(picture(), 0, 0, 0, np.array([3.0, 70.0]), 25) is None
     near = cut_patch(picture(), 0, 0, 0, np.array([9.0, 70.0]), 25)
     assert near is not None and near.side == 17
+    small = cut_patch(picture(), 0, 0, 0, np.array([120.0, 70.0]), 9)  # as is asked for
+    assert small is not None and small.side == 9
 
 
 def test_most_landmarks_outvote_one() -> None:
@@ -427,21 +484,29 @@ def test_how_fast_a_camera_turns_by_its_neighbours() -> None:
     assert_close("turn by drawn shifts", rates[:, :2], 0.0 * rates[:, :2])
 
 
-@pytest.mark.parametrize("times", [1.0, 2.3])
-def test_a_frame_that_has_turned(times: float) -> None:
+@pytest.mark.parametrize(("times", "larger"), [(1.0, 1), (2.3, 1), (1.0, 2)])
+def test_a_frame_that_has_turned(times: float, larger: int) -> None:
     """The picture of a camera that has turned by .4 degree, aligned from no turn at all.
 
-    By 2.3 times as much it is found in the coarse level alone, and then in the fine one.
+    By 2.3 times as much it is found in the coarse level alone, and then in the fine one. Of a frame
+    with twice as many pixels along its sides both levels are reduced. A tenth of the frame is
+    hidden by a rail of the vehicle, which does not turn.
     """
-    scene = above(1000.0, 1000.0)
+    size = larger * SIZE[0], larger * SIZE[1]
+    lens = replace(
+        LENS, size_px=size, focal_px=larger * LENS.focal_px, centre_px=larger * LENS.centre_px
+    )
+    scene = replace(above(1000.0, 1000.0), lens=lens)
     turn = times * np.array([0.0015, -0.001, 0.006])
     after = turned_by(turn, NADIR)
-    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    v, u = np.mgrid[: size[1], : size[0]].astype(float)
     ray, _ = scene.rays(view(1, after), np.stack([u, v], axis=-1))
     at, _ = scene.pixels(view(0, NADIR), ray)
-    turned = drawn(at[..., 0], at[..., 1])
+    turned, before = (drawn(x / larger, y / larger) for x, y in ((at[..., 0], at[..., 1]), (u, v)))
+    for grey in (turned, before):
+        grey[:, : size[0] // 10] = drawn(2.0 * v / larger, u / larger)[:, : size[0] // 10]
     found, likeness = Alignment(scene).turn(
-        view(0, NADIR), reduced(picture()), view(1, NADIR), reduced(turned)
+        view(0, NADIR), reduced(before), view(1, NADIR), reduced(turned)
     )
     assert likeness > 0.95
     assert_close("turn by whole frames", turn_between(NADIR, found), turn)
