@@ -128,7 +128,7 @@ def test_numbers_that_are_missing_among_images(tmp_path: Path) -> None:
         [*range(7), *range(8, 20), *range(25, 60)],
         [*range(0, 200, 10), 230, 240],
         range(0, 200, 10), [3, 17, 40, 41, 90], [5], [*range(5), *range(6, 10), *range(11, 14)],
-        [0, 1, 3, 4, 6, 7, 8, 9],
+        [0, 1, 3, 4, 6, 7, 8, 9], [*range(0, 200, 10), 205],
     )):  # fmt: skip
         folder = tmp_path / str(k)
         folder.mkdir()
@@ -136,6 +136,8 @@ def test_numbers_that_are_missing_among_images(tmp_path: Path) -> None:
             (folder / f"frame_{number:04d}.png").write_bytes(b"")
         told.append(open_frames([str(folder)]).about.removeprefix(str(folder)))
     assert_approved("\n".join(told))
+    chosen = open_frames([str(tmp_path / "3")])  # 3, 17, 40, 41 and 90
+    assert chosen.place(40, "") == chosen.place(0, "frame_0040.png") == 2
 
 
 def test_a_codec_without_a_decoder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
