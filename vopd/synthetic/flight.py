@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
@@ -608,10 +607,9 @@ COLUMNS = (
 
 def truth_csv(truth: Truth) -> str:
     """Write the true attitude as CSV: a header, then a line a frame, in seconds, degrees, feet."""
-    columns = (
-        truth.frame, truth.time_s, truth.camera_deg, truth.vehicle_deg, truth.position_ft
-    )  # fmt: skip
+    angles = np.hstack([truth.camera_deg, truth.vehicle_deg])
+    angles = np.where(np.round(angles, 6) == 360.0, 0.0, angles)  # as they are written
+    columns = (truth.frame, truth.time_s, angles, truth.position_ft)
     line = ",".join(["%d", "%.5f", *["%.6f"] * 6, *["%.4f"] * 3]) + "\n"
     rows = np.column_stack(columns).tolist()
-    text = "".join([line % tuple(row) for row in rows])
-    return ",".join(COLUMNS) + "\n" + re.sub(r"\b360(?=\.0{6}\b)", "0", text)  # of angles alone
+    return "".join([",".join(COLUMNS) + "\n", *(line % tuple(row) for row in rows)])
