@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,7 @@ from tests.kit.clicked_flights import clicked_flight
 from tests.kit.command import ROOT
 from tests.kit.command import vopd as command
 from tests.kit.dense_minimum import NAMES, dense_minimum, drawn, freed_problem
-from tests.kit.flight_project import write_project
+from tests.kit.flight_project import TOML, write_project
 from tests.kit.joint_flights import FOCAL, Dense, drone, flight_of
 from tests.kit.simulated_flights import Errors, Plan, write_flight
 from tests.tolerances import assert_close, within
@@ -420,6 +421,23 @@ def test_a_landmark_on_one_line_of_sight_is_said() -> None:
     flight = replace(flight, picks=replace(picks, **own), landmarks=marks)
     (text,) = said(adjust(flight, [f"landmark:{marks.name[2]}"]))
     assert_approved(text)
+
+
+def test_a_landmark_whose_distance_its_picks_do_not_tell_is_said(tmp_path: Path) -> None:
+    """Its sigma is below the 1e8 m that are stated, and far above its distance."""
+    path = write_project(tmp_path, TOML.replace('sigma_m = "exact"\n[track]', "[track]"))
+    head, *rows = (tmp_path / "landmarks.csv").read_text().split()
+    rows = [f"{row},{1e8 if row.startswith('church') else 0.5}" for row in rows]
+    (tmp_path / "landmarks.csv").write_text("\n".join([f"{head},sigma_m", *rows, ""]))
+    assert not said(adjust(path, ["landmark:church"]))  # in five frames
+    picks = [row.split(",") for row in (tmp_path / "picks.csv").read_text().split()]
+    picks = [row for row in picks if row[1] != "church" or row[0] in "01"]
+    for row in picks:  # its two lines of sight meet behind the camera
+        if row[:2] == ["1", "church"]:
+            row[2] = str(float(row[2]) + 6.0)
+    (tmp_path / "picks.csv").write_text("\n".join([*map(",".join, picks), ""]))
+    (text,) = said(adjust(path, ["landmark:church"]))
+    assert_approved(re.sub(r"[\d.]+(e\+\d+)? m", "N m", text))
 
 
 def test_a_named_blunder_moves_no_free_parameter() -> None:

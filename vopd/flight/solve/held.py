@@ -20,7 +20,7 @@ from vopd.flight.solve.joint import (
 )
 from vopd.flight.solve.normal import Factored, Normal
 from vopd.flight.solve.rotations import LOSSES, FlightBlocks, SolvedFlight
-from vopd.geometry.earth import axes_at, geodetic
+from vopd.geometry.earth import axes_at, geodetic, local_axes
 from vopd.geometry.linear import pseudo_inverse
 
 ROUNDING = 1e-12  # of the largest variance of a position: less is exact
@@ -252,25 +252,45 @@ def solved_findings(joint: JointSolution | None) -> list[Finding]:
     """Warn of landmarks on one line of sight, and of a clock that moves frames far."""
     if joint is None or not joint.model.flight.options.free:
         return []
-    texts = [*_one_line_texts(joint), *_clock_texts(joint)]
+    texts = [*_landmark_texts(joint), *_clock_texts(joint)]
     return [Finding(text, joint.model.flight.source, severity="warning") for text in texts]
 
 
-def _one_line_texts(joint: JointSolution) -> list[str]:
-    """Name the free landmarks that the picks do not hold along their one line of sight."""
+UNLOCATED = 0.5  # standard deviation of a landmark over its distance: two of them are all of it
+
+
+def _landmark_texts(joint: JointSolution) -> list[str]:
+    """Name the free landmarks whose place along the lines of sight the picks do not tell."""
     model, common = joint.model, covariance_of_common(joint)
-    flight, free, loose = model.flight, model.free.tolist(), []
+    flight, free, loose, far = model.flight, model.free.tolist(), [], list[str]()
     for k in (k for k in free_landmarks(flight) if k in free):
         where = len(model.names) + 3 * free.index(k) + np.arange(3)
+        name, position_m = flight.landmarks.name[k], flight.landmarks.position_m[k]
         prior_m = np.maximum(flight.landmarks.sigma_m[k], LEAST_SIGMA_M)
         left, axes = np.linalg.eigh(common[np.ix_(where, where)] / np.outer(prior_m, prior_m))
-        frames = flight.picks.frame[model.pick[model.landmark == k]]
-        away = flight.landmarks.position_m[k] - flight.path.position_m[frames]
+        camera_m = flight.path.position_m[flight.picks.frame[model.pick[model.landmark == k]]]
+        away = position_m - camera_m
         away /= np.linalg.norm(away, axis=1)[:, None]
         middle = away.mean(axis=0) / np.linalg.norm(away.mean(axis=0))
         apart = float(np.degrees(np.arccos(np.clip(away @ middle, -1.0, 1.0))).max())
         if left[-1] > MOST_LEFT**2 and apart < ONE_LINE_DEG:
-            loose.append((flight.landmarks.name[k], prior_m * axes[:, -1]))
+            loose.append((name, prior_m * axes[:, -1]))
+            continue
+        moved_m = joint.state.landmark_m[k] @ local_axes(position_m)
+        far_m = float(np.linalg.norm(position_m + moved_m - camera_m, axis=1).min())
+        sigma_m = float(np.sqrt(np.linalg.eigvalsh(common[np.ix_(where, where)])[-1]))
+        if sigma_m > UNLOCATED * far_m:
+            far.append(
+                f"free {LANDMARK}{name}: as solved it is {far_m:.0f} m from the camera, with a "
+                f"standard deviation of {sigma_m:.2g} m: the picks do not tell how far it is. Pick "
+                "it in frames that look from elsewhere, or state how well it is known"
+            )
+    more = [f"free landmarks: of {len(far) - NAMED} more the same is true"][: len(far) > NAMED]
+    return [*_one_line_texts(loose), *far[:NAMED], *more]
+
+
+def _one_line_texts(loose: list[tuple[str, Floats]]) -> list[str]:
+    """Name landmarks that are seen along one line, each with its sigmas along it."""
     if not loose:
         return []
     names = [name for name, _ in loose]
