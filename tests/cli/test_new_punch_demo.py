@@ -211,6 +211,15 @@ def test_files_that_are_there_already_are_not_touched(tmp_path: Path) -> None:
         new.write_project(tmp_path / "b" / "d", NewProject({"a": b"1"}))
 
 
+def test_a_project_that_is_written_again_stays_where_a_file_cannot_be(tmp_path: Path) -> None:
+    """The file that was there has a content, the old or the new; one that was not is not left."""
+    (tmp_path / "a").write_bytes(b"0")
+    with pytest.raises(OutputError):
+        of_several = NewProject({"a": b"1", "b": b"1", "no/such": b"2"})
+        new.write_project(tmp_path, of_several, again=True)
+    assert [one.name for one in tmp_path.iterdir()] == ["a"]
+
+
 def test_a_name_that_is_neither_a_file_nor_a_folder(tmp_path: Path) -> None:
     """As /dev/null; "File exists", it said."""
     (tmp_path / "gone").symlink_to(tmp_path / "nowhere")

@@ -374,6 +374,7 @@ def write_project(
         refuse_existing(folder, list(new.contents))
     made: list[Path] = []
     folders: list[Path] = []
+    there = {name for name in new.contents if (folder / name).exists()}  # which stays
     try:
         folders += [one for one in (folder, *folder.parents) if not one.exists()]
         folder.mkdir(parents=True, exist_ok=True)
@@ -386,7 +387,8 @@ def write_project(
     finally:
         if len(made) < len(new.contents):
             for path in made:
-                path.unlink()
+                if path.name not in there:
+                    path.unlink()
             with suppress(OSError):  # not made, or something else is in it
                 for one in folders:
                     one.rmdir()
