@@ -19,7 +19,14 @@ from vopd.attitude.residuals import equations_of
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.misfits import blunders, misfit, mistakes
-from vopd.flight.misfits.blunders import WRONG, _together, find_blunders, gross_picks
+from vopd.flight.misfits.blunders import (
+    WRONG,
+    Blunders,
+    _together,
+    blunder_findings,
+    find_blunders,
+    gross_picks,
+)
 from vopd.flight.project.read import read_flight
 from vopd.flight.result import FlightResult, solve_flight_read
 from vopd.flight.settled import settled
@@ -384,4 +391,17 @@ def test_three_that_do_not_fit_are_named_and_further_ones_counted(
     dropped: bool, count: int
 ) -> None:
     options: Any = SimpleNamespace(options=SimpleNamespace(drop_blunders=dropped))
-    assert_approved(_together(["a", "b", "c", "d"][:count], options))
+    assert_approved(_together(["a", "b", "c", "d"][:count], options, True))
+
+
+@pytest.mark.parametrize("misfits", [False, True])
+def test_beside_an_error_of_all_no_pick_is_named_by_itself(tmp_path: Path, misfits: bool) -> None:
+    """A wrong clock puts hundreds of tracked places off, and a landmark, which is named too."""
+    flight = read_flight(str(write_project(tmp_path)))
+    picks, marks = len(flight.picks.frame), len(flight.landmarks.name)
+    found = Blunders(
+        np.arange(picks) < 9, np.zeros(picks, bool), np.arange(marks) == 0, np.zeros(marks, bool),
+        np.full((marks, 3), np.nan), np.zeros(picks, bool), np.full(picks, 3.0),
+    )  # fmt: skip
+    (told,) = blunder_findings(found, flight, misfits, explained=True)
+    assert_approved(told.message)

@@ -35,7 +35,7 @@ from vopd.flight.misfits.input_errors import (
     sampled,
     significant_errors,
 )
-from vopd.flight.misfits.misfit import misfit_text, sizes_text, too_wide_text
+from vopd.flight.misfits.misfit import frames_text, misfit_text, sizes_text, too_wide_text
 from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.equations import SHIFT, Priors
 from vopd.flight.solve.errors import priors_of
@@ -674,3 +674,19 @@ def test_values_to_write_are_those_stated_plus_the_errors(
     tried, _ = input_errors(joint(solved), even_path(joint(solved)))
     (one,) = (one for one in tried if one.parameters == (name,))
     assert_approved(one.text(np.array([error]), np.array([abs(error) / 100.0])), parts=[words])
+
+
+@pytest.mark.parametrize(
+    ("odd", "fitting", "unknown", "said"),
+    [(6, 5, 4, True), (5, 5, 9, False), (0, 0, 3, False), (1, 0, 0, True)],
+)
+def test_most_frames_that_misfit_by_themselves_are_the_flights_misfit(
+    odd: int, fitting: int, unknown: int, said: bool
+) -> None:
+    """Tracked places agree from frame to frame: 300 frames 3 px off left .06 px."""
+    chance = np.array([9e-4] * odd + [1.1e-3] * fitting + [np.nan] * unknown)
+    reading = JobReadingSigma(0.06, 500.0, "residuals", chance, 0.06)
+    told = frames_text(reading)
+    assert bool(told) == said
+    if said:
+        assert_approved(told)

@@ -680,9 +680,9 @@ def blunder_findings(
             f"the coordinates of {listed(labels, 'or')} do not fit the other landmarks, and "
             "nothing tells which; all are used"
         )
-    together = where and misfits and (explained or len(where) > MOST_NAMED)
+    together = where and (explained or (misfits and len(where) > MOST_NAMED))
     if together:
-        tell.append(_together(where, flight))
+        tell.append(_together(where, flight, misfits))
     for k in np.flatnonzero(found.pick & (not together)):
         done = "it is left out" if flight.options.drop_blunders else f"it is used; {KEPT}"
         tell.append(
@@ -699,14 +699,14 @@ def blunder_findings(
     return [Finding(one, flight.source, severity="warning") for one in tell]
 
 
-def _together(labels: list[str], flight: Flight) -> str:
-    """Describe the picks and landmarks that do not fit in a flight that misfits."""
+def _together(labels: list[str], flight: Flight, misfits: bool) -> str:
+    """Describe the picks and landmarks that do not fit where an error of all explains more."""
     done = f"used; {KEPT}"
     if flight.options.drop_blunders:
         done = 'left out by [solve] blunders = "drop", if it is clear which'
     return (
-        f"not fitting the others, which may come of the misfit (mend that first): "
-        f"{first_of(labels, MOST_NAMED)}; {done}"
+        f"not fitting the others, which may come of {'the misfit' if misfits else 'that error'} "
+        f"(mend that first): {first_of(labels, MOST_NAMED)}; {done}"
     )
 
 

@@ -47,6 +47,7 @@ from vopd.flight.solve.sizes import (
 
 MOST_BLUNDERS = 0.25  # of the picks: more of them are the flight's misfit
 FEW = 0.1  # of the frames: more of them that misfit are the flight's misfit
+MOST_FRAMES = 0.5  # more of them that misfit by themselves are the flight's misfit in any case
 USUAL_PX = 3.0  # of a pick whose standard deviation is not stated
 
 MISFITS = "the flight misfits"
@@ -101,7 +102,23 @@ def misfit_text(joint: JointSolution, reading: JobReadingSigma, stated_px: float
             f"{MISFITS}: its residuals speak for picks of {shown_px:g} px, "
             f"{ratio:.1f} times {of} (chance below {SIGNIFICANCE:g})"
         )
-    return far_text(joint)
+    return far_text(joint) or (frames_text(reading) if picks.clicks is not None else "")
+
+
+def frames_text(reading: JobReadingSigma) -> str:
+    """Say that most frames of a tracked flight misfit by themselves; or nothing.
+
+    The places of a tracked landmark agree from frame to frame, whatever is wrong with the clock
+    or the lens: what the frames leave is then small, and larger than in any frame by chance.
+    """
+    tested = np.isfinite(reading.chance)
+    odd = reading.chance[tested] < SIGNIFICANCE
+    if not len(odd) or odd.mean() <= MOST_FRAMES:
+        return ""
+    return (
+        f"{MISFITS}: {odd.sum()} of {len(odd)} frames have residuals with a chance below "
+        f"{SIGNIFICANCE:g}"
+    )
 
 
 def far_text(joint: JointSolution) -> str:
