@@ -326,6 +326,7 @@ TABLE = (
     Hostile("landmarks device", project(landmarks__csv=zeros)),
     # tracks
     Hostile("gpx entities", other("track", "t.gpx", BOMB + "]>" + GPX.format("&k;"))),
+    Hostile("gpx comments", other("track", "t.gpx", "<!--a-->" * 200 + GPX.format(""))),
     Hostile("gpx depth", other("track", "t.gpx", GPX.format("<trk>" * 5_000 + "</trk>" * 5_000)),
             others_after="not valid GPX:"),
     Hostile("srt digits", {"t.srt": SRT + "1" * 900_000}, ("new made --track t.srt",)),

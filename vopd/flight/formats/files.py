@@ -48,7 +48,7 @@ OF_NMEA = (  # a sentence that is known, or any with its checksum: a header may 
     r"|P(?:ASHR|GRM[A-Z]|MTK\d+|SRF\d+|TNL|UBX)|[A-Z]{4,6}\d*,[^\n]*\*[0-9A-Fa-f]{2}\s*?(?=\n|\Z))"
     r"(?=[,\s]|\Z)"
 )
-OF_XML = r"[^A-Za-z]*(?:xml[^>]*>\s*)?(?:<!--.*?-->\s*)*"
+OF_XML = r"[^A-Za-z]*(?:xml[^>]*>\s*)?(?>(?:<!--.*?-->\s*)*)"  # each comment by itself alone
 OF_IGC = r"A[A-Z0-9]{3}[^\n]*\n(?:[^\n]*\n){,20}?HFDTE"
 MAVTOGPX = "mavtogpx.py FILE (pip install pymavlink) makes GPX of it"
 LOGS = (
