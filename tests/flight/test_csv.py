@@ -770,6 +770,24 @@ def test_heights_may_be_mapped_as_feet() -> None:
 
 
 @pytest.mark.parametrize(
+    ("columns", "place"),
+    [
+        ({}, [15.0, 48.0, 300.0]),
+        ({"h_m": "baro"}, [15.0, 48.0, 7.0]),
+        ({"h_m": "baro", "lat_deg": "lon_deg", "lon_deg": "lat_deg"}, [48.0, 15.0, 7.0]),
+    ],
+)
+def test_a_mapped_column_counts_and_not_one_that_has_the_name(
+    columns: dict[str, str], place: list[float]
+) -> None:
+    """The other was read, and the answer said that the mapped one was."""
+    text = "t_s,lat_deg,lon_deg,h_m,baro\n0,48,15,300,7\n"
+    found = read_by_content(TRACK_FORMATS, InputFile("t", Path(), text, columns=columns))
+    assert found.coordinate[0].tolist() == place
+    assert_approved(found.said)
+
+
+@pytest.mark.parametrize(
     "text", ['{"images": [1, 2], "annotations": []}', '[{"u": 1, "v": 2}]', "<a>,b"]
 )
 def test_json_and_xml_of_other_programs_have_no_columns(text: str) -> None:

@@ -158,7 +158,7 @@ def own_names(
     if isinstance(file.columns, list):
         named = {*known} - {*header}
         return [FEET[one] if FEET.get(one) in named else one for one in header]
-    found = list(header)
+    place = dict[int, str]()
     for given, own in (file.columns or {}).items():
         name = FEET.get(given, given)
         if name not in known:
@@ -167,7 +167,9 @@ def own_names(
             raise file.error(f"columns: there is no column {own}{did_you_mean(own, header)}")
         if wrong := other_unit(own, name) or other_sense(own, name):
             raise file.error(f"columns: {wrong}")
-        found[header.index(own)] = name
+        place[header.index(own)] = name
+    # a column that has such a name itself, beside the one that is mapped to it, is another
+    found = [place.get(k, "" if one in place.values() else one) for k, one in enumerate(header)]
     plain = [plain_name(name) for name in found]
     feet = "x_m" in known and any(map(IN_FEET.search, plain)) and _grid_in_feet(file)
     left_out = {name for some, rest in ENOUGH if {*some} & {*found} for name in rest}

@@ -125,7 +125,7 @@ class CsvTable:
     @property
     def read_as(self) -> str:
         """Say which columns have other names here; empty if none has."""
-        there = [k for k, own in enumerate(self.own) if own != self.header[k]]
+        there = [k for k, own in enumerate(self.own) if own != self.header[k] != ""]
         own, here = (", ".join(names[k] for k in there) for names in (self.own, self.header))
         unit = ", the time in milliseconds" if self.in_ms(TIME[0]) else ""
         unit += ", the height in feet" if any(map(self.in_feet, HEIGHTS)) else ""
@@ -144,7 +144,7 @@ class CsvTable:
             read -= {*PLANE}
         read |= {one for one in self.header if self.has("t_utc") and plain_name(one) in DATES}
         pairs = zip(self.own, self.header, strict=True)
-        return [own for own, name in pairs if name and name not in read]
+        return [own for own, name in pairs if own and name not in read]
 
     def check_signs(self, degrees: Floats) -> None:
         """Refuse a south or west that stands beside the number in a column of its own, (n, 2).
