@@ -93,8 +93,8 @@ def opensfm(**camera: Any) -> str:
         ({"c_x": 0.01, "c_y": -0.02}, [200, 200, 203.5, 141.5]),
         ({"width": 300, "height": 400, "c_x": 0.01, "c_y": -0.02}, [200, 200, 153.5, 191.5]),
         ({"focal_x": 0.75, "focal_y": 0.25}, [300, 100, 199.5, 149.5]),
-        ({"k1": 0.1, "k2": 0.2, "k3": 0.3}, [200, 200, 199.5, 149.5, 0.1, 0.2]),
-        ({"projection_type": "simple_radial", "k1": 0.1, "k2": 9}, [200, 200, 199.5, 149.5, 0.1]),
+        ({"k1": 0.1, "k2": 0.2, "k3": 0}, [200, 200, 199.5, 149.5, 0.1, 0.2]),
+        ({"projection_type": "simple_radial", "k1": 0.1, "k2": 0}, [200, 200, 199.5, 149.5, 0.1]),
         ({"projection_type": "radial", "k1": 0.1, "k2": 0.2}, [200, 200, 199.5, 149.5, 0.1, 0.2]),
         (
             {"projection_type": "brown", "k1": 0.1, "k2": 0.2, "p1": 0.3, "p2": 0.4, "k3": 0.5},
@@ -620,6 +620,8 @@ def test_what_opensfm_s_files_are_refused_for() -> None:
     assert_approved(no_lens(opensfm(focal_x=0.75, focal_y=100.5)))
     assert_approved(no_lens(opensfm(c_x=200.0)))
     assert_approved(no_lens(opensfm(c_y=-1.01)))
+    assert_approved(no_lens(opensfm(projection_type="perspective", p1=1e-3, p2=0.0, k3=1e-3)))
+    assert_approved(no_lens(opensfm(projection_type="fisheye_opencv", k5=1e-3)))
     missing = json.dumps({"b": {"width": 400, "focal": 0.5}})
     assert_approved(no_lens(missing))
     assert_approved(no_lens(opensfm()[:-1]))
@@ -811,6 +813,9 @@ def test_keys_of_opencv() -> None:
     for k in (2, 3, 4):
         lens = lens_of(json.dumps(head | matrices[k] | matrices[0] | some[5] | some[1])).lens
         assert lens.focal_px.tolist() == [10.0, 9.0] and lens.k[0] == 1.0
+        assert_approved(
+            lens_of(json.dumps(head | matrices[k] | matrices[0] | some[5] | some[1])).said
+        )
     rows = [[10, 0, 1], [0, 9, 2], [0, 0, 1]]
     same = {"camera_matrix": rows, "cameraMatrix": [*rows[0], *rows[1], *rows[2]]}
     assert lens_of(json.dumps(head | same)).lens.focal_px.tolist() == [10.0, 9.0]
@@ -831,6 +836,7 @@ MATRIX = "[70, 0, 2, 0, 60, 3, 0, 0, 1]"
         f'{{"camera_matrix": {MATRIX}, "image_width": 64, "image_height": 48, "image_width": 64}}',
         f'{{"camera_matrix": {{"data": {MATRIX}, "data": {MATRIX}}}}}',
         XML.format("opencv_storage", "D", 3),
+        str(MODEL)[:-1] + ", 'intrinsics': [7, 8, 4, 3]}",
     ],
 )
 def test_a_key_that_stands_twice_is_refused(text: str) -> None:

@@ -100,7 +100,8 @@ def test_fisheyes(tmp_path: Path) -> None:
         ROS % ("equidistant", 4, k),
         COLMAP % ("OPENCV_FISHEYE", "1500 1490 960 540 0.03 0.01 -0.02 0.004"),
         OPENSFM.replace('"brown"', '"fisheye_opencv"').replace("-0.1", "0.03")
-        .replace("0.02", "0.01").replace("3e-3", '-0.02, "k4": 0.004'),
+        .replace("0.02", "0.01").replace('1e-3, "p2": -2e-3', '0, "p2": 0')
+        .replace("3e-3", '-0.02, "k4": 0.004'),
     ]  # fmt: skip
     expected, _ = cv2.fisheye.projectPoints(
         RAY[:, None], np.zeros(3), np.zeros(3), MATRIX, np.array(k)

@@ -131,6 +131,7 @@ def refuse_camera(file: InputFile, question: LensQuestion) -> None:
 
 # mrcal's .cameramodel: a Python dict of literals, pixels from the first pixel's centre
 
+MOST_MRCAL = 20_000  # commas, of which a model of splines has some thousand; Python takes 1 kB each
 COUNTS_MRCAL = {"PINHOLE": 0, "OPENCV4": 4, "OPENCV5": 5, "OPENCV8": 8, "OPENCV12": 12}
 
 
@@ -142,8 +143,11 @@ def recognises_mrcal(file: InputFile) -> bool:
 def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
     """Read the lens of a .cameramodel."""
     refuse_camera(file, question)
+    if file.text.count(",") > MOST_MRCAL:
+        raise file.error(f"not a mrcal camera model: more than {MOST_MRCAL} numbers and keys")
     try:
-        found = ast.literal_eval(file.text.strip())
+        tree = ast.parse(file.text.strip(), mode="eval")
+        found = ast.literal_eval(tree)
         name = found.get("lensmodel", found.get("lens_model", found.get("distortion_model")))
         kind = (
             str(name)
@@ -155,6 +159,9 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
         width, height = (plain_number(str(value)) for value in found["imagersize"])
     except (*UNEXPECTED, SyntaxError, MemoryError) as error:  # the last by deep nesting
         raise file.error(f"not a mrcal camera model: {reason(error)}") from error
+    own = tree.body.keys if isinstance(tree.body, ast.Dict) else []
+    if message := twice(str(one.value) for one in own if isinstance(one, ast.Constant)):
+        raise file.error(message)
     if kind not in COUNTS_MRCAL:
         raise file.error(f"model {name} is not known; LENSMODEL_ {', '.join(COUNTS_MRCAL)} are")
     if len(values) != 4 + COUNTS_MRCAL[kind]:
@@ -361,12 +368,20 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         focals = focal, number("focal_y", focal)
         model, keys = MODELS_OPENSFM[kind]
         k = [number(key, 0.0) for key in keys]
+        foreign = [key for key in OF_OPENCV if key not in keys and number(key, 0.0)]
         shift = number("c_x", 0.0), number("c_y", 0.0)
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise file.error(
             f"a camera needs width, height, focal as numbers: {reason(error)}",
             column=name,
         ) from error
+    if foreign:
+        has = ", ".join(keys)
+        raise file.error(
+            f"{foreign[0]} is of another projection than {kind}, which has {has}: name that one as "
+            "projection_type",
+            column=name,
+        )
     if max(focals) > MOST_FRACTION:
         raise file.error(
             f"focal {max(focals):g} is more than {MOST_FRACTION:g} times the image's longer side, "
@@ -472,7 +487,8 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     lens = make_lens(model, size_px, (matrix[0], matrix[4]), centre, k, skew, error=file.error)
     said = f"{file.name}: OpenCV, {coefficients_said(k, model)}, centre grid"
     said += f", a skew of {skew:g} px" if skew else ""
-    for key in filter(OTHER_FOCAL.match, values):
+    others = [name for names in (MATRIX, COEFFICIENTS) for name in _there(values, names)[1:]]
+    for key in (*filter(OTHER_FOCAL.match, values), *(k for k in others if len(k) <= LETTERS)):
         said += f"; its {shown(key)} is not used beside the matrix"
     return LensRead(lens, said)
 
@@ -545,10 +561,15 @@ def _model(file: InputFile, values: dict[str, Any], question: LensQuestion, k: l
     return "brown"
 
 
+def _there(values: Mapping[str, Any], names: tuple[str, ...]) -> list[str]:
+    """List those of some names that are keys of a file."""
+    return [name for name in names if name in values]
+
+
 def _first(
     file: InputFile, values: dict[str, Any], names: tuple[str, ...], what: str, needed: bool = True
 ) -> Any:
-    there = [name for name in names if name in values]
+    there = _there(values, names)
     if needed and not there:
         raise file.error(f"no {what}: looked for {', '.join(names)}")
     for other in [name for name in there[1:] if len(name) > LETTERS]:
