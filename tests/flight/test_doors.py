@@ -134,6 +134,14 @@ def test_a_projection_is_two_numbers(projection: object) -> None:
     assert_approved(text_told(PICK_FORMATS, "p", text))
 
 
+def test_markers_of_two_coordinate_systems_are_refused() -> None:
+    """All were taken for those of the first."""
+    other = '<reference>PROJCS["x",AUTHORITY["EPSG","32632"]]</reference>'
+    text = MARKERS.replace("</document>", f"<chunk>{other}</chunk></document>")
+    with refused(VopdError):
+        read_text(LANDMARK_FORMATS, "m", text)
+
+
 def test_markers_of_metashape() -> None:
     marks, picks = (read_text(one, "m", MARKERS) for one in (LANDMARK_FORMATS, PICK_FORMATS))
     assert (marks.name, marks.crs, marks.geodetic) == (["church"], "EPSG:32633", False)

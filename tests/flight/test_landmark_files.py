@@ -336,6 +336,15 @@ def test_a_doubtful_height_is_a_warning_of_the_flight_and_told_of_a_new_project(
     assert doubt in ran.stdout + ran.stderr
 
 
+def test_a_height_above_the_sea_floor_is_one_whichever_mode_says_so() -> None:
+    """Google's own stands beside KML's, which was looked at alone."""
+    modes = (
+        "<altitudeMode>absolute</altitudeMode><g:altitudeMode>relativeToSeaFloor</g:altitudeMode>"
+    )
+    text = f"<Point>{modes}<coordinates>16.5,47.5,30</coordinates></Point>"
+    assert_approved(told(f'<kml xmlns:g="g"><Placemark><name>a</name>{text}</Placemark></kml>'))
+
+
 @pytest.mark.parametrize(
     "place",
     [

@@ -291,6 +291,21 @@ def test_points_of_gpx_without_a_fix() -> None:
     assert len(read(gpx(point(), point("0"), point(lon="0"))).coordinate) == 3
 
 
+def test_points_that_gpx_says_have_no_fix_are_left_out() -> None:
+    """They counted as places; one of two dimensions has a height that nobody measured."""
+    without = (point(lat="11") + f"<fix>{fix}</fix>" for fix in ("none", "2d"))
+    rows = read(gpx(*without, *(point() + f"<fix>{fix}</fix>" for fix in ("3d", "dgps", "pps"))))
+    assert rows.coordinate.tolist() == [[16.5, 47.5, 500.0]] * 3
+    assert_approved(rows.said)
+    assert_approved(told(gpx(point() + "<fix>none</fix>")))
+
+
+@pytest.mark.parametrize("again", ["<ele>3</ele>", "<time>2026-05-01T12:00:09Z</time>"])
+def test_a_point_of_gpx_has_one_height_and_one_time(again: str) -> None:
+    """Of two the first was taken in silence."""
+    assert_approved(told(gpx(point() + again)))
+
+
 def test_points_of_gpx_at_their_limits() -> None:
     rows = read(gpx(point("90", "-180"), point("-90", "361", "-5", "00.125")))
     assert rows.coordinate.tolist() == [[-180.0, 90.0, 500.0], [361.0, -90.0, -5.0]]

@@ -26,7 +26,7 @@ from vopd.flight.formats.by_content import InputFormat
 from vopd.flight.formats.columns import GEODETIC, HEIGHTS, PLANE, coordinate_columns
 from vopd.flight.formats.files import UNEXPECTED, InputFile
 from vopd.flight.formats.tables import UNKNOWN, CsvTable, has_columns, read_csv
-from vopd.inputs import is_number, parse_xml, plain_number
+from vopd.inputs import is_number, parse_xml, plain_number, twice
 
 # Landmarks as read
 
@@ -322,6 +322,7 @@ def recognises_gpx(file: InputFile) -> bool:
 
 
 NUMBERS_OF_GPX = "ele", "hdop", "vdop", "pdop"
+OF_GPX_POINT = (*NUMBERS_OF_GPX, "time", "name", "fix")
 TIME_OF_GPX = re.compile("(?<=<time>)[^<]*")
 NOT_READ = re.compile(r"(<!\[CDATA\[.*?\]\]>)|<!--.*?-->|<\?.*?\?>", re.DOTALL)
 """Comments and processing instructions, outside of text that is quoted. At one of them lxml, which
@@ -343,6 +344,9 @@ def parse_gpx(file: InputFile) -> Any:
             texts += [one.text] if one.tag.rpartition("}")[2] in NUMBERS_OF_GPX else []
             for text in filter(None, texts):
                 plain_number(text)  # gpxpy takes 1_0 and those of other scripts
+            within = [part.tag.rpartition("}")[2] for part in one if one.get("lat")]
+            if message := twice(name for name in within if name in OF_GPX_POINT):
+                raise ValueError(message)  # of two gpxpy takes the first
         text = NOT_READ.sub(lambda found: found[1] or "", file.text)
         return gpxpy.parse(TIME_OF_GPX.sub(_stripped, text))
     except (gpxpy.gpx.GPXException, ElementTree.ParseError, *UNEXPECTED) as error:
@@ -368,10 +372,11 @@ def read_kml(file: InputFile) -> LandmarkRows:
     for place in root.iterfind(".//{*}Placemark"):
         for point in place.iterfind(".//{*}Point"):
             name = (place.findtext("{*}name") or "").strip()
-            mode = (point.findtext("{*}altitudeMode") or "").strip()
-            if mode in ("relativeToGround", "relativeToSeaFloor"):
-                what = "the ground" if mode == "relativeToGround" else "the sea floor"
-                raise file.error(f"{name}: its height is above {what}: give heights in a CSV")
+            for one in point.iterfind("{*}altitudeMode"):  # KML's own, and Google's beside it
+                mode = (one.text or "").strip()
+                if mode in ("relativeToGround", "relativeToSeaFloor"):
+                    what = "the ground" if mode == "relativeToGround" else "the sea floor"
+                    raise file.error(f"{name}: its height is above {what}: give heights in a CSV")
             values = [*map(plain_number, (point.findtext("{*}coordinates") or "").split(","))]
             if len(values) > 3:
                 raise file.error(f"{name}: {len(values)} coordinates; decimals take a point")
@@ -527,7 +532,11 @@ def read_marker_landmarks(file: InputFile) -> LandmarkRows:
     if not np.isfinite(coordinate).all():
         raise file.error("a coordinate of a marker is not finite")
     said = "Metashape markers, x east or longitude"
-    code = next(filter(None, (EPSG.search(one.text or "") for one in root.iter("reference"))), None)
+    systems = {one.text.strip() for one in root.iter("reference") if one.text and one.text.strip()}
+    if len(systems) > 1:
+        message = f"{len(systems)} coordinate reference systems are in the file"
+        raise file.error(f"{message}: export one chunk")
+    code = next(filter(None, map(EPSG.search, systems)), None)
     return LandmarkRows(
         names, coordinate, False, code and f"EPSG:{code[1]}", None, [0] * len(names), said,
     )  # fmt: skip

@@ -319,12 +319,17 @@ def photo_number(name: str) -> str:
 # GPX tracks: latitude, longitude, elevation and UTC. The schema leaves the height's datum open
 
 
+NO_FIX_IN_SPACE = "none", "2d"
+
+
 def read_gpx(file: InputFile) -> TrackRows:
-    """Read all points of all tracks of a GPX file, in their order."""
+    """Read all points of all tracks of a GPX file that have a fix, in their order."""
     parsed = parse_gpx(file)
-    points = [p for track in parsed.tracks for segment in track.segments for p in segment.points]
+    every = [p for track in parsed.tracks for segment in track.segments for p in segment.points]
+    points = [p for p in every if p.type_of_gpx_fix not in NO_FIX_IN_SPACE]
     if not points:
-        raise file.error("no track point is in the file")
+        none = f"{count_text(len(every), 'track point')}, none with a fix of three dimensions"
+        raise file.error(none if every else "no track point is in the file")
     for k, point in enumerate(points, 1):
         if point.time is None or point.elevation is None:
             leap = LEAP_SECOND.search(file.text) if point.time is None else None
@@ -351,13 +356,14 @@ def read_gpx(file: InputFile) -> TrackRows:
         dtype=np.float64,
     )
     sigma = sigma_of_dilution_m(dilution[:, 0], dilution[:, 1])
+    without = f", {len(every) - len(points)} more without a fix" if len(every) > len(points) else ""
     return TrackRows(
         coordinate,
         True,
         "EPSG:4326",
         "utc",
         time_s,
-        f"GPX, {count_text(len(points), 'position')}, UTC",
+        f"GPX, {count_text(len(points), 'position')}{without}, UTC",
         sigma_m=sigma if np.isfinite(sigma).any() else None,
         sigma_by=DILUTION_SAID,
     )
