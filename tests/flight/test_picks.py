@@ -460,6 +460,15 @@ def test_a_folder_of_labels_is_read_in_the_order_of_its_names(tmp_path: Path) ->
     assert [*read_by_content(PICK_FORMATS, open_input("d", tmp_path)).frame] == ["é.png"] * 2
 
 
+def test_images_that_only_their_folders_tell_apart_are_two(tmp_path: Path) -> None:
+    """Their points were picks of one image."""
+    rows = in_folder(
+        tmp_path, a=label("..\\cam1\\1.png"), b=label("../cam2/1.png", 50), c=label("x/2.png")
+    )
+    assert rows.frame.known == ["../cam1/1.png", "../cam2/1.png", "2.png"]
+    assert rows.size_px["../cam1/1.png"] == (40, 30) and rows.size_px["../cam2/1.png"] == (50, 30)
+
+
 @pytest.mark.parametrize(
     "wrong",
     [

@@ -8,6 +8,7 @@ from array import array
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -373,7 +374,7 @@ def read_labelme(file: InputFile) -> PickRows:
         where = ""
         try:
             label = parse_json(open_input(path.name, path.parent).text)
-            image = str(label["imagePath"]).replace("\\", "/").rpartition("/")[2]
+            image = PurePosixPath(str(label["imagePath"]).replace("\\", "/")).as_posix()
             width, height = (plain_number(str(label[f"image{one}"])) for one in ("Width", "Height"))
             sizes[image] = whole_size(width, height)
             where = "shapes: "
@@ -393,8 +394,18 @@ def read_labelme(file: InputFile) -> PickRows:
         raise file.error("some points have no label: the label is the name of the landmark")
     if not found:
         raise file.error("no shape is a point: landmarks are drawn as points")
+    short = _short_names(sizes)
+    found = [(short[image], name, u, v) for image, name, u, v in found]
+    sizes = {short[image]: size for image, size in sizes.items()}
     rows = _rows(found, "corner", _one_size(sizes), "LabelMe")
     return replace(rows, doubts=_left_out(file, others))
+
+
+def _short_names(paths: Iterable[str]) -> dict[str, str]:
+    """Name images without their folders, but those that these alone tell apart."""
+    ends = {one: PurePosixPath(one).name for one in paths}
+    count = Counter(ends.values())
+    return {one: end if count[end] == 1 else one for one, end in ends.items()}
 
 
 def _pair(point: object) -> tuple[float, float]:
