@@ -160,6 +160,16 @@ def test_winds_of_a_list_that_are_none(wind: tuple[int, int]) -> None:
     assert_approved(told(LIST + "x,300,180,10\nx,0,{},{}\n".format(*wind)))
 
 
+def test_a_level_far_below_the_sea_is_none() -> None:
+    """-9999 stands for no reading: beta 80 m above the next level was 5 degrees off."""
+    assert_approved(told("h_m,from_deg,speed_m_s\n-9999,90,50\n1000,0,5\n"))
+    assert_approved(
+        told(HEAD.format("SPED") + line(1000, -9999, 5, 270, 20) + line(900, 300, 5, 0, 0))
+    )
+    low = read("h_m,from_deg,speed_m_s\n-430,90,50\n1000,0,5\n")
+    assert low.height_m.tolist() == [-430.0, 1000.0]
+
+
 @pytest.mark.parametrize("units", ["hPa ft C deg m/s", "hPa m C deg mph", "hPa m C rad m/s"])
 def test_units_of_a_list_are_those_that_its_heading_has(units: str) -> None:
     first, _, rule = HEAD.format("SPED").splitlines()

@@ -17,6 +17,7 @@ from vopd.inputs import is_number, plain_number
 
 M_S_PER_KNOT = 1852.0 / 3600.0
 ROUNDED = 0.02  # of a speed that is given in two units
+LOWEST_M = -500.0  # the lowest land is 430 m below the sea
 CONTRARY_M_S = 2.0  # between winds at one height that are not of one sounding
 RADIUS_M = 6_356_766.0  # of the geopotential metre
 
@@ -59,6 +60,9 @@ def upward(file: InputFile, height_m: Floats, toward_m_s: Floats, said: str) -> 
             each other
     """
     known = np.isfinite(height_m) & np.isfinite(toward_m_s).all(axis=1)
+    if (height_m[known] < LOWEST_M).any():
+        message = f"a level is below {LOWEST_M:g} m, as -9999 that stands for no reading"
+        raise file.error(f"{message}: leave out what was not measured")
     height, index, level = np.unique(height_m[known], return_index=True, return_inverse=True)
     if len(height) < 2:
         message = "fewer than two levels have height and wind"
