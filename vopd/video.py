@@ -417,7 +417,7 @@ def images_without_number(image: Sequence[str]) -> dict[str, str]:
         usual = max(alike[_without_ending(name)] for name in names)
         owner, *others = (name for name in names if alike[_without_ending(name)] == usual)
         for name in names if others else [name for name in names if name != owner]:
-            other = next(one for one in (owner, *names) if one != name)
+            other = owner if name != owner else next(one for one in names if one != owner)
             one = f"{name} and {other} have one number"
             found[name] = f"{one}, {number}: rename or remove one of them"
     return found

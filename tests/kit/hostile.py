@@ -273,6 +273,8 @@ TABLE = (
             "1e308,2"))),
     Hostile("mrcal separator", lens("cameramodel", "{'lensmodel': 'LENSMODEL_PINHOLE', "
             "'intrinsics': ['1_000', 1000, 960, 540], 'imagersize': [1920, 1080]}")),
+    Hostile("mrcal numbers", lens("cameramodel", "{'a': 'LENSMODEL_PINHOLE', 'intrinsics': ["
+            + "1," * 500_000 + "]}")),
     Hostile("lens pipe", lens("yml", "") | {"lens.yml": pipe}),
     Hostile("matlab damaged", lens("mat", "") | {"lens.mat": damaged_matlab}),
     Hostile("matlab zeros", lens("mat", "") | {"lens.mat": matlab_zeros}),
@@ -304,6 +306,8 @@ TABLE = (
             PICKS).replace("v_px", "v_px,sigma_px"))),
     Hostile("picks sigma of 1e-300 for all", project(flight__toml=TOML.replace(
             "[picks]", "[picks]\nsigma_px = 1e-300"))),
+    Hostile("picks of images of one number", project(picks__csv="image,landmark,u_px,v_px\n"
+            + "".join(f"n{k}_1.png,church,{k + 1},3\n" for k in range(15_000)))),
     Hostile("picks pipe", project(picks__csv=pipe)),
     Hostile("picks device", project(picks__csv=zeros)),
     # landmarks

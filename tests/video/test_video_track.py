@@ -258,7 +258,7 @@ def test_subtitles_of_drones(block: str, place: tuple[float, float, float], tmp_
     assert_approved([rows.said, rows.from_ground])
 
 
-@pytest.mark.parametrize("behind", ["", "x", "m", "°", "ft", " ft", "_5", ".5", ",5", "-"])
+@pytest.mark.parametrize("behind", ["", "x", "m", "°", "ft", " ft", " S", "_5", ".5", ",5", "-"])
 @pytest.mark.parametrize(
     "block",
     [

@@ -188,7 +188,8 @@ def _numbers(stream: Stream, key: bytes, scaled: bool = False) -> Floats:
 
 ARROW = re.compile("-->")
 BLOCK = re.compile(r"(?<!\d)(\d+):(\d\d):(\d\d)[,.](\d{1,3})\s*-->", re.ASCII)
-NUMBER = r"(-?[\d.][^\s\])<,;]*(?:,\d[^\s\])<,;]*)?(?: ft\b)?)"  # to its end, whatever is in it
+NUMBER = r"(-?[\d.][^\s\])<,;]*(?:,\d[^\s\])<,;]*)?(?: (?:ft|[NSEW])\b)?)"
+"""A number to its end, whatever is in it."""
 UNITS = re.compile("(?<=[0-9.])°$"), re.compile("(?<=[0-9.])[mM]$")  # of angles, of heights
 FIELDS = tuple(
     re.compile(rf"\b(?:{names})\s*:\s*{NUMBER}")
@@ -222,7 +223,7 @@ def read_srt(file: InputFile) -> TrackRows:
     line, counted, above, unsaid = 1, 0, 0, False
     for at, end in zip(arrows, [*arrows[1:], len(file.text)], strict=True):
         line += file.text.count("\n", counted, at)
-        start = BLOCK.search(file.text, max(counted, file.text.rfind("\n", 0, at)), at)
+        start = BLOCK.search(file.text, max(counted, file.text.rfind("\n", counted, at)), at)
         counted = at
         found = [field.search(file.text, at, end) for field in FIELDS]
         words = [one[1] for one in found if one is not None]
