@@ -189,10 +189,10 @@ def test_what_a_new_project_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ]  # fmt: skip
     assert {one.name: one.read_bytes() for one in Path("some/where").iterdir()} == contents
     made.needed.clear()
-    Path("there").mkdir()
-    ran = vopd("new", "there")
+    Path("my flight").mkdir()
+    ran = vopd("new", "my flight")
     assert ran.stdout.splitlines()[2:] == [
-        "there/flight.toml: written", "next: vopd attitude there/flight.toml"
+        "my flight/flight.toml: written", "next: vopd attitude 'my flight/flight.toml'"
     ]  # fmt: skip
 
 

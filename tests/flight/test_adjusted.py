@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import re
@@ -58,6 +59,9 @@ TRIPOD = Plan(
 )  # fmt: skip
 EXACT = DRONE._replace(errors=Errors(lens=LENS), fix_hz=0.0)
 """Nothing is solved for besides the rotations once the lens is held."""
+
+
+PLACE = "lon_deg", "lat_deg", "h_m"
 
 
 class Both(NamedTuple):
@@ -545,6 +549,31 @@ def test_a_project_that_was_adjusted_needs_the_first(copied: Path) -> None:
         adjust(str(copied / "flight.toml"), ["focal"])
 
 
+@pytest.mark.parametrize("name", ["a\nb", " a", "\u2028"])
+def test_a_name_that_a_table_would_not_have_as_it_is_is_not_written(
+    name: str, tmp_path: Path
+) -> None:
+    """The project was written, and every command refused its table of landmarks."""
+    file = written(tmp_path, DRONE, {})
+    table = file.with_name("landmarks.csv")
+    rows = csv.DictReader(table.read_text(encoding="utf-8").splitlines())
+    places = {one["landmark"]: [float(one[key]) for key in PLACE] for one in rows}
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"name": one},
+            "geometry": {"type": "Point", "coordinates": place},
+        }
+        for one, place in (places | {name: next(iter(places.values()))}).items()
+    ]
+    text = json.dumps({"type": "FeatureCollection", "features": features})
+    table.write_text(text, encoding="utf-8")
+    project = read_project(str(file))
+    joint = adjust(flight_of(project), ["focal", "landmarks"])
+    with refused(VopdError, parts=[tmp_path.as_posix()]):
+        adjusted_project(project, joint, tmp_path / "new")
+
+
 def test_where_nothing_is_in_common_nothing_is_written(tmp_path: Path) -> None:
     source = tmp_path / "source"
     source.mkdir()
@@ -621,6 +650,9 @@ def crooked(values: dict[str, Any]) -> None:
         lambda values: values["values"].append(1.0),
         put("covariance", 0, value="row"),
         put("sha256", "[wind] file", value="0" * 64),
+        put("adjusted_from", value="a\nb"),
+        put("free", value=["focal\u2028"]),
+        lambda values: values.update(adjusted_from="a b", free=["$(id)", "k1"], sha256={}),
     ],
 )
 def test_a_damaged_covariance_file_is_refused(

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 import click
@@ -397,13 +398,13 @@ def write_project(
     project = (folder / "flight.toml").as_posix()
     said = [*new.said, f"{project}: written{' again; its other values are kept' * again}"]
     said += [f"needed: [{section}] {key} ({why})" for (section, key), why in new.needed.items()]
-    then = f"vopd {(new.then or 'attitude {}').format(project)}"
+    then = f"vopd {(new.then or 'attitude {}').format(quote(project))}"
     if new.needed:
         options = dict.fromkeys(new.options.get(key, ROWS[key].new_option) for key in new.needed)
         if "--epoch" in options:  # of frame 0, which says when that is
             options.pop("--first-frame", None)
         values = " ".join(one + ("=..." if "." in one else " ...") for one in options)
-        then = f"vopd new {folder.as_posix()} {values}"
+        then = f"vopd new {quote(folder.as_posix())} {values}"
     said.append(f"next: {then}")
     for sentence in [] if quiet else said:
         click.echo(sentence, err=to_errors)

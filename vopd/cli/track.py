@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from shlex import quote
+
 import click
 
 from vopd.cli.console import Messages, Progress
@@ -127,5 +129,5 @@ def command(
     messages.close()
     for line in done.lines:
         click.echo(line, err=True)
-    click.echo(f"{done.output}: written; next: vopd attitude {project}", err=True)
+    click.echo(f"{done.output}: written; next: vopd attitude {quote(project)}", err=True)
     ctx.exit(3 if messages.warnings else 0)

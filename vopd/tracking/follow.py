@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import islice
 from pathlib import Path
+from shlex import quote
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -154,7 +155,7 @@ def read_footage(project: Project) -> Footage:
     if (source := adjusted_from(project)) is not None:
         message = (
             "was solved for with the tracks that there were: track the project that was adjusted, "
-            f"vopd track {source}, and adjust it again"
+            f"vopd track {quote(source)}, and adjust it again"
         )
         raise project.section("uncertainty").error("covariance", message)
     clicked = project.without("picks", "tracked", "tracked_from")

@@ -6,13 +6,14 @@ import json
 from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import from_folder
-from vopd.findings import VopdError, count_text
+from vopd.findings import VopdError, count_text, shown
 from vopd.flight.adjust.adjustment import Adjustment
 from vopd.flight.coordinates import (
     ELLIPSOIDAL,
@@ -91,7 +92,8 @@ def adjusted_project(project: Project, adjustment: Adjustment, folder: Path) -> 
         changes["uncertainty", "covariance"] = toml_text(COVARIANCE)
         count = count_text(len(file.name), "parameter")
         new.said.append(f"{COVARIANCE}: {count} with their covariance")
-    head = HEAD.format(covariance=COVARIANCE, source=f"{source} --free {','.join(free)} -o DIR")
+    again = f"{quote(source)} --free {quote(','.join(free))} -o DIR"
+    head = HEAD.format(covariance=COVARIANCE, source=again)
     text = project_text({k: v for k, v in changes.items() if v is not None}, {}, head)
     new.contents[NAME] = text.encode()
     return new
@@ -205,6 +207,10 @@ def _write_landmarks(
     rows = read_by_content(LANDMARK_FORMATS, project.open("landmarks"))
     crs, marks = landmark_crs(section, rows), model.flight.landmarks
     where = f"{section.project}: [landmarks]"
+    for name in marks.name:
+        if name.splitlines() != [name] or name != name.strip():
+            message = f"{LANDMARKS} would not have the name {shown(name)} as it is"
+            raise VopdError(f"{where}: {message}: rename it here and in the picks")
     degrees = rows.geodetic or crs_is_geographic(crs_name(crs or ELLIPSOIDAL), where)
 
     def positions(coordinate: Floats) -> Floats:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from math import inf, isfinite
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -276,7 +277,7 @@ def _checked(file: InputFile, values: dict[str, Any]) -> CovarianceFile:
     if not isinstance(unknowns, int) or isinstance(unknowns, bool) or unknowns < 0:
         raise file.error(f"{shown(unknowns)} is not a number of parameters", column="unknowns")
     whence = values["adjusted_from"]
-    if not isinstance(whence, str) or not whence:
+    if not _is_line(whence) or not whence:
         raise file.error(f"{shown(whence)} is not the name of a project", column="adjusted_from")
     freedom, before_s = values["degrees_of_freedom"], values["offset_s_before"]
     if before_s is not None and "clock" not in name:
@@ -304,11 +305,16 @@ def _checked(file: InputFile, values: dict[str, Any]) -> CovarianceFile:
     )
 
 
+def _is_line(value: object) -> bool:
+    """Tell a text of one line, as a command has it that a message names."""
+    return isinstance(value, str) and value.splitlines() in ([], [value])
+
+
 def _texts(
     file: InputFile, values: dict[str, Any], key: str, count: int | None = None
 ) -> tuple[str, ...]:
     found = values[key]
-    if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
+    if not isinstance(found, list) or not all(map(_is_line, found)):
         raise file.error(f"{shown(found)} is not a list of texts{AGAIN}", column=key)
     if count is not None and len(found) != count:
         message = f"has {len(found)} texts, and there are {count_text(count, 'name')}{AGAIN}"
@@ -421,8 +427,9 @@ def _refuse_changed(
         raise section.error(
             "covariance",
             f"{what} since {file.name} was written, which speaks of what there was. "
-            f"Adjust again with what is new: vopd adjust {_from_here(project, found)} --free "
-            f"{','.join(found.free) or 'NAME'} -o DIR",
+            "Adjust again with what is new: vopd adjust "
+            f"{quote(_from_here(project, found))} --free {quote(','.join(found.free) or 'NAME')} "
+            "-o DIR",
         )
 
 

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import TypeVar
 
 import numpy as np
@@ -165,8 +166,9 @@ def require_clicks(project: Project) -> None:
     if not (project.folder / clicks).exists():
         raise section.error(
             "file",
-            f"{clicks} is not there: vopd pick {project.name} -o pick.html makes the page to click "
-            f"on, and your browser saves {clicks} among its downloads: move it to {project.folder}",
+            f"{clicks} is not there: vopd pick {quote(project.name)} -o pick.html makes the page "
+            f"to click on, and your browser saves {clicks} among its downloads: move it to "
+            f"{project.folder}",
         )
 
 
