@@ -782,9 +782,9 @@ def test_frames_by_name_and_by_number_are_in_order() -> None:
 
 @pytest.mark.parametrize("names", [(), tuple(f"{k}.jpg" for k in range(5))])
 def test_every_pick_that_is_set_aside_is_a_warning(names: tuple[str, ...], tmp_path: Path) -> None:
-    """The third landmark of frame 1 and the last of frame 4, each with its reason."""
+    """The third landmark of frames 1 and 2 and the last of frame 4, each with its reason."""
     flight = replace(read_flight(str(write_project(tmp_path))), image_name=names)
     aside = np.zeros(30, np.int64)
-    aside[[8, 29]] = 1, 2
+    aside[[8, 14, 29]] = 1, 3, 2
     solved: Any = SimpleNamespace(attitudes=SimpleNamespace(set_aside=aside))
     assert_approved(picks_set_aside(flight, solved))

@@ -316,7 +316,7 @@ def test_frames_without_noise_have_the_truth() -> None:
     ("name", "value", "aside"),
     [
         ("used", False, 0),
-        ("direction", np.nan, 0),
+        ("direction", np.nan, 3),  # the landmark is where the camera is
         ("pixel", np.nan, 0),
         ("pixel", [9000.0, 0.0], 2),  # farther out than the lens has any ray
         ("direction", -RAY[2] @ TRUTH[1], 1),  # behind the camera that the others give

@@ -781,6 +781,21 @@ def test_frames_have_the_times_of_their_images(
     assert times_of_track(keys(), track(None, 0.0, image=("a",)), unknown) == (unknown, None)
 
 
+@pytest.mark.parametrize(
+    ("apart_s", "offset_s"), [(1.9, 0.0), (3600.0, 0.0), (-2.1, 0.0), (3.0, 3.0)]
+)
+def test_times_of_images_are_held_against_those_of_the_track(
+    apart_s: float, offset_s: float
+) -> None:
+    """A camera's clock an hour ahead, as in summer, was in the table in silence."""
+    start = EPOCH.timestamp()
+    rows = track("utc", start + 4.0, start + 5.0, image=("a", "b"))
+    frames = FrameTimes(np.array([4.0, 5.0, np.nan]) + apart_s, ("a", "b", "c"), EPOCH)
+    times, _ = times_of_track(keys(offset_s=offset_s), rows, frames)
+    assert times.time_s.tolist()[:2] == [4.0 + apart_s, 5.0 + apart_s]
+    assert_approved(times.doubts)
+
+
 def test_the_path_at_images() -> None:
     """Rows by their names; what is not there is NaN in all columns; the file's own speed counts."""
     position = earth_centred_m([47.0, 48.0, 49.0], [16.0] * 3, [0.0] * 3)

@@ -360,11 +360,13 @@ class Unseen(IntEnum):
     SEEN = 0
     BEHIND_CAMERA = 1  # 90 degrees or more off the optical axis
     OUTSIDE_FIELD = 2  # beyond the radius where the model folds over, or its table ends
+    NOWHERE = 3  # no ray leads there from the camera
 
 
 UNSEEN_MEANING = {
     Unseen.BEHIND_CAMERA: "lies behind the camera",
     Unseen.OUTSIDE_FIELD: "lies outside the field in which the lens model holds",
+    Unseen.NOWHERE: "is at the camera's own place, or deep in the Earth,",
 }
 
 

@@ -141,11 +141,36 @@ def times_of_track(
         time_s = time_s - zero.timestamp()
         if not timed:  # the date of their zero, where frames have times of their own, is not known
             times = times._replace(epoch=zero)
+    row = rows_of_images(section, rows, times.image)
+    if timed and rows.clock != "seconds" and times.epoch is not None:
+        doubts = doubts_of_times(times, np.where(row >= 0, time_s[row], np.nan))
+        times = times._replace(doubts=(*times.doubts, *doubts))
     if not timed:
-        row = rows_of_images(section, rows, times.image)
         times = times._replace(time_s=np.where(row >= 0, time_s[row], np.nan))
         times = refuse_since_1970(section.project, times) if rows.clock == "seconds" else times
     return times, time_s
+
+
+APART_S = 2.0  # between times of one image: tags have whole seconds, and clocks are set by hand
+
+
+def doubts_of_times(times: FrameTimes, own_s: Floats) -> list[str]:
+    """Warn of times of images that are not those that the track has for them.
+
+    Args:
+        times: of the frames, by something else than the track
+        own_s: those of the track on the same clock, (F,); NaN where it has none
+    """
+    apart_s = times.time_s - own_s
+    known = np.flatnonzero(np.isfinite(apart_s))
+    if not len(known) or np.abs(apart_s[known]).max() <= APART_S:
+        return []
+    most = int(known[np.abs(apart_s[known]).argmax()])
+    by = f"{size_text(abs(apart_s[most]))} s {'later' if apart_s[most] > 0.0 else 'earlier'}"
+    return [
+        f"[picks] times: {times.image[most]} is {by} than the track has it, and frames have these "
+        "times: is the camera's clock wrong, or utc_offset_h, or [track] clock or offset_s?"
+    ]
 
 
 def rows_of_images(section: Section, rows: TrackRows, image: tuple[str, ...]) -> Ints:

@@ -243,7 +243,10 @@ def solve_rotations(
     """
     out = no_attitudes(frames, len(frame))
     work = WORK_A_PICK + WORK / max(picks or len(frame), 1)
-    usable = used & np.isfinite(direction).all(axis=1) & np.isfinite(pixel).all(axis=1)
+    seen = np.isfinite(direction).all(axis=1)
+    placed = np.bincount(frame[seen], minlength=frames) > 0  # frames whose camera has a place
+    out.set_aside[used & ~seen & placed[frame]] = Unseen.NOWHERE
+    usable = used & seen & np.isfinite(pixel).all(axis=1)
     ray = ray_of_pixel(lens.of(frame), pixel)
     outside = usable & ~np.isfinite(ray).all(axis=1)
     out.set_aside[outside] = Unseen.OUTSIDE_FIELD
