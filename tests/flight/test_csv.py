@@ -339,7 +339,7 @@ UNITS = {
                   "lat_gon,lon_gon,h_m"],
     "track": ["t_us,lat_deg,lon_deg,h_m", "TimeUS,lat_deg,lon_deg,h_m", "time (min),lat,lon,h",
               "time_us,p,q", "time_days,lat,lon,h"],
-    "wind": ["h_km,from_deg,speed_m_s,rh"],
+    "wind": ["h_km,from_deg,speed_m_s,rh", "h_m,direction_rad,speed_m_s"],
 }  # fmt: skip
 
 
@@ -692,6 +692,19 @@ def test_a_date_and_a_time_in_two_columns(header: str) -> None:
     assert_close("time", found.time_s - first, [0.0, 50477.5])
     with refused(VopdError):
         read_text(TRACK_FORMATS, "track", rows.replace(header, "date,time"))
+
+
+def test_of_two_dates_that_of_the_clock_of_the_times_counts() -> None:
+    """The first counted: west of Greenwich it is a day behind in the evening."""
+    rows = "date,date_utc,time_utc,lat,lon,alt\n2026-04-30,2026-05-01,00:00:05,48,15,300\n"
+    found = read_text(TRACK_FORMATS, "track", rows)
+    assert found.time_s.tolist() == [datetime(2026, 5, 1, 0, 0, 5, tzinfo=UTC).timestamp()]
+
+
+def test_columns_of_angles_in_radians_are_not_to_be_renamed() -> None:
+    table = read_csv(InputFile("t", Path(), "frame,yaw_rad\n0,1\n"), ("frame",))
+    with refused(VopdError):
+        table.numbers("yaw_deg")
 
 
 def test_a_log_whose_header_says_utc() -> None:

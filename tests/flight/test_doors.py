@@ -134,6 +134,14 @@ def test_a_projection_is_two_numbers(projection: object) -> None:
     assert_approved(text_told(PICK_FORMATS, "p", text))
 
 
+def test_ground_control_in_pixels_is_refused() -> None:
+    """All picks were in no image, and the message asked for a second landmark in each."""
+    text = json.dumps(CONTROL).replace("0.1, ", "320.5, ")
+    assert "320.5" in text
+    with refused(VopdError):
+        read_text(PICK_FORMATS, "m", text)
+
+
 def test_markers_of_two_coordinate_systems_are_refused() -> None:
     """All were taken for those of the first."""
     other = '<reference>PROJCS["x",AUTHORITY["EPSG","32632"]]</reference>'

@@ -99,7 +99,8 @@ def _unnamed(file: InputFile, known: str) -> str:
         return ""  # a table of another kind
     if names_stars(header):
         return OF_STARS
-    some = (other_unit(one, name) for one in header for name in (TIME[0], *GEODETIC))
+    wanted = (TIME[0], *GEODETIC, *[FROM] * (FROM in known))
+    some = (other_unit(one, name) for one in header for name in wanted)
     if units := [*filter(None, some)]:
         return f"; {'; '.join(units)}"
     if FROM in known and (senses := [*filter(None, (other_sense(one, FROM) for one in header))]):

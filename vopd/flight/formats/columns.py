@@ -79,10 +79,11 @@ OTHER_UNITS = {
 def other_unit(own: str, name: str) -> str:
     """Say which unit a column seems to have in the place of that of `name`; empty for no other."""
     bare, _, unit = plain_name(own).replace("timeus", "time_us").rpartition("_")
-    wanted = "deg" if name in DEGREES else "m" * (name in COORDINATES)
+    wanted = "deg" if name.endswith("_deg") else "m" * (name in COORDINATES)
     wanted = "s" if name == TIME[0] else wanted
     factor = OTHER_UNITS.get(wanted, {}).get(unit)
-    if factor is None or bare not in (TIMES if wanted == "s" else SYNONYMS[name]):
+    known = SYNONYMS.get(name, (name.removesuffix("_deg"),))
+    if factor is None or bare not in (TIMES if wanted == "s" else known):
         return ""
     said = "1e-7 degree" if unit == "e7" else unit
     return f"{own} is in {said}: multiply by {factor:.12g} and call it {name}"

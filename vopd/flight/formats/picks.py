@@ -442,12 +442,19 @@ def read_gcp_picks(file: InputFile) -> PickRows:
 # The picks in OpenSfM's ground_control_points.json, by the image's longer side from its middle
 
 
+MOST_PARTS = 5.0  # of the longer side, half of which is the image
+
+
 def read_control_picks(file: InputFile) -> PickRows:
     """Read the observations of the points."""
     found = []
     for point in control_points(file):
         for one in point.get("observations", []):
-            found.append((str(one["shot_id"]), str(point["id"]), *_pair(one["projection"])))
+            u, v = _pair(one["projection"])
+            if max(abs(u), abs(v)) > MOST_PARTS:
+                parts = "it counts from the image's middle by its longer side; is it in pixels?"
+                raise file.error(f"{point['id']} in {one['shot_id']} at {u:g}, {v:g}: {parts}")
+            found.append((str(one["shot_id"]), str(point["id"]), u, v))
     if not found:
         raise file.error("no point has observations")
     rows = _rows(found, "centre", None, "OpenSfM ground control")

@@ -27,6 +27,7 @@ from vopd.findings import (
 )
 from vopd.flight.coordinates import M_PER_FT
 from vopd.flight.formats.columns import (
+    CLOCK,
     COORDINATES,
     DATES,
     DEGREES,
@@ -457,6 +458,8 @@ class CsvTable:
         texts, names = self.column(name), self.own or self.header
         own = names[self.header.index(name)]
         date = [k for k, one in enumerate(self.header) if plain_name(one) in DATES]
+        if CLOCK.search(plain_name(own)):  # of dates, too, one may be of that clock
+            date.sort(key=lambda k: not CLOCK.search(plain_name(self.header[k])))
         if date and texts and TIME_OF_DAY.match(texts[0]):
             own = f"{names[date[0]]} {own}"
             pairs = zip(self.column(self.header[date[0]]), texts, strict=True)
