@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from tests.approved.texts import assert_approved
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import EAST_NORTH_UP, LENS, MARKS, TOML, local_to_camera
 from tests.tolerances import assert_close, within
+from vopd.convert import flight_to_deck
 from vopd.convert.flight_to_deck import card_landmarks
 from vopd.errata import fixes
 from vopd.flight.project.read import read_flight
@@ -76,3 +79,14 @@ def test_what_the_columns_do_not_hold_is_told(tmp_path: Path) -> None:
     told = run("punch", path, "-o", tmp_path / "deck.dat")
     (line,) = [one for one in told.stderr.splitlines() if "columns hold" in one]
     assert_approved(line.partition(": ")[2])
+
+
+def test_the_nearest_frame_of_a_landmark_counts_and_not_the_last() -> None:
+    """By 100, 10 and no metres known of one landmark; of the other it is not on cards."""
+    solved: Any = SimpleNamespace(camera_m=np.array([[0.0, 0, 90], [0, 0, 0], [np.nan] * 3]))
+    marks = SimpleNamespace(position_m=np.array([[0.0, 0.0, 100.0], [0.0, 0.0, 50.0]]))
+    picks = SimpleNamespace(landmark=np.array([0, 0, 0, 1]), frame=np.array([0, 1, 2, 0]))
+    flight: Any = SimpleNamespace(landmarks=marks, picks=picks)
+    held = np.array([True, True, True, False])
+    nearest_m = flight_to_deck._nearest_m(solved, flight, held)
+    assert nearest_m.tolist() == [10.0, np.inf]

@@ -32,8 +32,9 @@ def test_frames_have_the_times_at_which_they_are_shown(tmp_path: Path) -> None:
 def test_a_frame_rate_that_is_the_video_s_own(tmp_path: Path) -> None:
     write_video(tmp_path / "a.mp4", EVEN_MS)
     project = write_project(tmp_path, TOML.replace(RATE, RATE + 'video = "a.mp4"\n'))
-    found = vopd.solve_flight(project).camera_deg
-    assert_close("flight angle", found, truth_deg() % 360.0 - [0, 360, 0])
+    found = vopd.solve_flight(project)
+    assert_close("flight angle", found.camera_deg, truth_deg() % 360.0 - [0, 360, 0])
+    assert not [one for one in found.about if "a.mp4" in one]  # the times are the rate's
 
 
 def test_the_rate_of_a_followed_video_is_that_of_all_its_frames(tmp_path: Path) -> None:
