@@ -156,12 +156,18 @@ def test_nothing_is_cut_off_unsaid() -> None:
     """A residual far beyond the others is a triangle at the edge, and is counted."""
     both = np.tile(np.column_stack([X, Y]), (40, 1))
     both[7, 2] = -900.0
-    one = by_hand(120, time_s=np.arange(120.0), residual=both / 1000.0, units=ON_FILM)
-    figure, said = drawn(one)
+    odd = np.zeros((120, 4), bool)
+    odd[7, 2] = True
+    own = {"time_s": np.arange(120.0), "residual": both / 1000.0, "units": ON_FILM}
+    figure, said = drawn(by_hand(120, outlier=odd, **own))
     edge = 3.0 * np.quantile(np.abs(both.reshape(-1)), 0.99)
     assert f"1 residual beyond {edge:.3g} µm at the edge, as triangles" in said
     (triangle,) = [line for line in figure.axes[0].lines if line.get_marker() == "v"]
     assert_close("drawn residual", np.array(points(triangle), float), [[7.0, -edge]])
+    square = labelled(figure.axes[0])["does not fit"]
+    assert_close("drawn residual", np.array(points(square), float), [[7.0, -edge]])
+    lowest = [min(y for _, y in line) for line in by_landmark(figure.axes[0]).values()]
+    assert_close("drawn residual", min(lowest), -edge)
     assert "triangles" not in drawn()[1]
     figure, _ = drawn(by_hand(120, time_s=np.arange(120.0), residual=both, units=ON_FILM))
     (bars,) = [axis.patches for axis in figure.axes if len(axis.patches) == 30]
