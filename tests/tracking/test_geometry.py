@@ -19,6 +19,7 @@ from vopd.flight.project.keys import Section
 from vopd.flight.project.terrain import Terrain, relief_text
 from vopd.geometry.earth import earth_centred_m
 from vopd.geometry.lenses import Lens, LensKind
+from vopd.tracking import follow
 from vopd.tracking.alignment import Alignment, reduced
 from vopd.tracking.patches import (
     GroundedPatch,
@@ -31,7 +32,7 @@ from vopd.tracking.patches import (
     warp,
 )
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
-from vopd.tracking.tracker import RESIDUAL_PX, RunningAttitudes, Tracker, agreement
+from vopd.tracking.tracker import FOUND, RESIDUAL_PX, RunningAttitudes, Tracker, agreement
 
 EARTH_M = 6378137.0
 
@@ -359,6 +360,31 @@ def test_what_is_no_match() -> None:
     assert near is not None and near.side == 17
     small = cut_patch(picture(), 0, 0, 0, np.array([120.0, 70.0]), 9)  # as is asked for
     assert small is not None and small.side == 9
+
+
+@pytest.mark.parametrize(("grows", "told"), [(4.0, 2), (4.2, 0)])
+def test_a_click_is_far_by_what_the_error_of_the_other_has_grown_to(
+    grows: float, told: int
+) -> None:
+    """From a click of 2 px to one of 1 px, 50 px away: six sigmas are 48.4 and 50.8 px.
+
+    The growth is the largest of all directions.
+    """
+    kind = [("frame", int), ("landmark", int), ("click", int), ("status", int)]
+    block = np.zeros(1, [*kind, ("pixel", float, 2), ("by_click", float, (2, 2))])
+    block["frame"], block["status"] = 5, FOUND
+    block["by_click"][0] = [[0.6 * grows, 0.0], [0.8 * grows, 0.0]]
+    clicks: Any = SimpleNamespace(
+        frame=np.array([0, 5]), landmark=np.zeros(2, int),
+        pixel=np.array([[10.0, 20.0], [30.0, 40.0]]), sigma_px=np.array([2.0, 1.0]),
+    )  # fmt: skip
+    block["pixel"] = clicks.pixel[1] + [30.0, 40.0]
+    journal: Any = SimpleNamespace(blocks=lambda _: [block])
+    flight = SimpleNamespace(landmarks=SimpleNamespace(name=("a",)))
+    project = SimpleNamespace(name="p.toml")
+    footage: Any = SimpleNamespace(flight=flight, number=np.arange(6), project=project)
+    nobody: Any = None
+    assert len(follow._findings(journal, footage, nobody, clicks)) == told
 
 
 def test_most_landmarks_outvote_one() -> None:
