@@ -7,6 +7,8 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import click
 import numpy as np
@@ -371,3 +373,29 @@ def test_one_frame_holds_a_landmark_across_its_line_of_sight_alone() -> None:
     assert found.sigma_ft[1] < 100.0
     assert not any(one.held for one in found.adjustment.parameters)
     assert_approved(found.notes)
+
+
+@pytest.mark.parametrize(("away_m", "is_held"), [(1000.0, True), (800.0, False)])
+def test_a_feature_is_held_by_its_mean_distance(
+    away_m: float, is_held: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of four cameras in a line, at which a reading leaves it free by 450 m."""
+    camera_m = np.array([[away_m * one, 0.0, 0.0] for one in (0.5, 1.5, 0.75, 1.25)])
+    focal_mm = 100.0
+    slope = feature_trials.READING_IN * feature_trials.factor / focal_mm / 450.0
+    monkeypatch.setattr(
+        feature_trials, "earth_fixed", lambda *_: camera_m / feature_trials.M_PER_KM
+    )
+    monkeypatch.setattr(feature_trials, "origin_of", lambda _: None)
+    monkeypatch.setattr(feature_trials, "place_m", lambda *_: np.zeros((1, 3)))
+    monkeypatch.setattr(feature_trials, "by_position", lambda *_: np.eye(3))
+    search: Any = SimpleNamespace(
+        _known=SimpleNamespace(job=None, vehicle_ft=None), _compared=np.ones(4, bool), _fixes=None,
+        _slopes=np.diag([3.0, 2.0, 1.0]) * slope, _name="a.dat", _number=7,
+        _job=SimpleNamespace(camera=SimpleNamespace(focal_length_mm=focal_mm)),
+    )  # fmt: skip
+    if is_held:
+        feature_trials._Search.check_held(search, np.zeros(3))
+    else:
+        with refused(VopdError):
+            feature_trials._Search.check_held(search, np.zeros(3))

@@ -7,6 +7,7 @@ import shutil
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ from vopd.report import (
     summary,
     uncertainty_sentences,
 )
+from vopd.report import frames as report_frames
 from vopd.report.answer import angle_table, doubts, not_included
 from vopd.report.frames import frames_json
 
@@ -513,6 +515,21 @@ def test_picks_of_a_check_landmark_are_no_misfits(tmp_path: Path) -> None:
     assert set(state[mark == check]) == {1} and job["names"][check] == "tower"
 
 
+def test_a_pick_that_is_left_out_does_not_fit(tmp_path: Path) -> None:
+    """It takes no part either, which is not what is to be seen of it."""
+    shutil.copytree(HILL.parent, tmp_path / "hill")
+    project, picks = (tmp_path / "hill" / name for name in ("flight.toml", "picks.csv"))
+    project.write_text(project.read_text() + '[solve]\nblunders = "drop"\n')
+    head, first, *others = picks.read_text().splitlines()
+    frame, name, u, *rest = first.split(",")
+    wrong = ",".join([frame, name, str(float(u) + 200.0), *rest])
+    picks.write_text("\n".join([head, wrong, *others, ""]))
+    (job,) = json.loads(frames_json([solve_flight(project).history()]))["jobs"]
+    state = np.array(job["picks"]["state"])
+    assert sorted(state.tolist())[-2:] == [0, 2]
+    assert job["names"][int(np.array(job["picks"]["landmark"])[state == 2][0])] == name
+
+
 def test_the_way_north_where_no_horizon_is_seen(tmp_path: Path) -> None:
     """In a camera that looks down by 35 degrees, as far to the left as its yaw says."""
     vopd("new", tmp_path / "example")
@@ -528,3 +545,14 @@ def test_the_way_north_where_no_horizon_is_seen(tmp_path: Path) -> None:
     ]
     shown = np.array([job["north"]["u"][0], job["north"]["v"][0]])
     assert_close("way north", shown, turned / np.hypot(*turned))
+
+
+def test_distances_are_from_nine_places_of_the_whole_way() -> None:
+    """The first and the last that are known among them; of fewer places from all."""
+    camera_m = np.stack([np.arange(101.0), np.zeros(101), np.zeros(101)], axis=1)
+    camera_m[[0, 100]] = np.nan
+    scene: Any = SimpleNamespace(landmark_m=np.array([[0.0, 0.0, 0.0], [200.0, 0.0, 0.0]]))
+    found = report_frames._distances(scene, camera_m)
+    assert found[[0, -1]].tolist() == [[1.0, 199.0], [99.0, 101.0]] and len(found) == 9
+    assert report_frames._distances(scene, camera_m[:3]).tolist() == [[1.0, 199.0], [2.0, 198.0]]
+    assert report_frames._distances(scene, camera_m[:1]).size == 0
