@@ -300,9 +300,9 @@ def test_times_of_frames_in_any_order() -> None:
     """A later frame may stand first; a time for images may be the same twice."""
     section = Section("p.toml", "picks", {})
     file = InputFile("times", Path(), "frame,t_s\n9,3\n5,1\n7,2\n")
-    assert times_of_csv(section, file, False) == ({"9": 3.0, "5": 1.0, "7": 2.0}, False)
+    assert times_of_csv(section, file, False) == ({"9": 3.0, "5": 1.0, "7": 2.0}, False, [])
     file = InputFile("t", Path(), "image,t_utc\nb,1970-01-01T00:00:05Z\n")
-    assert times_of_csv(section, file, True) == ({"b": 5.0}, True)
+    assert times_of_csv(section, file, True) == ({"b": 5.0}, True, [])
 
 
 @pytest.mark.parametrize(

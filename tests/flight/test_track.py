@@ -648,6 +648,13 @@ def test_a_later_frame_has_a_later_time(
     )
 
 
+def test_times_beside_those_that_are_read_are_said_not_to_be(tmp_path: Path) -> None:
+    (tmp_path / "t").write_text("frame,t_utc,t_s\n4,2026-05-01T12:00:00Z,1\n")
+    _, times, _ = frames(tmp_path, NUMBERS, times="t")
+    assert times.time_s[0] == 1.0
+    assert_approved(times.said)
+
+
 @pytest.mark.parametrize("rows", ["5,1\n5,2\n", "5,2\n5,1\n", "4,0\n5,2\n6,3\n5,1\n"])
 def test_a_frame_has_one_time(rows: str, tmp_path: Path) -> None:
     (tmp_path / "t").write_text("frame,t_s\n" + rows)

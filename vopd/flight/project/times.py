@@ -165,8 +165,9 @@ def _times(project: Project, number: Ints, image: tuple[str, ...]) -> FrameTimes
     if file.path.is_dir():
         (known, said, whole), utc = times_of_images(section, file), True
     else:
-        known, utc = times_of_csv(section, file, bool(image))
+        known, utc, others = times_of_csv(section, file, bool(image))
         said = f"{file.name}: times of {count_text(len(known), 'frame')}"
+        said += f" (not used: {', '.join(others)})" if others else ""
     wanted = list(image) or [str(n) for n in number.tolist()]
     time_s = np.array([*known.values(), np.nan])[find_images([*known], wanted)]
     if not np.isfinite(time_s).any():
@@ -222,12 +223,12 @@ def _shown(project: Project, number: Ints) -> tuple[Floats, str]:
 
 def times_of_csv(
     section: Section, file: InputFile, by_image: bool
-) -> tuple[dict[str, float], bool]:
+) -> tuple[dict[str, float], bool, list[str]]:
     """Read the times from a CSV with frame or image, and t_s or t_utc.
 
     Returns:
-        The times by the name of an image or the number of a frame, and whether they are seconds
-        since 1970 and not of the flight.
+        The times by the name of an image or the number of a frame, whether they are seconds since
+        1970 and not of the flight, and the columns of further times, which are not read.
     """
     table = read_csv(file, ("frame", "image", *TIME))
     keys = frame_names(table, by_image)
@@ -245,7 +246,8 @@ def times_of_csv(
         earlier, later = order[back[0]], order[back[0] + 1]
         message = f"frame {keys[later]} is not after frame {keys[earlier]}"
         raise table.error(message, int(later), "t_utc" if utc else "t_s")
-    return known, utc
+    there = [table.own[table.header.index(name)] for name in TIME if table.has(name)]
+    return known, utc, there[1:]
 
 
 def times_of_images(section: Section, file: InputFile) -> tuple[dict[str, float], str, bool]:
