@@ -187,3 +187,4 @@ def test_run_with_fixes_says_so_and_refuses_unknown_ones() -> None:
     assert_approved(unknown.stderr)
     alone = vopd("run", CASE_1, "--ellipsoid", "wgs84")
     assert alone.status == 2 and "--fix earth" in alone.stderr
+    assert vopd("run", CASE_1, "--fix", "all", "--ellipsoid", "clarke1866").status == 0

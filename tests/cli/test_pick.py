@@ -144,7 +144,9 @@ def test_a_project_goes_on_where_it_was(tmp_path: Path) -> None:
     assert_close("direction on a page", to.reshape(-1, 3), lines.direction)
 
 
-def test_frames_that_are_picked_are_on_the_page_again(tmp_path: Path) -> None:
+def test_frames_that_are_picked_are_on_the_page_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Those of a video: all up to a number, and others spread over it where they are few."""
     toml = TOML.replace("picks.csv", "clicks.csv").replace(
         "[landmarks]", 'video = "a.mp4"\n[landmarks]'
@@ -161,6 +163,10 @@ def test_frames_that_are_picked_are_on_the_page_again(tmp_path: Path) -> None:
         assert {*inside} <= {*shown} and len({*shown}) == len(shown)
         others = sorted({*shown} - {*inside})
         assert not others or {0, 39} <= {*shown}
+    Path("clicks.csv").write_text(head + "".join(f"{frame},well,1.5,2\n" for frame in range(40)))
+    monkeypatch.setattr("vopd.cli.pick.MOST_STILLS", 20)  # of too many each second one
+    assert vopd("pick", project, "-o", "p.html").status == 0
+    assert [int(one["name"]) for one in data()["frames"]] == [*range(0, 40, 2)]
 
 
 @pytest.mark.parametrize("column", ["frame", "image"])

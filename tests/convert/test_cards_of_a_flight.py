@@ -341,19 +341,6 @@ def test_landmarks_are_in_degrees_minutes_and_feet(tmp_path: Path) -> None:
     assert_close("cards of a flight", marks.altitude_ft, np.array([410.0, 430.0]) * FT)
 
 
-@pytest.mark.parametrize("last", [9999, 10000])
-def test_frames_keep_numbers_of_four_columns(last: int, tmp_path: Path) -> None:
-    path = write_project(tmp_path, PLAIN)
-    text = (tmp_path / "picks.csv").read_text().replace("\n4,", f"\n{last},")
-    (tmp_path / "picks.csv").write_text(text)
-    number, rows = frame_numbers(read_flight(str(path)), np.arange(5))
-    if last == 9999:
-        assert number.tolist() == [0, 1, 2, 3, 9999] and rows == []
-    else:
-        assert number.tolist() == [1, 2, 3, 4, 5]
-        assert [name for _, _, name in rows] == ["0", "1", "2", "3", "10000"]
-
-
 @pytest.mark.parametrize("turn", [0, 30, -150])
 def test_a_turn_about_the_view_is_group_3(turn: int, tmp_path: Path) -> None:
     """The vehicle's roll is the camera's less the turn."""

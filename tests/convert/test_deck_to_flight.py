@@ -81,6 +81,13 @@ def ends_early(job: Job) -> Job:
     return replace(job, trajectory=replace(path, **two), wind=Wind(np.array([1e3, 2e3]), wind))
 
 
+def begins_late(job: Job) -> Job:
+    """The trajectory begins .1 s after the last frame."""
+    path, last_s = job.trajectory, job.clock.time_s.max()
+    later_s = path.time_s - path.time_s[0] + last_s + 0.1
+    return replace(job, trajectory=replace(path, time_s=later_s))
+
+
 def three_ignored(job: Job) -> Job:
     """Of four landmarks: the third is used all the same."""
     return replace(job, ignored=replace(job.ignored, everywhere=np.array([1, 2, 3, 0])))
@@ -90,13 +97,15 @@ def one_wind(job: Job) -> Job:
     return replace(job, wind=Wind(np.array([1e3]), np.array([[10.0, 20.0]])))
 
 
-@pytest.mark.parametrize("change", [ends_early, three_ignored, one_wind])
+@pytest.mark.parametrize("change", [ends_early, begins_late, three_ignored, one_wind])
 def test_a_project_solves_what_a_run_does(tmp_path: Path, change: Callable[[Job], Job]) -> None:
     (plain,) = make(Plan(frames=12, landmarks=4, noise_in=0.001, seed=7, earth="wgs84"))[0]
     job = change(plain)
     agree(solved(tmp_path, written(tmp_path, job)), vopd.run(job, fixes("all")))
     said = [one for one in deck_project(job).said if one not in deck_project(plain).said]
-    assert bool(said) == (change is ends_early)
+    assert bool(said) == (change in (ends_early, begins_late))
+    read = read_flight(str(tmp_path / "project" / "flight.toml"))
+    assert deck_flight(job, fixes("all")).landmarks.used == read.landmarks.used
     for text in said:
         assert_approved(text, parts=["12"])
 

@@ -255,13 +255,15 @@ def test_only_the_card_of_the_landmark_changes() -> None:
     content = (DECKS / "appendix_h" / "case1.dat").read_bytes()
     (job,) = vopd.read_deck(DECKS / "appendix_h" / "case1.dat")
     moved = with_coordinates(job, 66, np.array([32.8383333, -106.0, 12345.678]))
+    card = b"        66     -106.     -32.7       32.       50.    10000."
+    numbered = content.replace(card, card + b"            00000059")
     before = content.replace(b"\n", b"\r\n")
-    for old, end in ((content, b"\n"), (before, b"\r\n")):
+    for old, end in ((content, b"\n"), (before, b"\r\n"), (numbered, b"\n")):
         new = deck_with_landmark(old, "case1.dat", moved, 66)
         lines = list(zip(old.split(end), new.split(end), strict=True))
         (pair,) = [(a, b) for a, b in lines if a != b]
-        assert pair[0] == b"        66     -106.     -32.7       32.       50.    10000."
-        assert pair[1] == b"        66     -106.        0.       32.      50.3   12345.7"
+        moved_card = b"        66     -106.        0.       32.      50.3   12345.7"
+        assert pair[0].startswith(card) and pair[1] == moved_card + pair[0][60:]
     latitude, longitude, altitude = coordinates_of(moved, 66)
     assert (longitude, altitude) == (-106.0, 12345.7)
     assert abs(latitude - 32.8383333) * 60.0 < within("coordinates on cards")

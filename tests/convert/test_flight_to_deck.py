@@ -159,25 +159,6 @@ def test_check_landmarks_are_ignored_in_all_frames(tmp_path: Path) -> None:
     assert angles_apart(deck.camera_deg, flight.camera_deg) < within("angle by cards")
 
 
-@pytest.mark.parametrize(
-    ("own", "numbers"), [("7", [7, 20, 30, 40, 50, 60]), ("0", range(1, 7)), ("100", range(1, 7))]
-)
-def test_landmarks_keep_numbers_that_a_card_can_have(
-    own: str, numbers: list[int], tmp_path: Path
-) -> None:
-    """1 to 99, or all are numbered anew: 0 would be no landmark."""
-    path = write_project(tmp_path, PLAIN)
-    names = dict(zip(MARKS, [own, "20", "30", "40", "50", "60"], strict=True))
-    for name in ("picks.csv", "landmarks.csv"):
-        text = (tmp_path / name).read_text()
-        for old, new in names.items():
-            text = text.replace(old, new)
-        (tmp_path / name).write_text(text)
-    assert run("punch", path, "-o", tmp_path / "deck.dat").status == 0
-    (job,) = vopd.read_deck(tmp_path / "deck.dat")
-    assert job.landmarks.number.tolist() == list(numbers)
-
-
 def test_images_are_numbered_and_get_times(tmp_path: Path) -> None:
     fixed = (
         "[position]\nlat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0\n"

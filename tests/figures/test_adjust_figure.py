@@ -118,7 +118,10 @@ def test_the_report_has_it(wrong: Path) -> None:
     assert [one.name for one in before] == ["residuals"]
     text = wrong.read_text(encoding="utf-8")
     wrong.write_text(f'{text}[solve]\nfree = ["focal"]\n', encoding="utf-8")
-    *_, (name, title, caption, address, _) = embedded_figures([solve_flight(wrong).history()])
+    freed = solve_flight(wrong).history()
+    *_, second = embedded_figures([freed, freed])
+    assert second.name == "adjusted-1"
+    *_, (name, title, caption, address, _) = embedded_figures([freed])
     page = b64decode(address.partition(",")[2]).decode("utf-8")
     made = adjust(str(wrong), ["focal"])
     (focal,) = made.parameters

@@ -198,6 +198,8 @@ def test_photographs_of_a_report_are_reduced() -> None:
     lost = with_estimate(hill(), scene=lambda: scene, vehicle_deg=angles_deg)
     numbers = [frame for frame, _ in embedded_photographs([lost, lost])[0]]
     assert numbers == [0, 2, 3, 4, 5, 7, 8, 9]  # those of the second are counted on
+    scene.photographs = lambda names: [(len(names) - 1, VopdError("is gone"))]
+    assert "frame 4: is gone" in embedded_photographs([lost])[1]
 
 
 def test_landmarks_that_are_ignored_have_no_line_of_sight() -> None:
@@ -211,6 +213,10 @@ def test_landmarks_that_are_ignored_have_no_line_of_sight() -> None:
     for k in (0, 2):
         seen = [scene.names[one] for one in scene.sight(int(e.frame[k]), "")[0]]
         assert seen == [str(one) for one in e.landmark[k][e.used[k]]]
+    picks = json.loads(frames_json([film]))["jobs"][0]["picks"]
+    assert picks["count"] == counts
+    for name, mm in zip(("du", "dv"), e.residual_xy[0, 2:].T, strict=True):  # on the page in µm
+        assert picks[name][:2] == np.round(1000.0 * mm, 2).tolist()
 
 
 def test_lines_of_sight_meet_their_landmarks() -> None:
@@ -345,6 +351,7 @@ def test_the_side_view_is_along_an_azimuth_from_true_north() -> None:
     east_deg = float(own.longitude_deg[0]) - 15.0
     convergence = np.sin(np.radians(own.latitude_deg[0])) * east_deg
     assert_close("true north on a map", job["convergence"], convergence)
+    assert job["origin"][0] == 396167.0 > 100.0 * np.abs(job["places"]["east_m"]).max()
 
 
 def test_a_camera_below_its_landmarks_has_a_sector_in_place_of_ground() -> None:

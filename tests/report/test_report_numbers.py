@@ -284,6 +284,12 @@ def test_angles_of_one_frame_and_about_north() -> None:
         "355.000",
         "0.050",
     ]
+    for width, shown in ((1e-9, ["355.000000", "1.0e-09"]), (9.97, ["355.00", "10"])):
+        sure = np.full((1, 9), width)
+        rows = angle_table([by_hand(1, angles_deg=angles[:1], half_deg=sure)])[1]
+        assert rows[0] == ["vehicle yaw", *shown]
+    both = angle_table([by_hand(3), by_hand(1, angles_deg=angles[:1])])[1]
+    assert [row[0] for row in both][3] == "camera yaw"  # which is turned in one of them
 
 
 @pytest.mark.parametrize(
@@ -438,6 +444,7 @@ EFFECTS: dict[str, list[History]] = {
     "none": [with_effect(1e-9)],
     "one job has none to correct": [flagged_film(), with_effect(2.0)],
     "of six jobs": [with_effect(2.0)] * 6,
+    "of eight jobs, and none of another": [with_effect(1e-9), *[with_effect(2.0)] * 8],
 }
 
 
@@ -513,6 +520,8 @@ def test_picks_of_a_check_landmark_are_no_misfits(tmp_path: Path) -> None:
     mark, state = (np.array(job["picks"][one]) for one in ("landmark", "state"))
     (check,) = np.unique(mark[state != 0])
     assert set(state[mark == check]) == {1} and job["names"][check] == "tower"
+    assert not any(job["others"]["count"])  # all are picked
+    assert any(one % 1.0 for one in job["camera"]["east_m"])  # near places are to a centimetre
 
 
 def test_a_pick_that_is_left_out_does_not_fit(tmp_path: Path) -> None:
