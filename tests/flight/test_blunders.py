@@ -180,6 +180,16 @@ def test_no_mistake_is_tried_twice_of_a_misfit(
     assert {one.name for one in every} < {*tried} and len({*tried}) == len(tried)
 
 
+def test_errors_that_frames_share_count_root_of_their_number_times() -> None:
+    """Of the landmark that most picks show: nine of 9, and four of 16, that take part."""
+    landmark, used = np.repeat([0, 1], [9, 16]), np.repeat([True, False], [13, 12])
+    marks = SimpleNamespace(name=("a", "b"))
+    flight = SimpleNamespace(landmarks=marks, picks=SimpleNamespace(landmark=landmark))
+    estimates: Any = SimpleNamespace(flight=flight, solved=SimpleNamespace(used=used))
+    reading: Any = SimpleNamespace(test_sigma=1.0)
+    assert blunders._Displacements(estimates, reading)._alike == 3.0
+
+
 @pytest.mark.parametrize(
     ("along", "right", "shift_m", "directions", "determined"),
     [

@@ -44,6 +44,30 @@ def test_gaps_are_before_beginnings_and_as_long_as_nothing_is_known() -> None:
     assert Tracker.gaps(tracker) == [(4, 0), (9, 7), (11, 10)]
 
 
+@pytest.mark.parametrize(("first", "second"), [(0.7, 0.6), (0.6, 0.7)])
+def test_of_two_starts_the_one_whose_frames_are_more_alike_counts(
+    first: float, second: float
+) -> None:
+    """On as it turned, and without a turn; the camera turned between the frames before."""
+    found = [(turned_by(np.array([0.0, 0.0, one]), np.eye(3)), one) for one in (first, second)]
+    answers = iter(found)
+    known = SimpleNamespace(
+        rotation=np.stack([np.eye(3), turned_by(np.array([0.0, 0.1, 0.0]), np.eye(3))]),
+        known=np.ones(3, int), segment=np.zeros(3, int),
+    )  # fmt: skip
+    tracker: Any = SimpleNamespace(
+        attitudes=known, _segment=0, time_s=np.arange(3.0), starts=set(),
+        view=lambda *_: None, locate=lambda *_: None, _nearest=lambda _: None,
+        alignment=SimpleNamespace(turn=lambda *_: next(answers)),
+        scene=SimpleNamespace(camera_m=lambda *_: np.zeros(3), shutter=None),
+    )  # fmt: skip
+    state: Any = SimpleNamespace(frame=1, levels=None)
+    levels: Any = None
+    answer = Tracker._follow(tracker, state, 2, None, levels, 1)
+    assert answer is not None
+    assert np.array_equal(answer[0], max(found, key=lambda one: one[1])[0])
+
+
 SIZE = (201, 161)
 LENS = Lens(LensKind.BROWN, SIZE, np.full(2, 1000.0), np.array([100.0, 80.0]), np.zeros(12))
 NADIR = np.diag([1.0, -1.0, -1.0])  # right is east, the top of the picture north
