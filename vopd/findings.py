@@ -210,6 +210,21 @@ def refuse_other_kind(
         raise VopdError(f"{function} takes {takes}, not {article} {name}")
 
 
+def refuse_other_word(value: object, words: Sequence[str], name: str) -> None:
+    """Refuse an argument of a public function that is none of the words it may be.
+
+    Args:
+        value: it
+        words: those it may be
+        name: of the argument
+
+    Raises:
+        VopdError: with all words
+    """
+    if not isinstance(value, str) or value not in words:
+        raise VopdError(f"{name} is {value!r}, not {' or '.join(map(repr, words))}")
+
+
 def numbers(value: object, name: str) -> Floats:
     """Make an array of the numbers that a public function is given: an array, a list, a table.
 

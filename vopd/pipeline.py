@@ -23,6 +23,7 @@ from vopd.findings import (
     numbers,
     raising,
     refuse_other_kind,
+    refuse_other_word,
 )
 from vopd.geometry.rotations import LARGEST_DEG, ahead, camera_angles_deg, camera_axes
 from vopd.job import Deck, Job, checked_fields, copied_readings_text
@@ -63,9 +64,7 @@ class SolveOptions:
 
     def __post_init__(self) -> None:
         refuse_other_kind(self.fixes, Fixes, "vopd.run", "fixes that vopd.errata.fixes makes")
-        if self.initial not in get_args(Initial):
-            known = " or ".join(map(repr, get_args(Initial)))
-            raise VopdError(f"initial is {self.initial!r}, not {known}")
+        refuse_other_word(self.initial, get_args(Initial), "initial")
 
 
 class ReadJob(NamedTuple):

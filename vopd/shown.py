@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vopd.findings import Finding
+from vopd.findings import Finding, refuse_other_kind
 
 if TYPE_CHECKING:  # a run of a deck waits for none of this
     from matplotlib.figure import Figure
@@ -24,6 +24,7 @@ class Shown:
         """Return the short table: the first frames, their uncertainty, and doubtful frames."""
         from vopd.attitude.summary import finding_texts, text
 
+        refuse_other_kind(width, int, "summary", "columns of a screen")
         jobs, findings = self._shown()
         return text(jobs, width, finding_texts(findings))
 

@@ -172,7 +172,7 @@ def test_a_point_of_a_tracked_flight_is_clicked_and_not_matched() -> None:
 
 WRONG: dict[str, tuple[Any, ...]] = {
     "no frame": (9, 1.0, 1.0), "outside": (0, -3.0, 10.0), "words": (0, "a", 1.0),
-    "no sigma": (0, 1.0, 1.0, -1.0),
+    "no sigma": (0, 1.0, 1.0, -1.0), "two points": (0, [1.0, 2.0], [3.0, 4.0]),
 }  # fmt: skip
 
 

@@ -116,6 +116,7 @@ OTHER_KINDS: dict[str, Callable[[], object]] = {
     "a number in the place of a function": lambda: vopd.adjust(HILL, "focal", 5),
     "a location by number": lambda: vopd.solve_flight(HILL, 5),
     "no name of a figure": lambda: vopd.run(JOBS).plot(None),
+    "a width in words": lambda: vopd.run(JOBS).summary("wide"),
     "no figure at all": lambda: vopd.run(JOBS).plot([]),
     "one history to draw": lambda: draw("attitude", vopd.run(JOBS).histories()[0]),  # type: ignore[arg-type]
     "a run to draw": lambda: draw("attitude", vopd.run(JOBS)),

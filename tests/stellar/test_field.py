@@ -439,13 +439,43 @@ OTHER: dict[str, Callable[[], object]] = {
     "vectors in the place of a field": lambda: collinearity(THREE.directions),  # type: ignore[arg-type]
     "a list of fields": lambda: wahba([THREE]),  # type: ignore[arg-type]
     "no field": lambda: church(None),  # type: ignore[arg-type]
+    "no field to search": lambda: find_outliers(None),  # type: ignore[arg-type]
+    "no field of pairs": lambda: closed_form(None),  # type: ignore[arg-type]
+    "no field of angles": lambda: star_disagreement_arcsec(None),  # type: ignore[arg-type]
+    "a stack to search": lambda: find_outliers(stack()),
+    "weights that there are not": lambda: collinearity(THREE, weights="huber"),  # type: ignore[arg-type]
+    "no weights": lambda: collinearity(THREE, weights=None),  # type: ignore[arg-type]
+    "a start that there is not": lambda: collinearity(THREE, start="wahba"),  # type: ignore[arg-type]
+    "weights of church that there are not": lambda: church(THREE, weights="robust"),  # type: ignore[arg-type]
+    "an angle that there is not": lambda: single_rotation(TWO, angle="nearer"),  # type: ignore[arg-type]
+    "half of the stars that there is not": lambda: find_outliers(THREE, start="all"),  # type: ignore[arg-type]
+    "one angle to start from": lambda: collinearity(THREE, initial_deg=[1.0]),
+    "angles in words": lambda: collinearity(THREE, initial_deg="svd"),
+    "corrections below zero": lambda: collinearity(THREE, corrections=-1),
+    "half a correction": lambda: collinearity(THREE, corrections=1.5),  # type: ignore[arg-type]
+    "a sigma below zero": lambda: collinearity(THREE, weights="robust", reading_sigma_mm=-1.0),
+    "a sigma that is no number": lambda: church(THREE, reading_sigma_mm=np.nan),
+    "sigmas of church": lambda: church(THREE, reading_sigma_mm=[1.0]),  # type: ignore[arg-type]
+    "a principal distance below zero": lambda: resection(np.eye(3), np.eye(3)[:, :2], -76.0),
+    "no covariance of a resection": lambda: resection(
+        np.eye(3), np.eye(3)[:, :2], 76.0, np.zeros((3, 2, 2))
+    ),
+    "angles of a matrix in the plane": lambda: omega_phi_kappa_deg(np.eye(2)),
+    "alpha of no matrix": lambda: alpha_delta_swing_deg(None),  # type: ignore[arg-type]
+    "the defect of a number": lambda: orthogonality_defect(1.0),  # type: ignore[arg-type]
+    "a matrix of two angles": lambda: orientation_matrix([1.0, 2.0]),  # type: ignore[arg-type]
+    "a matrix of a swing": lambda: matrix_from_alpha_delta_swing(3.0),  # type: ignore[arg-type]
 }
 THREE = StarField.of(np.eye(3), [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], 76.0)
+TWO = THREE.select(np.array([0, 1]))
 
 
 @pytest.mark.parametrize("what", OTHER)
 def test_arguments_of_another_kind(what: str) -> None:
-    """Errors of numpy and Python; masked elements were numbers, and a third star was left out."""
+    """Errors of numpy and Python; masked elements were numbers, and a third star was left out.
+
+    Words that there are not were the usual ones, and one angle was all three.
+    """
     with refused(VopdError):
         OTHER[what]()
 

@@ -245,6 +245,8 @@ class FlightResult(Shown):
                 f"{labels[-1]}"
             )
         pixel = numbers([u_px, v_px], "[u_px, v_px]")
+        if pixel.shape != (2,):
+            raise VopdError(f"[u_px, v_px] has the shape {pixel.shape}, not (2,): give one point")
         if sigma_px is not None:
             sigma_px = Sigmas(reading=sigma_px).reading
         return direction_of(self.estimates, labels.index(str(frame)), pixel, sigma_px)

@@ -13,8 +13,10 @@ attitudes. `vopd.geometry.rotations` makes one attitude of it.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
+from vopd.findings import VopdError, numbers
 
 ARCSEC = float(np.degrees(1.0)) * 3600.0  # in a radian
 POLE = 1e-8
@@ -35,7 +37,7 @@ def orientation_matrix(omega_phi_kappa_deg: Floats) -> Floats:
 
     Source: Rae (1987), eq. 2.4, subroutine JNKMAT.
     """
-    radians = np.radians(np.asarray(omega_phi_kappa_deg, dtype=float))
+    radians = np.radians(_of_shape(omega_phi_kappa_deg, "omega_phi_kappa_deg", (3,)))
     so, sp, sk = np.moveaxis(np.sin(radians), -1, 0)
     co, cp, ck = np.moveaxis(np.cos(radians), -1, 0)
     rows = [
@@ -97,7 +99,7 @@ def matrix_from_alpha_delta_swing(alpha_delta_swing: Floats) -> Floats:
         at swing 0 the photograph's y axis points north and, seen from inside the
         sphere, its x axis west.
     """
-    radians = np.radians(np.asarray(alpha_delta_swing, dtype=float))
+    radians = np.radians(_of_shape(alpha_delta_swing, "alpha_delta_swing", (3,)))
     alpha, delta, swing = (radians[..., k, None] for k in range(3))
     zero = np.zeros_like(alpha)
     ca, sa, cd, sd = np.cos(alpha), np.sin(alpha), np.cos(delta), np.sin(delta)
@@ -118,6 +120,7 @@ def orthogonality_defect(matrix: Floats) -> Floats:
     Returns:
         The defects, (...); 0 for a rotation.
     """
+    matrix = _of_shape(matrix, "matrix", (3, 3))
     product = np.einsum("...ij,...kj->...ik", matrix, matrix)
     defect: Floats = np.abs(product - np.eye(3)).max(axis=(-2, -1))
     return defect
@@ -125,7 +128,17 @@ def orthogonality_defect(matrix: Floats) -> Floats:
 
 def _elements(matrix: Floats) -> list[list[Floats]]:
     """Split matrices into nine elements, each an array of the stack's shape."""
+    matrix = _of_shape(matrix, "matrix", (3, 3))
     return [[matrix[..., i, j] for j in range(3)] for i in range(3)]
+
+
+def _of_shape(value: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
+    """Make an array of numbers whose last axes have this shape, or raise `VopdError`."""
+    found = numbers(value, name)
+    if found.shape[-len(shape) :] != shape:
+        wanted = ", ".join(["...", *map(str, shape)])
+        raise VopdError(f"{name} has the shape {found.shape}, not ({wanted})")
+    return found
 
 
 def _arcsin(sine: Floats) -> Floats:

@@ -391,6 +391,18 @@ def refuse_other_field(field: object, function: str, stars: int | None = None) -
         )
 
 
+def refuse_other_sigma(reading_sigma_mm: float | None) -> None:
+    """Refuse a standard deviation of readings that is none; None is one that is not stated.
+
+    Raises:
+        VopdError: it is not above 0, or no number
+    """
+    if reading_sigma_mm is not None:
+        sigma = numbers(reading_sigma_mm, "reading_sigma_mm")
+        if not (sigma.ndim == 0 and 0.0 < sigma < np.inf):
+            raise VopdError(f"reading_sigma_mm is {reading_sigma_mm!r}, not a number above 0")
+
+
 def coincide(a: Floats, b: Floats) -> Bools:
     """Test whether two unit vectors (..., 3) are the same direction, or opposite, (...)."""
     close: Bools = norm(np.cross(a, b)) < DEGENERATE

@@ -11,7 +11,7 @@ import numpy as np
 
 from vopd.arrays import Floats, Ints
 from vopd.geometry.linear import ARCSEC_PER_RADIAN, angle_between, dot, norm
-from vopd.stellar.field import StarField
+from vopd.stellar.field import StarField, refuse_other_field
 
 MOST_PARTNERS = 40  # with how many others a star is compared to estimate the reading error
 NORMAL_MEDIAN = 0.6744897501960817  # median size of a normal error of standard deviation 1
@@ -75,6 +75,7 @@ def star_disagreement_arcsec(field: StarField) -> tuple[Floats, Floats]:
 
     Source: Rae (1987), recommendation 4 (data editing by pairwise solutions).
     """
+    refuse_other_field(field, "star_disagreement_arcsec")
     count = field.used.shape[-1]
     pairs = star_pairs(count)
     size = np.abs(interstar_discrepancy_arcsec(field.select(pairs)))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
 from vopd.arrays import Bools, Floats
+from vopd.findings import VopdError, refuse_other_word
 from vopd.geometry.linear import transform
-from vopd.stellar.field import Failure, StarField, image_points_mm
+from vopd.stellar.field import Failure, StarField, image_points_mm, refuse_other_field
 from vopd.stellar.interstar_angles import (
     interstar_reading_sigma_mm,
     median_disagreement_mm,
@@ -100,8 +101,15 @@ def find_outliers(field: StarField, *, start: OutlierStart = "interstar") -> lis
         The outliers, the least likely first; none where there are fewer than
         four stars, of which two agree or disagree with the third alike.
 
+    Raises:
+        VopdError: where it is no field, or a stack, or there is no such start
+
     Source: Rae (1987), recommendation 4 (data editing by pairwise solutions).
     """
+    refuse_other_field(field, "find_outliers")
+    refuse_other_word(start, get_args(OutlierStart), "start")
+    if field.used.ndim > 1:
+        raise VopdError("find_outliers takes one problem, not a stack: `problems` has each")
     used = np.flatnonzero(field.used).tolist()
     (found,) = outliers_of_each(StarField.stack([field.select(field.used)]), start)
     return [one._replace(star=used[one.star]) for one in found]

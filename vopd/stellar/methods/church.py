@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.findings import refuse_other_word
 from vopd.stellar.angles import orthogonality_defect
 from vopd.stellar.field import (
     DEGENERATE,
@@ -14,6 +15,7 @@ from vopd.stellar.field import (
     StarField,
     first_failure,
     refuse_other_field,
+    refuse_other_sigma,
     when,
 )
 from vopd.stellar.methods.weights import (
@@ -67,6 +69,8 @@ def church(
     Source: Rae (1987), eqs. 3.4 and 3.11.
     """
     refuse_other_field(field, "church")
+    refuse_other_word(weights, get_args(ChurchWeights), "weights")
+    refuse_other_sigma(reading_sigma_mm)
     weight = element_weights(field, weights, reading_sigma_mm)
     stars = np.broadcast_to(field.directions[..., None, :, :], (*weight.shape, 3))
     matrix, _ = least_squares(stars, np.swapaxes(field.photo, -1, -2), weight)

@@ -7,12 +7,13 @@ own axes have simpler derivatives and are defined for every attitude;
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vopd.arrays import Floats
+from vopd.findings import VopdError, numbers, refuse_other_word
 from vopd.geometry.linear import crossing, norm, transform, unit
 from vopd.geometry.rotations import partials_by_turns
 from vopd.stellar.angles import omega_phi_kappa_deg, orientation_matrix
@@ -22,6 +23,7 @@ from vopd.stellar.field import (
     first_failure,
     image_points_mm,
     refuse_other_field,
+    refuse_other_sigma,
     when,
 )
 from vopd.stellar.methods.two_star import closed_form
@@ -139,9 +141,19 @@ def collinearity(
         ends behind the camera; in the last two cases `matrix` is where the
         corrections ended.
 
+    Raises:
+        VopdError: where an argument is of another kind, or no such word
+
     Source: Rae (1987), eqs. 2.1 to 2.13; the field's `errors` make W of eq. 2.13.
     """
     refuse_other_field(field, "collinearity")
+    refuse_other_word(start, get_args(StartRule), "start")
+    refuse_other_word(weights, get_args(WeightRule), "weights")
+    refuse_other_sigma(reading_sigma_mm)
+    if corrections is not None and not (
+        isinstance(corrections, int | np.integer) and corrections >= 0
+    ):
+        raise VopdError(f"corrections is {corrections!r}, not a whole number from 0 on")
     stack = field.used.shape[:-1]
     flat = field.flat()
     unfit = flat.unfit(least=2)
@@ -186,7 +198,10 @@ def _start(
 ) -> Floats:
     """Choose rotations (k, 3, 3) to start from; NaN where the stars determine none."""
     if initial_deg is not None:
-        angles = np.broadcast_to(np.asarray(initial_deg, dtype=float), (*stack, 3))
+        given = numbers(initial_deg, "initial_deg")
+        if given.shape not in ((3,), (*stack, 3)):
+            raise VopdError(f"initial_deg has the shape {given.shape}, not {(*stack, 3)}")
+        angles = np.broadcast_to(given, (*stack, 3))
         return orientation_matrix(angles.reshape(-1, 3))
     return start_rotation(flat, start)
 

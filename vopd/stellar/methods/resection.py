@@ -12,7 +12,7 @@ from vopd.arrays import Floats
 from vopd.findings import VopdError, numbers
 from vopd.geometry.linear import inverse
 from vopd.geometry.rotations import rotation_of_directions
-from vopd.stellar.field import Failure, image_directions, image_points_mm
+from vopd.stellar.field import Failure, StarField, image_directions, image_points_mm
 from vopd.stellar.methods.collinearity import image_partials, turned
 
 # Three points (Grunert's solution)
@@ -142,7 +142,8 @@ def resection(
         errors: covariance matrices of x and y for a reading sigma of 1, (n, 2, 2); None: alike
 
     Raises:
-        VopdError: where points or images are no numbers, or not as many
+        VopdError: where points or images are no numbers, or not as many, the principal distance
+            is not positive, or errors are no covariance matrices
 
     Source: Rae (1987), eq. 2.1, recommendation 5.
     """
@@ -151,6 +152,7 @@ def resection(
         raise VopdError(
             f"points must be (n, 3) and images (n, 2), not {place.shape} and {seen.shape}"
         )
+    errors = StarField.of(place, seen, focal, errors=errors).errors
     whiten = np.broadcast_to(np.eye(2), (len(place), 2, 2))
     if errors is not None:
         whiten = np.linalg.inv(np.linalg.cholesky(errors))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from vopd.arrays import Floats
+from vopd.findings import refuse_other_word
 from vopd.geometry.linear import dot, norm, unit
 from vopd.stellar.field import (
     DEGENERATE,
@@ -54,6 +55,7 @@ def single_rotation(pair: StarField, *, angle: AngleRule = "farther") -> StarSol
     Source: Rae (1987), section 4, program TWOSTAR.
     """
     refuse_other_field(pair, "single_rotation", 2)
+    refuse_other_word(angle, get_args(AngleRule), "angle")
     stars, images = pair.directions, pair.photo
     first, second = np.moveaxis(images - stars, -2, 0)
     still = np.minimum(norm(first), norm(second)) < DEGENERATE

@@ -66,6 +66,7 @@ def closed_form(field: StarField) -> Floats:
         Rotation matrices, (..., 3, 3), as accurate as the readings of that pair;
         NaN where there are not two distinct stars.
     """
+    refuse_other_field(field, "closed_form")
     if field.used.shape[-1] < 2:
         return np.full((*field.used.shape[:-1], 3, 3), np.nan)
     pair = field.select_each(widest_pair(field))
