@@ -192,6 +192,11 @@ PICTURES = (b"heic", b"heix", b"mif1", b"avif")  # of the containers that videos
 ENDS = 1 << 24  # bytes from either end of a large file that are digested
 
 
+def not_a_formula(text: str) -> str:
+    """Put an apostrophe before a text that a spreadsheet would take for a formula."""
+    return "'" + text if len(text) > 1 and text[0] in "=+-@" else text
+
+
 def from_folder(path: str | Path, folder: Path) -> str:
     """Name a file from a folder; by its whole path where there is no way from there.
 

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import math
+import shutil
 import sys
 import zipfile
 from collections.abc import Iterator
@@ -35,7 +36,7 @@ from tests.kit.attitude_files import (
     printed,
     write,
 )
-from tests.kit.command import DECKS, ROOT, vopd
+from tests.kit.command import CASE_1, DECKS, ROOT, vopd
 from tests.kit.estimates import REQUEST, estimate, level_flight
 from tests.kit.histories import histories
 from tests.kit.jobs import reread
@@ -47,7 +48,7 @@ from vopd.export import FORMATS, FileRequest
 from vopd.export import tables as csv_table
 from vopd.export import tables as plain_table
 from vopd.export import viewers as kml
-from vopd.export.tables import arrow_column, as_text, dataframe, not_a_formula
+from vopd.export.tables import arrow_column, as_text, cell_csv, dataframe
 from vopd.film import film_estimate
 from vopd.findings import VopdError, strict
 from vopd.pipeline import run
@@ -314,11 +315,21 @@ def test_columns_of_arrow(values: Any, expected: list[Any]) -> None:
     ("text", "cell"),
     [
         ("=1", "'=1"), ("+1", "'+1"), ("-1", "'-1"), ("@a", "'@a"), ("=", "="), ("-", "-"),
-        ("", ""), ("a=", "a="), ("'=1", "'=1"), ("--", "'--"),
+        ("", ""), ("a=", "a="), ("'=1", "'=1"), ("--", "'--"), ("a#1", '"a#1"'), ("#", '"#"'),
+        ('a,"#', '"a,""#"'), ("=#", '"\'=#"'),
     ],
 )  # fmt: skip
-def test_no_word_is_a_formula(text: str, cell: str) -> None:
-    assert not_a_formula(text) == cell
+def test_no_word_is_a_formula_or_a_comment(text: str, cell: str) -> None:
+    assert cell_csv(text) == cell
+
+
+def test_pandas_reads_a_name_with_a_number_sign(tmp_path: Path) -> None:
+    """By the line of the documentation: all behind the sign was a comment, and the row empty."""
+    shutil.copy(CASE_1, tmp_path / "film #3.dat")
+    assert vopd("attitude", tmp_path / "film #3.dat", "-o", tmp_path / "a.csv").status == 0
+    read = pd.read_csv(tmp_path / "a.csv", comment="#")
+    assert read["deck"][0].endswith("film #3.dat") and list(read["frame"]) == [730]
+    assert not read["vehicle_yaw_deg"].isna().any()
 
 
 WORDS = (

@@ -369,6 +369,14 @@ def test_the_text_of_both_formats() -> None:
         as_json([photograph(replace(BARE, rms=float("nan")))])
 
 
+def test_a_photograph_named_like_a_formula() -> None:
+    """In CSV it was one, for a spreadsheet; arrays have the name as it is."""
+    named = [photograph(BARE, label="=1+1")]
+    (row,) = csv.DictReader(io.StringIO(as_csv(named)))
+    assert row["image"] == "'=1+1" and row["residuals_px"] == "0.5 0.25"
+    assert solution_table(named)[0]["image"].tolist() == ["=1+1"]
+
+
 def test_what_is_not_known_is_empty() -> None:
     known = {
         "method": "svd", "stars": "2", "orthogonality_defect": "0.0", "rms_px": "0.5",

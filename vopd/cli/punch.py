@@ -10,7 +10,7 @@ import click
 from vopd.cli.console import Messages
 from vopd.cli.options import FILE_NAME, output_option, project_argument, quiet_option
 from vopd.cli.output import refuse_to_overwrite
-from vopd.files import whole_file
+from vopd.files import not_a_formula, whole_file
 from vopd.findings import VopdError
 
 SHOWN = 12  # rows of the table of numbers
@@ -48,7 +48,6 @@ def command(project: str, output: str, numbers: str | None, quiet: bool) -> None
     """
     from vopd.cards.write import write_deck
     from vopd.convert.flight_to_deck import flight_job
-    from vopd.export.tables import not_a_formula
     from vopd.flight.result import solve_flight
 
     refuse_to_overwrite((project,), output, numbers)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections import Counter
 from collections.abc import Sequence
@@ -15,7 +14,7 @@ from vopd.attitude.conventions import doubts_text
 from vopd.attitude.history import History
 from vopd.estimate import Words
 from vopd.export import FileRequest, printable
-from vopd.export.tables import not_a_formula
+from vopd.export.tables import cell_csv
 from vopd.findings import Finding, Report, VopdError, count_text
 from vopd.geometry.earth import NED_FROM_ENU, earth_centred_m, local_axes
 from vopd.geometry.linear import inverse
@@ -343,10 +342,9 @@ def render_omega_phi_kappa(
             where=f"{counted}, {crs}" if crs else "longitude and latitude, degrees",
         )
     )
-    rows = csv.writer(page, lineterminator="\n")
-    rows.writerow(COLUMNS)
+    page.write(",".join(COLUMNS) + "\n")
     for poses in found:
-        rows.writerows(_rows(poses))
+        page.writelines(",".join(row) + "\n" for row in _rows(poses))
     return page.getvalue().encode()
 
 
@@ -375,5 +373,5 @@ def _rows(poses: CameraPoses) -> list[list[str]]:
         [text % value if np.isfinite(value) else "" for value in values.tolist()]
         for text, values in columns
     ]
-    names = [not_a_formula(printable(name)) for name in poses.name]
+    names = [cell_csv(printable(name)) for name in poses.name]
     return [[name, *row] for name, *row in zip(names, *texts, strict=True)]

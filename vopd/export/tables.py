@@ -33,7 +33,7 @@ from vopd.attitude.table import (
     table_values,
 )
 from vopd.export import FORMATS, FileRequest, statements
-from vopd.files import ESCAPED, optional_package
+from vopd.files import ESCAPED, not_a_formula, optional_package
 from vopd.findings import Report, VopdError
 
 if TYPE_CHECKING:
@@ -76,11 +76,6 @@ def _texts_csv(values: NDArray[Any], decimals: int | None) -> list[str]:
     for row in np.flatnonzero(np.isnan(some)).tolist():
         texts[row] = ""
     return texts * len(values) if alike else texts
-
-
-def not_a_formula(text: str) -> str:
-    """Put an apostrophe before a text that a spreadsheet would take for a formula."""
-    return "'" + text if len(text) > 1 and text[0] in "=+-@" else text
 
 
 def pages_csv(
@@ -172,14 +167,18 @@ def _rows_csv(values: TableArrays, columns: Sequence[TableColumn]) -> Iterator[s
 
 
 def _cells(words: list[str]) -> list[str]:
-    """Write words as cells that are no formulas, in quotes where CSV needs them."""
-    safe = {word: _quoted(not_a_formula(word)) for word in set(words)}
+    """Write words as cells; many are the same."""
+    safe = {word: cell_csv(word) for word in set(words)}
     return [safe[word] for word in words]
 
 
-def _quoted(cell: str) -> str:
-    """Quote a cell if CSV needs it."""
-    return _lines([[cell, ""]]).removesuffix(",\n")
+def cell_csv(word: str) -> str:
+    """Write a word as a cell that is no formula, in quotes if CSV or a reader of comments needs it.
+
+    Behind a # without quotes pandas takes the rest of the line for a comment.
+    """
+    cell = _lines([[not_a_formula(word), ""]]).removesuffix(",\n")
+    return f'"{cell}"' if "#" in cell and not cell.startswith('"') else cell
 
 
 def _lines(rows: Iterable[Iterable[str]]) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from vopd.attitude.residuals import SIGNIFICANCE, chance_text
-from vopd.export.tables import not_a_formula
+from vopd.files import not_a_formula
 from vopd.findings import count_text, listed, size_text
 from vopd.flight.adjust.tested import Named, Prediction, TestedFlight
 from vopd.flight.angles import turned_vehicle_deg

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vopd.arrays import Floats
-from vopd.files import STAR_SOLUTIONS, reason, written_by_vopd
+from vopd.files import STAR_SOLUTIONS, not_a_formula, reason, written_by_vopd
 from vopd.findings import input_error
 from vopd.inputs import MOST_NUMBER
 from vopd.stellar.files.photograph import SolvedPhotograph
@@ -242,7 +242,8 @@ def as_csv(photographs: Sequence[SolvedPhotograph]) -> str:
     columns = [column.name for column in columns_of(photographs)]
     writer = csv.DictWriter(page, columns, lineterminator="\n", restval="")
     writer.writeheader()
-    writer.writerows(rows_of(photographs))
+    for row in rows_of(photographs):
+        writer.writerow(row | {"image": not_a_formula(row["image"])} if "image" in row else row)
     return page.getvalue()
 
 
