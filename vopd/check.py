@@ -461,10 +461,9 @@ def _stops_a_run(job: Job, group: int) -> bool:
         wind=replace(wind, altitude_ft=mended(4, wind.altitude_ft)),
     )
     try:
-        stop = run(others).stop
+        return run(others).stop is not None
     except (UndefinedLandmark, TableNotANumber):  # errors of their own, which end a run before
         return True
-    return stop is not None and stop.group == group
 
 
 def tables_span(job: Job, locations: CardLocations) -> Iterator[Finding]:

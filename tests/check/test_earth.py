@@ -88,6 +88,8 @@ def test_a_drone_is_told_to_fix_the_earth(tmp_path: Path) -> None:
     assert "spherical Earth of 1974 turns the attitude by 1.8" in text  # 3.6 m over 112 m
     assert_approved(text)
     assert text.count("--fix earth") == 1 and "warning: " in text and "basic data" in text
+    for fix, told in ((), True), (("--fix", "earth"), False):
+        assert ("1974 turns" in vopd("run", *fix, tmp_path / "deck.dat").stderr) == told
 
 
 def test_a_flight_like_the_report_s_is_not(tmp_path: Path) -> None:
@@ -120,6 +122,23 @@ def test_landmarks_that_are_ignored_do_not_count(tmp_path: Path) -> None:
         landmark=np.tile([100, 0, 0, 0, 0, 0], (len(job.readings.frame), 1)),
     )
     assert said(replace(job, ignored=dropped), tmp_path) == ""
+
+
+@pytest.mark.parametrize("ascends", [True, False])
+def test_each_of_stacked_jobs_is_told_at_its_own_card(ascends: bool) -> None:
+    """Whose basic data are read again; and the second too where the first cannot be run."""
+    job = low()
+    path = job.trajectory
+    first = path if ascends else replace(path, time_s=path.time_s[::-1].copy())
+    jobs = [
+        replace(job, return_group=1, trajectory=first),
+        replace(low(1.1 * LOW), title=job.title),
+    ]
+    found = check_deck(io.BytesIO(write_deck(jobs).encode()), "a.dat")
+    cards = [one.card or 0 for one in found if "1974" in one.message]
+    behind = write_deck(jobs[1]).count("\n")  # the second job's cards, at the end of the deck
+    last = write_deck(jobs).count("\n")
+    assert [one <= last - behind for one in cards] == ([True, False] if ascends else [False])
 
 
 def test_strict_counts_it_as_a_warning(tmp_path: Path) -> None:
