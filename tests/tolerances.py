@@ -470,6 +470,7 @@ TOLERANCES = {
     "rae advised pixel by stars": Tolerance(
         "px", 3.6, "three of the 1.2 px to which 30 stars read to .1 px hold the point"
     ),
+    "rae fisheye": Tolerance("px", 9.0, "a radian of 640 px by whole degrees of 74"),
     "rae advised k1": Tolerance("1", 5e-3, "readings of 1 px over .05 r**3 of 20 px, 12 stars"),
     "rae sum of seconds": Tolerance("arcsec", 1e-9, "sums of three of 1E3 seconds, 1E-13 each"),
     "rae defect": Tolerance("1", 1e-14, "products of elements below 1, nine sums of three"),

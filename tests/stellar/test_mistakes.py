@@ -764,6 +764,61 @@ def test_two_mistakes_at_once_are_named(name: str) -> None:
     assert all(words in advice for words in said), advice
 
 
+def all_sky(angle_by: Callable[[np.ndarray], np.ndarray], widest_deg: float = 75.0) -> str:
+    """Thirty stars about the zenith of a camera in pixels, 1000, 1000 its middle.
+
+    Args:
+        angle_by: distances from the middle, px, by angles from the axis, radians
+        widest_deg: angle of the outermost star
+    """
+    rng = np.random.default_rng(8)
+    angle = np.radians(np.sqrt(rng.uniform(0.0, widest_deg**2, 30)))
+    way = rng.uniform(0.0, 2.0 * np.pi, 30)
+    # the axis at right ascension 0, declination 90; x toward 90 degrees, y (down) toward 0
+    x, y = angle_by(angle) * [np.sin(way), np.cos(way)]
+    return written(
+        [
+            (
+                1000.0 + x[k],
+                1000.0 + y[k],
+                float(np.degrees(way[k])),
+                90.0 - float(np.degrees(angle[k])),
+            )
+            for k in range(30)
+        ],
+        PX_NAMED,
+    )
+
+
+@pytest.mark.parametrize(
+    "options", [("--focal-px", "640"), ("--free", "focal"), ("--free", "focal,k1")]
+)
+def test_a_fisheye_is_named(options: tuple[str, ...]) -> None:
+    """640 px a radian, read to a pixel; the outermost angle is tried by whole degrees of 74."""
+    rng = np.random.default_rng(2)
+    text = all_sky(lambda angle: 640.0 * angle + rng.normal(0.0, 1.0, 30))
+    for flip in ("--y-down", "--y-up"):
+        result = solve_px(text, "--size", "2001,2001", flip, *options)
+        told = re.search(r"a fisheye of about (\S+) px a radian", result.stderr)
+        if told is not None:
+            break
+    assert told is not None, result.stderr
+    assert result.status in (1, 3)
+    assert_close("rae fisheye", float(told[1]), 640.0)
+
+
+def test_a_wide_photograph_in_central_projection_is_no_fisheye() -> None:
+    """Half of the stars have the place of another: nothing fits."""
+    lines = all_sky(lambda angle: 640.0 * np.tan(angle), 50.0).splitlines()
+    cells = [line.split(",") for line in lines[1:]]
+    wrong = [
+        ",".join(one[:2] + other[2:])
+        for one, other in zip(cells, cells[15:] + cells[:15], strict=True)
+    ]
+    result = solve_px("\n".join([lines[0], *wrong, ""]), "--size", "2001,2001", "--focal-px", "640")
+    assert result.status in (1, 3) and "fisheye" not in result.stderr
+
+
 def test_degrees_in_a_column_of_hours_are_named() -> None:
     """Right ascensions from 0 to 24 degrees, which are hours as well."""
     stars = [(x, y, ra - 53.0, dec) for x, y, ra, dec in photograph(20) if 53.0 < ra < 77.0]

@@ -562,6 +562,12 @@ _CHUNK = 1 << 16
 _BEGINNING = 1 << 20  # bytes within which a listing has its first heading: some 200 pages
 
 
+A_FOLDER = (
+    "is a folder, and two listings are compared: in a shell, for f in golden/*.lst; do vopd diff "
+    "$f solved/$(basename $f); done"
+)
+
+
 def read_listing(name: str) -> str:
     """Read a listing.
 
@@ -584,6 +590,8 @@ def read_listing(name: str) -> str:
             with Path(name).open("rb") as stream:
                 text = _read(stream, where)
     except OSError as error:
+        if name != "-" and Path(name).is_dir():
+            raise VopdError(f"{where}: {A_FOLDER}") from None
         reason = error.strerror or str(error)
         raise VopdError(f"{where}: {reason[:1].lower()}{reason[1:]}") from None
     if not text:

@@ -12,6 +12,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats
 from vopd.findings import VopdError, size_text
 from vopd.geometry.linear import transform
+from vopd.geometry.rotations import rotation_of_directions
 from vopd.mistakes import Explanation, Mistake, explanations, likeliest
 from vopd.stellar.field import Failure, StarField, image_points_mm, star_directions
 from vopd.stellar.files.images import ImageAxes, centred_images, in_file_coordinates
@@ -126,7 +127,7 @@ def judge(
         agree = reading_sigma is not None and not implausible_residuals(
             fit, stars, None, file.unit, fitted.interstar_mm
         )
-        unexplained = unexplained_advice(
+        unexplained = fisheye_advice(file, stars) or unexplained_advice(
             file, f"{size_text(sigma, 3)} {file.unit}" if agree else ""
         )
     kept = tuple(outliers) if mistake is None or mistake.points else ()
@@ -153,6 +154,39 @@ def unexplained_advice(file: StarFile, agreement: str) -> str:
     return (
         "none of the common mistakes explains this (mirrored or exchanged coordinates, wrong "
         "units, another camera, wrong stars)"
+    )
+
+
+FISHEYE_GAIN = 5.0
+"""How many times nearer to the stars a fisheye's rays must be than those of central projection."""
+FISHEYE_DEG = 1.5  # root mean square from the stars that a fisheye of this family may leave
+WIDEST_DEG = np.arange(5.0, 100.0, 1.0)  # from the axis, of the outermost star
+
+
+def fisheye_advice(file: StarFile, stars: StarField) -> str:
+    """Advise what to do if the photograph is that of a fisheye; empty if it is not.
+
+    Its images lie at the principal distance times the angle from the axis, not times its tangent.
+    Each angle of the outermost star is tried for both, with the attitude that fits best.
+    """
+    radius = np.hypot(*stars.image_mm.T)
+    if not radius.max() > 0.0:
+        return ""
+    aside = stars.image_mm / np.where(radius > 0.0, radius, 1.0)[:, None]
+    widest = np.radians(WIDEST_DEG)
+    central = np.tan(np.minimum(widest, np.radians(88.0)))[:, None] * radius / radius.max()
+    angles = np.stack([widest[:, None] * radius / radius.max(), np.arctan(central)])
+    rays = np.concatenate([np.sin(angles)[..., None] * aside, -np.cos(angles)[..., None]], axis=-1)
+    matrix, _ = rotation_of_directions(rays, stars.directions, np.ones(len(radius)))
+    off = rays - transform(matrix, stars.directions)
+    fisheye, plain = np.degrees(np.sqrt((off**2).sum(axis=-1).mean(axis=-1)))
+    best = int(fisheye.argmin())
+    if fisheye[best] > FISHEYE_DEG or fisheye[best] * FISHEYE_GAIN > plain.min():
+        return ""
+    scale = radius.max() / widest[best]
+    return (
+        f"the lens seems to be a fisheye of about {scale:.3g} {file.unit} a radian, and stars are "
+        "solved in central projection: undistort their coordinates first (vopd help stellar)"
     )
 
 

@@ -29,7 +29,12 @@ from vopd.stellar.files.images import (
     outside_image,
     reading_errors,
 )
-from vopd.stellar.files.mistakes import Plausibility, judge, suspicious_photographs
+from vopd.stellar.files.mistakes import (
+    Plausibility,
+    fisheye_advice,
+    judge,
+    suspicious_photographs,
+)
 from vopd.stellar.files.plate_solvers import read_corr_fits, read_plate_solutions
 from vopd.stellar.files.points import beyond_the_stars, point_directions
 from vopd.stellar.files.read import (
@@ -595,13 +600,17 @@ def _judged(problem: StarProblem, fitted: FittedStars | None, suspicious: bool) 
     try:
         camera, *_ = solve_calibration(file, stars, np.arange(len(file.lines)), request, sigma)
     except InputError as error:
-        mistake = judgement(stars).mistake
-        if mistake is None:
+        judged = judgement(stars)
+        advice = judged.mistake.advice if judged.mistake else fisheye_advice(file, stars)
+        if not advice:
             raise
         finding = error.finding
-        message = f"{finding.message}; {mistake.advice}"
+        message = f"{finding.message}; {advice}"
         raise InputError(replace(finding, message=message)) from None
-    return judgement(camera)
+    judged = judgement(camera)
+    if judged.unexplained and (advice := fisheye_advice(file, stars)):  # a solved k1 hides it
+        judged = judged._replace(unexplained=advice)
+    return judged
 
 
 def _pairs(file: StarFile, request: StarRequest) -> Ints | None:
