@@ -199,7 +199,7 @@ def test_what_is_no_listing(content: bytes) -> None:
 
 @pytest.mark.parametrize(
     ("name", "reason"),
-    [(".", "is a directory"), ("none.lst", "no such file or directory")],
+    [(".", "is a folder"), ("none.lst", "no such file or directory")],
 )
 def test_what_cannot_be_read(name: str, reason: str) -> None:
     result = diff("page.lst", name)

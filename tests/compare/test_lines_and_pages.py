@@ -519,7 +519,7 @@ def test_a_listing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
-    for path, reason in ((tmp_path / "no.lst", "no such file"), (tmp_path, "is a directory")):
+    for path, reason in ((tmp_path / "no.lst", "no such file"), (tmp_path, "is a folder")):
         with pytest.raises(VopdError) as refused:
             read_listing(str(path))
         assert str(refused.value).startswith(f"{path}: {reason}")
