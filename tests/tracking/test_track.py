@@ -21,7 +21,7 @@ from scipy.ndimage import map_coordinates
 
 from tests.approved.texts import assert_approved
 from tests.kit.command import vopd
-from tests.tolerances import within
+from tests.tolerances import assert_close, within
 from tools.render_video import Settings, make
 from tools.track_coverage import count
 from vopd import solve_flight
@@ -333,6 +333,31 @@ def test_images_are_followed_in_the_order_of_their_numbers(flight: Path) -> None
         image.rename(image.with_name(f"{int(image.stem)}.png"))
     assert vopd("track", "flight.toml").stderr == padded
     assert rows(flight / "tracked.csv") == whole
+
+
+def test_where_the_camera_was_in_each_image(flight: Path) -> None:
+    """In the order of time, not of names, moving as its velocities say, beside its antenna."""
+    in_images_by_tens()
+    names = {image.name: f"{int(image.stem)}.png" for image in [*Path("images").iterdir()]}
+    for old, new in names.items():
+        Path("images", old).rename(Path("images", new))
+    given = [line.split(",") for line in Path("clicks.csv").read_text(encoding="utf-8").split()]
+    named = [",".join([f"{own[0]}.png", *own[1:]]) for own in given if own[0].isdigit()]
+    Path("clicks.csv").write_text("\n".join(["image,landmark,u_px,v_px", *named, ""]))
+    times = [f"{new},{int(Path(new).stem) / 250.0}" for new in names.values()]
+    Path("times.csv").write_text("\n".join(["image,t_s", *times, ""]), encoding="utf-8")
+    change("flight.toml", "frame_rate_hz = 250.0", 'times = "times.csv"')
+    change("flight.toml", "[track]\n", "[track]\nlever_arm_m = [1.0, 2.0, 2.0]\n")
+    footage = rooms.read_footage(read_project("flight.toml"))
+    scene = footage.scene
+    frames = np.flatnonzero(np.isfinite(scene.path.position_m[:, 0]))  # that the track covers
+    antenna_m = (scene.path.position_m - scene.landmarks.position_m.mean(axis=0)) @ scene.axes.T
+    beside_m = [np.linalg.norm(scene.camera_m(k, np.eye(3)) - antenna_m[k]) for k in frames]
+    assert_close("table value", beside_m, np.full(len(frames), 3.0))
+    speed = np.array([scene.velocity_m_s(k) for k in frames])
+    assert np.ptp(speed, axis=0).max() > 10.0 * within("velocity of noisy fixes")
+    moved = np.diff(antenna_m[frames], axis=0) / np.diff(footage.time_s[frames])[:, None]
+    assert_close("velocity of noisy fixes", (speed[1:] + speed[:-1]) / 2.0, moved)
 
 
 def test_images_that_cannot_be_read_cost_the_others_nothing(flight: Path) -> None:
