@@ -562,6 +562,21 @@ def test_a_frame_that_has_turned(times: float, larger: int) -> None:
     assert_close("turn by whole frames", turn_between(NADIR, found), turn)
 
 
+def test_a_level_begins_where_the_coarser_one_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of two levels turns by as much again, and the likeness is that of the last."""
+    step, likenesses = np.array([0.001, 0.002, -0.003]), iter((0.5, 0.75))
+
+    def turned(_: object, before: View, old: object, after: View, new: object) -> Any:
+        return turned_by(step, after.rotation), next(likenesses)
+
+    monkeypatch.setattr(Alignment, "_level", turned)
+    levels: Any = ("coarse", "fine")
+    scene = above(1000.0, 1000.0)
+    found, likeness = Alignment(scene).turn(view(0, NADIR), levels, view(1, NADIR), levels)
+    assert_close("turn by whole frames", turn_between(NADIR, found), 2.0 * step)
+    assert likeness == 0.75
+
+
 def test_frames_are_aligned_that_were_taken_from_other_places() -> None:
     """30 m east and 20 m higher: what is on the ground is seen elsewhere, by its distance."""
     scene = above(1000.0, 1020.0)
