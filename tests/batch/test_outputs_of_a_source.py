@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -20,6 +21,9 @@ from vopd.batch.sources import BatchSource
 from vopd.files import OutputError, whole_file
 from vopd.findings import Finding, VopdError
 from vopd.version import __version__
+
+MISTAKEN: Any = SimpleNamespace(misfits=False, mistaken=True)
+MISFITS: Any = SimpleNamespace(misfits=True, mistaken=False)
 
 
 def source(**more: Any) -> SolvedSource:
@@ -71,11 +75,14 @@ def test_all_outputs_of_a_deck(write: Any) -> None:
 def test_only_what_is_doubtful_has_a_page_unless_all_are_asked_for(write: Any) -> None:
     sound = source(histories=[history(4, 3, jump=[], outlier=[])])
     flagged = source(histories=[history(4, 3, jump=[1], outlier=[])])
+    mistaken = source(histories=[history(4, 3, jump=[])], flight=MISTAKEN)
     for now, asked, pages in (
         (sound, "", 0), (sound, "flagged", 0), (sound, "all", 1), (flagged, "flagged", 1),
-        (source(error=VopdError("broken")), "flagged", 1),
+        (source(error=VopdError("broken")), "flagged", 1), (mistaken, "flagged", 1),
     ):  # fmt: skip
         assert sum(name.endswith(".html") for name in write(now, report=asked)[0].outputs) == pages
+    strays = [history(4, 3, not_converged=[1])]  # which counts before that it misfits
+    assert write(source(flight=MISFITS, histories=strays))[0].status == UNCONVERGED
 
 
 def test_the_page_of_a_deck_that_broke_off_says_why(write: Any) -> None:
