@@ -12,13 +12,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import assert_approved
+from tests.kit.drawn_ground import EARTH_M, LENS, NADIR, SIZE, drawn
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
 from vopd.flight.project.keys import Section
 from vopd.flight.project.terrain import Terrain, relief_text
 from vopd.geometry.earth import earth_centred_m
-from vopd.geometry.lenses import Lens, LensKind
 from vopd.tracking import follow
 from vopd.tracking.alignment import Alignment, reduced
 from vopd.tracking.patches import (
@@ -33,8 +33,6 @@ from vopd.tracking.patches import (
 )
 from vopd.tracking.scene import Scene, View, turn_between, turned_by
 from vopd.tracking.tracker import FOUND, RESIDUAL_PX, RunningAttitudes, Tracker, agreement
-
-EARTH_M = 6378137.0
 
 
 def test_gaps_are_before_beginnings_and_as_long_as_nothing_is_known() -> None:
@@ -68,9 +66,6 @@ def test_of_two_starts_the_one_whose_frames_are_more_alike_counts(
     assert np.array_equal(answer[0], max(found, key=lambda one: one[1])[0])
 
 
-SIZE = (201, 161)
-LENS = Lens(LensKind.BROWN, SIZE, np.full(2, 1000.0), np.array([100.0, 80.0]), np.zeros(12))
-NADIR = np.diag([1.0, -1.0, -1.0])  # right is east, the top of the picture north
 NORTH_RIGHT = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
@@ -85,12 +80,6 @@ def above(*height_m: float, shutter: Shutter | None = None) -> Scene:
 def view(frame: int, rotation: Floats, rate: Floats | None = None, east_m_s: float = 0.0) -> View:
     speed = np.array([east_m_s, 0.0, 0.0])
     return View(frame, rotation, np.zeros(3) if rate is None else rate, speed)
-
-
-def drawn(u: Floats, v: Floats) -> Floats:
-    """A picture without edges, known between its pixels."""
-    waves = np.sin(0.31 * u + 0.11 * v) + np.sin(0.17 * v - 0.07 * u) + np.cos(0.4 * v + 0.3 * u)
-    return np.asarray(120.0 + 25.0 * waves)
 
 
 def picture(

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.kit.drawn_ground import EARTH_M, LENS, NADIR, SIZE, drawn
 from tests.tolerances import within
-from tests.tracking.test_geometry import EARTH_M, LENS, NADIR, SIZE, drawn
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
 from vopd.tracking import tracker as rooms
