@@ -209,6 +209,8 @@ def test_a_star_that_does_not_fit() -> None:
     (odd,) = [one for one in axis.texts if one.get_fontweight() == "bold"]
     assert odd.get_text().startswith("7")
     assert len(arrows_and_key(axis)[0].U) == 2
+    out = drawn(residuals=far, left_out=[False, False, True])  # nor is that of one left out alone
+    assert "residual as long as it is" in labelled(out)
 
 
 @pytest.mark.parametrize(("unit", "key"), [("mm", "50 µm"), ("px", "0.05 px")])
