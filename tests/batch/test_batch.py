@@ -98,6 +98,7 @@ def test_the_summary_as_parquet(inputs: Path, undisturbed: dict[str, bytes]) -> 
     found = rows(inputs.parent / "one")
     for row, (name, other) in zip(table.to_pylist(), found.items(), strict=True):
         assert row["source"] == name
+        assert row.pop("messages") == "\n".join(other["messages"])
         assert all(row[key] == other[key] for key in row if not key.startswith("flag_"))
         flags = {key[5:]: count for key, count in row.items() if key.startswith("flag_") and count}
         assert flags == other["flags"]
