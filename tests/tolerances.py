@@ -305,6 +305,12 @@ TOLERANCES = {
     "noise of 400 fixes": Tolerance(
         "1", 0.25, "a ratio; of three axes, four deviations of 6 percent of noise beside curvature"
     ),
+    "sigma beside fixed places": Tolerance(
+        "1", 0.3, "of a ratio; a landmark's parts in the focal length and in frames as independent"
+    ),
+    "errors of held places": Tolerance(
+        "1", 1e-3, "of a ratio; differences of a fiftieth of each error, which solves follow bent"
+    ),
     "velocity by differences": Tolerance("m/s", 1e-7, "1e-4 s to either side; the path is smooth"),
     "velocity of a manoeuvre": Tolerance(
         "m/s", 0.25, "four standard deviations; plain differences of .1 m over .4 s have .35"

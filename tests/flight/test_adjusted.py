@@ -157,10 +157,9 @@ def test_a_drone(drone: Both) -> None:
         (TRIPOD, ("focal", "k1"), ""),
         (EXACT, ("focal", "k1"), ""),
         (DRONE, ("focal", "clock"), '[solve]\nloss = "huber"\n'),
-        (DRONE, ("focal", "clock"), '[solve]\nposition = "fixed"\n'),
         (DRONE._replace(sigma_px=True), ("k1",), ""),
     ],
-    ids=["all", "fisheye", "some", "tripod", "exact", "huber", "fixed", "stated"],
+    ids=["all", "fisheye", "some", "tripod", "exact", "huber", "stated"],
 )
 def test_angles_and_sigmas_are_those_of_the_joint_solution(
     tmp_path: Path, plan: Plan, free: tuple[str, ...], more: str
@@ -169,9 +168,26 @@ def test_angles_and_sigmas_are_those_of_the_joint_solution(
     assert_alike(both)
     assert_sigmas_are_of_one_unit(both)
     one, other = (r.history().estimate for r in (both.joint.result, both.again))
-    if plan is not EXACT and "fixed" not in more:  # where a clock alone moves the places
+    if plan is not EXACT:  # where a clock alone moves the places
         assert one.position_sigma is not None and other.position_sigma is not None
         assert_close("sigma of a place", other.position_sigma / one.position_sigma, 1.0)
+
+
+def test_errors_of_places_that_are_fixed_are_in_the_values_and_in_the_frames(
+    tmp_path: Path,
+) -> None:
+    """In both by themselves; the values had those of the picks alone."""
+    errors = DRONE.errors._replace(clock_s=0.5, lens=LENS._replace(focal_rel=0.03))
+    plan = DRONE._replace(errors=errors)
+    both = adjusted(tmp_path, plan, "focal", "clock", more='[solve]\nposition = "fixed"\n')
+    assert_sigmas_are_of_one_unit(both)
+    one, other = both.joint.result.history(), both.again.history()
+    sigma = one.uncertainty.total[:, :6]
+    away = other.estimate.camera_deg - one.estimate.camera_deg
+    assert_close("part of a sigma", (((away + 180.0) % 360.0) - 180.0) / sigma[:, :3], 0.0)
+    assert_close("sigma beside fixed places", other.uncertainty.total[:, :6] / sigma, 1.0)
+    means = mean_attitude(other), mean_attitude(one)
+    assert_close("sigma beside fixed places", means[0].total / means[1].total, 1.0)
 
 
 def test_a_rate_of_the_clock_moves_all_frames_but_the_middle_one(tmp_path: Path) -> None:

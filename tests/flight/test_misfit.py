@@ -504,6 +504,27 @@ def test_cameras_that_come_out_5_times_as_far_as_is_stated(times: float, said: b
         assert_approved(text)
 
 
+@pytest.mark.parametrize(("times", "misfits"), [(2.5, False), (12.0, True)])
+def test_a_stated_error_of_the_lens_moves_exact_positions_far(times: float, misfits: bool) -> None:
+    """.75 % of the focal length, stated as .3 %, moves cameras of .02 m by .2 m: it explains that.
+
+    Cameras came out 14 times as far as is stated, and the flight was called doubtful.
+    """
+    rng = np.random.default_rng(1)
+    fixes = TrackFixes(np.arange(12), np.ones((12, 1)), np.full((12, 3), 0.02))
+    flight = flight_of(rng, drone(rng, 12, 6, spacing_m=3.0), 0.7, Priors(fixes))
+    focal_px = flight.lens.focal_px * (1.0 + times * 0.003)
+    result = solve_flight_read(
+        replace(
+            flight,
+            picks=replace(flight.picks, stated=True),
+            lens=replace(flight.lens, focal_px=focal_px),
+            options=replace(flight.options, parameter_sigma={"focal": 0.003 * focal_px[0]}),
+        )
+    )
+    assert result.misfits == misfits
+
+
 def test_landmarks_of_one_frame_each_do_not_make_picks_look_better(tmp_path: Path) -> None:
     """Their own errors take up nearly all residuals, and are a part of what is tested."""
     plan = MistakeRow("", 0.02).plan

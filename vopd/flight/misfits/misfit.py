@@ -36,7 +36,7 @@ from vopd.flight.misfits.input_errors import (
     with_stated_exact,
 )
 from vopd.flight.solve.equations import SHIFT
-from vopd.flight.solve.errors import every_prior
+from vopd.flight.solve.errors import every_prior, priors_of
 from vopd.flight.solve.joint import PASSES, JointSolution, solve_jointly
 from vopd.flight.solve.sizes import (
     cost_of_frames,
@@ -318,6 +318,7 @@ def flight_findings(
     joint, reading = estimates.joint, estimates.reading
     if joint is None or reading is None:
         return Doubts([], False, False)
+    flight, joint = with_places(flight, joint)
     stated, misfit = stated_sigma_px(flight), ""
     if flight.options.may_misfit:
         misfit = misfit_text(joint, reading, stated)
@@ -325,7 +326,9 @@ def flight_findings(
             misfit = misfit or many_blunders_text(int(blunders.sum()), len(blunders))
     texts = [misfit, too_wide_text(joint, reading)]
     try:
-        causes, explained = _explanations(flight, estimates, left_out, wrong, usual, bool(misfit))
+        causes, explained = _explanations(
+            flight, joint, reading, left_out, wrong, usual, bool(misfit)
+        )
     except (VopdError, np.linalg.LinAlgError):  # the angles stand without
         causes, explained = [UNTRIED] * bool(misfit), False
     findings = [
@@ -335,9 +338,39 @@ def flight_findings(
     return Doubts(findings, bool(misfit) or shifted, explained)
 
 
+def with_places(flight: Flight, joint: JointSolution) -> tuple[Flight, JointSolution]:
+    """Count positions and landmarks that are held as uncertain as they are stated.
+
+    Errors within what is stated of them are no misfit, whether they are solved for or not.
+
+    Args:
+        flight: as it was read
+        joint: its solution
+
+    Returns:
+        The flight and its solution with them; as they are where nothing is held, or where the
+        flight has no such solution, as with a landmark far from its place.
+    """
+    options, path = joint.model.flight.options, joint.model.flight.path
+    fixes_err = path.fixes is not None and not path.fixes.exact
+    uncertain = fixes_err or path.bias_sigma_m.any() or joint.model.flight.landmarks.sigma_m.any()
+    if options.solve_position or options.held is not None or not uncertain:
+        return flight, joint
+    own, read = (
+        replace(one, options=replace(one.options, solve_position=True))
+        for one in (joint.model.flight, flight)
+    )
+    try:
+        found = solve_jointly(own, priors_of(own), joint.model.used, first=joint.solved)
+    except (VopdError, np.linalg.LinAlgError):
+        return flight, joint
+    return (read, found) if found.settles else (flight, joint)
+
+
 def _explanations(
     flight: Flight,
-    estimates: FlightEstimates,
+    joint: JointSolution,
+    reading: JobReadingSigma,
     left_out: Bools,
     wrong: Bools,
     usual: Callable[[bool, bool], list[str]],
@@ -351,8 +384,6 @@ def _explanations(
     Raises:
         VopdError: if the flight has no solution with one of them
     """
-    joint, reading = estimates.joint, estimates.reading
-    assert joint is not None and reading is not None
     stated = stated_sigma_px(flight)
     causes, exchanged = list[str](), False
     own = False  # whether it is a landmark's or a pick's own error

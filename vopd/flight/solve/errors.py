@@ -25,6 +25,8 @@ from vopd.flight.solve.joint import (
     JointSolution,
     covariance_of_sums,
     propagated,
+    right_of_sums,
+    seen_by_sums,
 )
 
 
@@ -138,7 +140,12 @@ def places_by_stated(solution: JointSolution) -> Floats:
         if name in ("clock", "clock_rate"):
             since_s = model.since_s[:, None] if name == "clock_rate" else 1.0
             place[:, :, column] += model.velocity_m_s * since_s * one
-    return np.asarray(place @ place.swapaxes(1, 2))
+    found = np.asarray(place @ place.swapaxes(1, 2))
+    if solution.holds_places and solution.normal.size:
+        from vopd.flight.solve.held_places import held_places  # of few flights
+
+        found = found + held_places(solution).place_m2
+    return found
 
 
 class HeldEffects(NamedTuple):
@@ -202,6 +209,10 @@ def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) ->
     """
     model, sigma = solution.model, solution.stated[0]
     found = {name: _roots(one) for name, one in solution.covariance.component.items()}
+    if solution.holds_places and solution.normal.size:
+        from vopd.flight.solve.held_places import held_places  # of few flights
+
+        found |= {name: _roots(one) for name, one in held_places(solution).turn.items()}
     own_s = model.late_by([*sigma]) * np.array([*sigma.values()])
     turn, _, common = solution.by_stated
     late_s = model.late_by(model.names) @ common[: len(model.names)] + own_s
@@ -227,7 +238,12 @@ def covariance_of_common(solution: JointSolution) -> Floats:
     That of the joint solution, and what errors that are stated and not solved for add to it.
     """
     moved = solution.by_stated[2]
-    return np.asarray(solution.factored.common + moved @ moved.T)
+    found = solution.factored.common + moved @ moved.T
+    if solution.holds_places and len(found):
+        from vopd.flight.solve.held_places import common_by_held_places  # of few flights
+
+        found = found + common_by_held_places(solution)
+    return np.asarray(found)
 
 
 def errors_of_sums(
@@ -245,7 +261,13 @@ def errors_of_sums(
         by_parameter: what parameters, by their names, add to the sums besides, (k,) each
     """
     found: dict[str, Floats] = {}
-    for part, own in covariance_of_sums(solution, weight, by_parameter)[1].items():
+    parts = covariance_of_sums(solution, weight, by_parameter)[1]
+    if solution.holds_places:
+        from vopd.flight.solve.held_places import sums_by_held_places  # of few flights
+
+        by_sums = seen_by_sums(solution, right_of_sums(solution, weight, by_parameter))
+        parts |= sums_by_held_places(solution, by_sums)
+    for part, own in parts.items():
         name = part.removesuffix(COMMON_PART)
         found[name] = found.get(name, 0.0) + own
     (turn, _, common), sigma = solution.by_stated, solution.stated[0]

@@ -161,7 +161,8 @@ def least_held(joint: JointSolution | None) -> NotHeld | None:
             if not trades and not np.isfinite(model.sigma[k]):
                 trades = (ANGLES[int(with_angles[:, k].argmax())],)
             spoiled_by = ""
-            if np.isfinite(model.sigma[k]) and sigma[k] <= MOST_LEFT * model.sigma[k]:
+            alone = np.hypot(sigma[k], np.linalg.norm(by_stated[k]))  # by what is propagated
+            if sigma[k] <= MOST_LEFT * model.sigma[k] < alone < np.inf:
                 spoiled_by = list(stated)[int(by_stated[k].argmax())]
             worst, found = excess, NotHeld(name, float(left[k]), trades, spoiled_by)
     return found

@@ -60,6 +60,11 @@ class JointSolution:
         known = np.isfinite(self.solved.attitudes.rotation[:, 0, 0])
         return bool(2 * self.solved.attitudes.converged[known].sum() >= known.sum())
 
+    @property
+    def holds_places(self) -> bool:
+        """Whether positions and landmarks are held where they are stated."""
+        return not self.model.flight.options.solve_position
+
     @cached_property
     def normal(self) -> Normal:
         """The reweighted normal equations at the solution.
@@ -474,7 +479,7 @@ def covariance(solution: JointSolution) -> Covariance:
         factored = Factored(solution.normal, fix_scale=1.0 + 1j * DERIVATIVE)
         found = marginals(factored)
     turn, place, mixed, by_common = found
-    late = _late_by_common(model)
+    late = late_by_common(model)
     whole = _with_late(turn, by_common, late, factored.common)
     late_by = late[:, None] @ factored.common.real
     component = _by_component(model, np.concatenate([by_common.real, late_by], axis=1))
@@ -497,7 +502,7 @@ def covariance(solution: JointSolution) -> Covariance:
     return Covariance(total, component, place.real, _prior_places(model), mixed.real)
 
 
-def _late_by_common(model: Model) -> Floats:
+def late_by_common(model: Model) -> Floats:
     """Differentiate the errors of the frames' times by what is common to them, (F, K)."""
     out = np.zeros((model.frames, len(model.common_sigma)))
     out[:, : len(model.names)] = model.late_by(model.names)
@@ -637,12 +642,7 @@ def covariance_of_sums(
         The covariance (k, k), and its components.
     """
     model, normal, k = solution.model, solution.normal, weight.shape[2]
-    nothing = np.zeros((*model.fix_sigma_m.shape, k))
-    own = np.zeros((normal.size, k))
-    for row, name in enumerate(model.names):
-        own[row] = by_parameter.get(name, 0.0)
-    right = RightSide(weight, np.zeros_like(weight), nothing, own)
-    turn, fix, common = solution.factored.solve(right)
+    turn, fix, common = solution.factored.solve(right_of_sums(solution, weight, by_parameter))
     place = np.zeros_like(weight)
     found = {name: one[0] for name, one in _by_component(model, common.T[None]).items()}
     if normal.fixes is not None:
@@ -660,6 +660,31 @@ def covariance_of_sums(
         by_readings = by_readings + own.T @ model.clicks.normal @ own
     found = {"reading": by_readings} | found
     return sum(found.values(), np.zeros((k, k))), found
+
+
+def right_of_sums(
+    solution: JointSolution, weight: Floats, by_parameter: Mapping[str, Floats]
+) -> RightSide:
+    """Write sums over frames as right sides; the arguments are those of `covariance_of_sums`."""
+    model, k = solution.model, weight.shape[2]
+    nothing = np.zeros((*model.fix_sigma_m.shape, k))
+    own = np.zeros((solution.normal.size, k))
+    for row, name in enumerate(model.names):
+        own[row] = by_parameter.get(name, 0.0)
+    return RightSide(weight, np.zeros_like(weight), nothing, own)
+
+
+def seen_by_sums(solution: JointSolution, right: RightSide) -> Floats:
+    """Find what k sums of the unknowns lose by the images of picks, (P, 2, k).
+
+    Args:
+        solution: of the flight
+        right: what each unknown adds to the sums
+    """
+    normal = solution.normal
+    turn, fix, common = solution.factored.solve(right)
+    place = np.zeros_like(turn) if normal.fixes is None else normal.fixes.at_frames(fix)
+    return np.asarray(normal.seen(turn, place, common) * normal.weight[:, None, None])
 
 
 def propagated(solution: JointSolution, change: Floats) -> tuple[Floats, Floats, Floats]:

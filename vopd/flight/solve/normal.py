@@ -405,7 +405,7 @@ class Factored:
                 place[frames] -= own[:, :3]
                 own = own[:, 3:]
             _add(taken, one.column[some][..., None] * k + np.arange(k), own)
-        fix = right.fix if self.fixes is None else right.fix + self._handed(place)
+        fix = right.fix if self.fixes is None else right.fix + handed(self.fixes, place)
         fix, common = self.solve_further(fix, right.common - taken[:-3])
         return self.turns(right.turn, fix, common), fix, common
 
@@ -445,15 +445,15 @@ class Factored:
             turn[one.frames] = one.inverse @ (own if right is None else right[one.frames] + own)
         return turn
 
-    def _handed(self, place: Floats) -> Floats:
-        """Hand right sides of places (F, 3, k) to their fixes (J, 3, k)."""
-        assert self.fixes is not None
-        out, k = np.zeros((*self.model.fix_sigma_m.shape, place.shape[2])), place.shape[2]
-        for slot, weight in enumerate(self.fixes.weight.T):
-            number = np.minimum(self.fixes.first + slot, len(out) - 1)
-            row = (3 * number)[:, None, None] + np.arange(3)[:, None]
-            _add(out, row * k + np.arange(k), place * weight[:, None, None])
-        return out
+
+def handed(fixes: TrackFixes, place: Floats) -> Floats:
+    """Hand right sides of places (F, 3, k) to the fixes that they lie between (J, 3, k)."""
+    out, k = np.zeros((*fixes.sigma_m.shape, place.shape[2])), place.shape[2]
+    for slot, weight in enumerate(fixes.weight.T):
+        number = np.minimum(fixes.first + slot, len(out) - 1)
+        row = (3 * number)[:, None, None] + np.arange(3)[:, None]
+        _add(out, row * k + np.arange(k), place * weight[:, None, None])
+    return out
 
 
 NARROW = 4  # fixes in a block: of wider ones the frames of a block are added up together
