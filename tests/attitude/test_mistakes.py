@@ -148,6 +148,23 @@ def test_the_landmark_that_is_off_is_found() -> None:
     assert_close("ratio of three digits", first.chance, chi2.sf(squares / 1.2e-3**2, 5))
 
 
+def test_a_frame_that_looks_away_is_explained_by_the_attitude_that_does_not() -> None:
+    """The 1974 solve ended half a turn away: no landmark is wrong, and none is named."""
+    _, left, errors = exchanged(0, 0, 1e-3)
+    e = estimate(ANGLES, MORE)
+    e.__dict__["image"] = e.image + errors.reshape(2, 5).T
+    assert len(found(e, 1.2e-3)) > 1  # a frame that looks at its landmarks is not asked
+    away = estimate(ANGLES, MORE)
+    away.__dict__["image"] = e.image
+    away.__dict__["camera_deg"] = ANGLES * [1.0, -1.0, 1.0] + [180.0, 0.0, 0.0]
+    (only,) = found(away, 1.2e-3)
+    assert only.in_front and (only.exchanged, only.without) == ((), None)
+    squares = float((left**2).sum())
+    assert_close("ratio of three digits", only.chance, chi2.sf(squares / 1.2e-3**2, 7))
+    away.__dict__["image"] = MORE[::-1][None]  # and one that fits no attitude
+    assert not any(one.in_front for one in found(away, 1.2e-3))
+
+
 def test_a_frame_of_two_landmarks_has_no_repair() -> None:
     assert found(estimate(ANGLES, POINTS[:2]), 0.1) == []
 

@@ -415,3 +415,16 @@ def test_beside_an_error_of_all_no_pick_is_named_by_itself(tmp_path: Path, misfi
     )  # fmt: skip
     (told,) = blunder_findings(found, flight, misfits, explained=True)
     assert_approved(told.message)
+
+
+def test_a_landmark_beside_an_error_of_all_is_named_by_itself(tmp_path: Path) -> None:
+    """One alone, in a flight that does not misfit: with how far it is off, as any other."""
+    flight = read_flight(str(write_project(tmp_path)))
+    picks, marks = len(flight.picks.frame), len(flight.landmarks.name)
+    none = np.zeros(picks, bool)
+    found = Blunders(
+        none, none, np.arange(marks) == 0, np.zeros(marks, bool), np.full((marks, 3), np.nan),
+        none, np.full(picks, 3.0),
+    )  # fmt: skip
+    (told,) = blunder_findings(found, flight, False, explained=True)
+    assert_approved(told.message)

@@ -28,6 +28,7 @@ from vopd.attitude.sigmas import ErrorComponent, SigmasInForce, given_components
 from vopd.estimate import Estimate
 from vopd.geometry.linear import pseudo_inverse
 from vopd.geometry.rotation_fit import Sights, closest_axes, fit_rotations, turned
+from vopd.geometry.rotations import ahead, camera_axes
 
 PASSES = 12
 PLAUSIBLE = SIGNIFICANCE  # the least chance of the residuals of a repair that is named
@@ -39,6 +40,7 @@ FIRST_FRAMES = 20  # of a flight that misfits in most: if none is explained, no 
 MOST_NAMED = 3  # repairs of a frame
 NOTHING = "neither an exchange of two labels nor one wrong landmark"
 ELSEWHERE = "another position than stated"
+IN_FRONT = "the solution with all landmarks in front of the camera"
 NOT_SEARCHED = "not searched"
 OF_THE_WHOLE = "the misfit of the whole flight"  # where nothing else explains one of most frames
 
@@ -52,6 +54,7 @@ class Repair(NamedTuple):
     exchanged: tuple[int, ...]  # indices of two landmarks, or none
     without: int | None  # index of a landmark to leave out
     chance: float = 0.0
+    in_front: bool = False  # all landmarks, by the attitude that fits best: nothing else is wrong
 
 
 def trials(used: Bools, worst: Ints) -> tuple[list[Repair], Ints, Bools]:
@@ -93,6 +96,8 @@ def repairs(
 ) -> list[Repair]:
     """Find the repairs of a frame, the likeliest first; empty if there is none."""
     equations = equations_of(estimate, components, np.array([frame]))
+    if (in_front := _chance_in_front(estimate, frame, equations, pool)) >= PLAUSIBLE:
+        return [Repair((), None, in_front, True)]
     weights = ResidualWeights(equations, pool.sigma)
     fitted = fitted_trials(estimate, frame, weights.of(equations.residual[..., None])[0, :, 0])
     if fitted is None:
@@ -104,6 +109,26 @@ def repairs(
     good = np.flatnonzero(chance >= max(PLAUSIBLE, NEAR * chance.max()))
     order = good[np.argsort(-chance[good], kind="stable")]
     return [found[k]._replace(chance=float(chance[k])) for k in order]
+
+
+@np.errstate(all="ignore")
+def _chance_in_front(estimate: Estimate, frame: int, given: ResidualEquations, pool: Pool) -> float:
+    """Find the chance of a frame solved with landmarks behind it, by the attitude that fits best.
+
+    The solve of 1974 begins at the attitude before, and may end where the camera looks away.
+
+    Returns:
+        The chance; 0 if no landmark is behind the camera, or one is by that attitude, too.
+    """
+    used = estimate.used[frame] & np.isfinite(estimate.direction[frame]).all(axis=1)
+    looks = camera_axes(np.radians(estimate.camera_deg[[frame]]))
+    if not (used & (ahead(looks, estimate.direction[[frame]])[0] < 0.0)).any():
+        return 0.0
+    sights = _sights(estimate, frame, estimate.direction[frame][None], used[None])
+    axes, _ = fit_rotations(sights, closest_axes(sights), PASSES)
+    fitted = FittedTrials([], np.arange(len(used))[None], sights, axes, sights.in_front(axes))
+    chance = float(chance_of(trial_equations(fitted, given), pool)[0])
+    return chance if fitted.in_front[0] and np.isfinite(chance) else 0.0
 
 
 def fitted_trials(estimate: Estimate, frame: int, weighted: Floats) -> FittedTrials | None:
@@ -236,6 +261,8 @@ def _repair_text(estimate: Estimate, frame: int, repair: Repair) -> str:
     chance = f" (chance {repair_chance(repair.chance)})" if repair.chance >= 0.0 else ""
     if repair.without is not None:
         return f"without {name(repair.without)}{chance}"
+    if repair.in_front:
+        return IN_FRONT + chance
     if not repair.exchanged:
         return ELSEWHERE + chance
     return "exchange " + "+".join(name(index) for index in repair.exchanged) + chance

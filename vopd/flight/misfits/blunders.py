@@ -658,8 +658,10 @@ def blunder_findings(
     where += [pick_label(flight, int(k)) for k in np.flatnonzero(found.pick)]
     unclear = np.unique(picks.frame[found.unclear]).tolist()
     where += [f"some of {frame_label(flight, frame)}" for frame in unclear]
+    many = len(where) > MOST_NAMED
+    together = bool(where) and ((misfits and (explained or many)) or (explained and many))
     tell = []
-    for k in np.flatnonzero(found.landmark & (not explained)):
+    for k in np.flatnonzero(found.landmark & (not (explained and together))):
         own = picks.landmark == k
         known = off_px[own & np.isfinite(off_px)]
         seen, gone = len(known), int((own & found.left_out).sum())
@@ -674,13 +676,12 @@ def blunder_findings(
         if seen:
             off = f" over its {seen} frames, it is {np.median(known):.1f} px off"
         tell.append(f"{name[k]} {WRONG}{off}: look at its coordinates{fits}; {done}")
-    if found.unclear_landmark.any() and not explained:
+    if found.unclear_landmark.any() and not (explained and together):
         labels = [name[k] for k in np.flatnonzero(found.unclear_landmark)]
         tell.append(
             f"the coordinates of {listed(labels, 'or')} do not fit the other landmarks, and "
             "nothing tells which; all are used"
         )
-    together = where and (explained or (misfits and len(where) > MOST_NAMED))
     if together:
         tell.append(_together(where, flight, misfits))
     for k in np.flatnonzero(found.pick & (not together)):
