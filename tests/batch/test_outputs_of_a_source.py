@@ -100,6 +100,17 @@ def test_a_table_that_cannot_be_made_fails_the_source_alone(write: Any) -> None:
     assert write(both)[0].error == "broken\nin/deep/a.dat: npz: no epoch"
 
 
+def test_an_output_whose_name_no_file_can_have_fails_the_source_alone(write: Any) -> None:
+    """In bytes and without folders: x.csv has 255 of them, x.jsonl 257; it ended the batch."""
+    name = "deep/" + "é" * 125 + "x"
+    long = BatchSource(f"in/{name}.dat", name, 9)
+    now = replace(source(tables={"csv": b"table", "jsonl": b"table"}), source=long)
+    record, texts = write(now)
+    assert sorted(texts) == sorted(record.outputs) == [f"{name}.csv", f"{name}.lst"]
+    assert record.status == FAILED
+    assert_approved(record.error)
+
+
 def test_a_source_without_any_attitude_has_a_listing_only(write: Any) -> None:
     now = source(histories=[history(3, 0)], tables={})
     record, texts = write(now, report="all")

@@ -108,14 +108,6 @@ def test_the_batch_keeps_the_names_of_its_own_files(name: str) -> None:
     check_names([source, source._replace(name=f"sub/{stem}")], (".lst", f".{suffix}x"))
 
 
-def test_an_output_whose_name_no_file_can_have() -> None:
-    """In bytes and without folders; it ended the batch at this source, each time it was resumed."""
-    fits = BatchSource("x.dat", "é/" + "é" * 125 + "x", 1)  # and .csv has 4 bytes of 255
-    check_names([fits], (".csv",))
-    with refused(VopdError):
-        check_names([fits], (".jsonl",))
-
-
 # Refusals, each with its whole sentence
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
+from pathlib import PurePath
 
 import numpy as np
 
@@ -156,6 +158,9 @@ def make_outputs(sources: Sequence[SolvedSource], settings: BatchSettings) -> No
             one.tables[form] = table
 
 
+MOST_NAME_BYTES = 255  # of a file, in the file systems of Linux and macOS
+
+
 def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
     """Write all outputs of a source, and count its frames.
 
@@ -186,6 +191,13 @@ def write_source(now: SolvedSource, settings: BatchSettings) -> SourceRecord:
         contents[name + PAGE] = report(histories, messages, rate, failed=bool(errors))
     if not now.has_attitude and not errors:
         errors.append(f"{now.source.path}: no frame has an attitude")
+    for file in [*contents]:
+        if (size := len(os.fsencode(PurePath(file).name))) > MOST_NAME_BYTES:
+            del contents[file]
+            errors.append(
+                f"{now.source.path}: the name of its output {PurePath(file).suffix} would have "
+                f"{size} bytes, and that of a file has {MOST_NAME_BYTES} at most; rename it"
+            )
     for file, content in contents.items():
         write_output(settings, file, content)
     lost = raised["not_converged"]

@@ -211,23 +211,14 @@ OWN_FILES = (SUMMARY, SUMMARY_TABLE, TIMES, BATCH_PAGE)
 """The files of a batch itself, in the output folder."""
 
 
-MOST_NAME_BYTES = 255  # of a file, in the file systems of Linux and macOS
-
-
 def check_names(sources: Sequence[BatchSource], suffixes: Sequence[str]) -> None:
-    """Refuse outputs whose name is too long, or that of another or of the batch itself."""
+    """Refuse sources of which two would have outputs of one name, or one of the batch itself."""
     taken: dict[str, str] = dict.fromkeys(OWN_FILES, "the batch itself")
     for source in sources:
         for suffix in suffixes:
             if suffix == LISTING and source.flight:
                 continue
             output = source.name + suffix
-            size = len(os.fsencode(PurePath(output).name))
-            if size > MOST_NAME_BYTES:
-                raise VopdError(
-                    f"{source.path}: the name of its output {suffix} would have {size} bytes, and "
-                    f"that of a file has {MOST_NAME_BYTES} at most; rename the source"
-                )
             key = os.path.normcase(output)
             if key in taken:
                 raise VopdError(
