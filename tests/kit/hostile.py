@@ -428,6 +428,8 @@ TABLE = (
     Hostile("reading sigma of 1e-300", {"s.csv": STARS},
             ("stars solve s.csv --focal 76 --reading-sigma 1e-300",)),
     Hostile("option of 900 lists", {}, (f"new made --set flight.name={'[' * 900}",)),
+    Hostile("option of 5,000 characters", {"s.csv": STARS},
+            (f"stars solve s.csv --size {'a' * 5000}", f"check s.csv --{'a' * 5000}")),
     Hostile("name of a file", {}, ("check a\x1b[31m", "stars solve a\x1b[31m")),
     Hostile("name of a project of 300 characters", HILL | {"m": f"flight.toml\n{'a' * 300}.toml\n"},
             (f"attitude -q {'a' * 300}.toml flight.toml -o o.csv", "batch -q --manifest m -d out"),

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import click
 
 from vopd.files import ROOT, Terminal
-from vopd.findings import Finding, Kind, VopdError, count_text, kind_of, strict
+from vopd.findings import Finding, Kind, VopdError, count_text, kind_of, shortened, strict
 
 # Messages on standard error: warnings, errors, and the progress of long work.
 
@@ -199,6 +199,7 @@ def command_status(command: Callable[[], object]) -> int:
     try:
         returned = command()
     except click.ClickException as error:
+        error.message = shortened(error.message)  # type: ignore[misc, unused-ignore]
         error.show()
         return error.exit_code
     except click.Abort as error:  # which click makes of the end of standard input, too
