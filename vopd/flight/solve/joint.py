@@ -361,7 +361,8 @@ def _descend(normal: Normal, most: int = PASSES) -> tuple[Normal, Floats, int, b
         try:
             step = Factored(normal, common).solve(normal.right)
         except np.linalg.LinAlgError:
-            _check_observed(model, normal)
+            if not newton:  # with the loss's own curvature a pick may seem to say less than nothing
+                _check_observed(model, normal)
         else:
             size = _size(normal, step)
             turn, fix, moved = (one[..., 0] for one in step)
