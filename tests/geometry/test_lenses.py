@@ -333,8 +333,9 @@ def test_why_a_ray_has_no_image() -> None:
     assert UNSEEN_MEANING == {
         Unseen.BEHIND_CAMERA: "lies behind the camera",
         Unseen.OUTSIDE_FIELD: "lies outside the field in which the lens model holds",
+        Unseen.NOWHERE: "is at the camera's own place, or deep in the Earth,",
     }
-    assert [one.value for one in Unseen] == [0, 1, 2]
+    assert [one.value for one in Unseen] == [0, 1, 2, 3]
 
 
 # Distortion and its inverse where they are delicate: at the axis, at the ends, with one row
