@@ -235,6 +235,23 @@ def test_the_better_photograph_tells_the_camera_they_share(tmp_path: Path, state
     assert_close("sigmas of one draw", (good["focal_px"] - FOCAL) / good["sigma_focal_px"], 0.0)
 
 
+def test_a_stated_sigma_counts_beside_residuals_that_tell_the_other(tmp_path: Path) -> None:
+    """As uncertain as the 20 px that the residuals of the other tell: they share the middle."""
+    tangents = sky(30)
+    stars, near = stars_of(tangents), FOCAL * tangents
+    rng = np.random.default_rng(9)
+    head, *lines = written(near + rng.normal(0.0, 0.01, near.shape), stars).splitlines()
+    (tmp_path / "a.csv").write_text(
+        "\n".join([f"{head},sigma_px", *(f"{one},20" for one in lines)])
+    )
+    (tmp_path / "b.csv").write_text(written(1.01 * near + rng.normal(0.0, 20.0, near.shape), stars))
+    options = ("--size", "3000,2000", "--y-down", "--focal-px", "2400", "--free", "focal")
+    files = tmp_path / "a.csv", tmp_path / "b.csv"
+    ran = vopd("stars", "solve", *files, "--format", "json", *options)
+    first, second = (one["focal_px"] for one in json.loads(ran.stdout))
+    assert first == second and 0.003 < first / FOCAL - 1.0 < 0.007
+
+
 def test_the_reading_error_has_fewer_degrees_of_freedom() -> None:
     tangents = sky(12)
     read = images_of(tangents) + np.random.default_rng(5).normal(0.0, SIGMA, (12, 2))
@@ -259,7 +276,7 @@ def test_a_narrow_field_does_not_hold_the_camera() -> None:
     assert quiet.status == 0 and quiet.stderr == ""
 
 
-def test_a_wrong_star_is_rejected_and_the_camera_solved_again() -> None:
+def test_a_wrong_star_is_rejected_and_the_camera_solved_again(tmp_path: Path) -> None:
     tangents = sky(30)
     read = images_of(tangents) + np.random.default_rng(6).normal(0.0, SIGMA, (30, 2))
     read[7] += [25.0, -30.0]
@@ -269,6 +286,14 @@ def test_a_wrong_star_is_rejected_and_the_camera_solved_again() -> None:
     same = solved(written(read[good], stars_of(tangents)[good]), *free)
     assert 8 not in row["stars"] and len(row["stars"]) == 29
     assert_close("rae exact camera", row["focal_px"], same["focal_px"])
+    for name, own in (("a.csv", np.arange(30)), ("b.csv", good)):
+        (tmp_path / name).write_text(written(read[own], stars_of(tangents)[own]))
+    shared = [
+        json.loads(vopd("stars", "solve", *(tmp_path / one for one in names), "--size", "3000,2000",
+                        "--y-down", "--format", "json", *free, "--reject").stdout)
+        for names in (("a.csv", "a.csv"), ("b.csv", "b.csv"))
+    ]  # fmt: skip
+    assert_close("rae exact camera", shared[0][0]["focal_px"], shared[1][0]["focal_px"])
 
 
 REFUSED = {

@@ -322,6 +322,8 @@ RENAMED = {  # a header: its columns, and what is said
     "id,xcentroid,ycentroid,mag": ("id,x_px,y_px,mag", "xcentroid, ycentroid read as x_px, y_px"),
     "x_px,y_px,name,x,y,dec": ("x_px,y_px,name,x,y,dec", ""),
     "hip,x_px,y_px": ("name,x_px,y_px", "hip read as name"),
+    "x,x_mm,y_mm,hip": ("x,x_mm,y_mm,name", "hip read as name"),
+    "x_mm,y_mm,ra,ra_hours,dec_deg": ("x_mm,y_mm,ra,ra_hours,dec_deg", ""),
 }
 
 
