@@ -171,3 +171,23 @@ def test_held_places_that_are_wrong_by_what_is_stated_are_no_misfit(seed: int) -
     marks_m = np.zeros((6, 3))
     marks_m[0, 0] = 60.0 * MARK_M
     assert solve_flight_read(moved(flight, 0.0, marks_m)).findings
+
+
+@pytest.mark.parametrize("seed", [4, 7])
+def test_free_parameters_beside_held_places_make_no_misfit(seed: int) -> None:
+    """The focal length follows the error of the place: what it leaves passed for the picks'."""
+    rng = np.random.default_rng(seed)
+    priors = Priors(parameter={"east": 1.5, "north": 1.5, "up": 3.0})
+    flight = flight_of(rng, drone(rng, 12, 6, spacing_m=0.0), 0.7, priors)
+    picks = replace(flight.picks, stated=True)
+    options = replace(flight.options, solve_position=False, free=("focal",))
+    flight = replace(flight, picks=picks, options=options)
+    result = solve_flight_read(flight)
+    assert not result.misfits
+    assert not result.findings
+    assert result.estimates.reading is not None
+    assert result.estimates.reading.source == "stated"
+    pixel = picks.pixel.copy()
+    pixel[20] += 25.0
+    pick, _ = solve_flight_read(replace(flight, picks=replace(picks, pixel=pixel))).findings
+    assert pick.message.startswith("frame 3: P2 does not fit the others")

@@ -49,8 +49,18 @@ from vopd.flight.misfits.unsolved import (
 from vopd.flight.project.keys import Project, read_project
 from vopd.flight.project.read import flight_or_errors, read_flight
 from vopd.flight.settled import settled, settled_as_held, with_named_picks
-from vopd.flight.solve.errors import SOLVED_WITH, is_solved_again, with_sigmas
-from vopd.flight.solve.free import MOUNT, not_held_findings, without_parameter
+from vopd.flight.solve.errors import (
+    SOLVED_WITH,
+    is_solved_again,
+    with_places_solved_for,
+    with_sigmas,
+)
+from vopd.flight.solve.free import (
+    MOUNT,
+    free_parameters,
+    not_held_findings,
+    without_parameter,
+)
 from vopd.flight.solve.held import least_held, solved_findings
 from vopd.flight.solve.readout import ROUNDS as ROUNDS_OF_ROWS
 from vopd.flight.solve.readout import SETTLED as ROWS_SETTLED
@@ -489,6 +499,16 @@ def _search_blunders(
         return settled(flight, left_out, before.joint)
 
     swapped = swaps.marked(len(gross))
+    tested = with_places_solved_for(flight) if free_parameters(flight) else None
+    if tested is not None:  # parameters follow errors of held places, which then look like picks'
+        try:
+            found, swaps, *_ = _search_blunders(
+                tested, settled(tested, gross | swapped), gross, swaps, tell
+            )
+        except VopdError:  # as a landmark that is far from its place
+            pass
+        else:
+            return found, swaps, None, estimates
     for _ in range(ROUNDS_OF_LABELS):
         found, without = find_blunders(estimates, gross, solve_without, swapped)
         try:

@@ -12,9 +12,10 @@ from vopd.attitude.long_history import sampled_reading_sigma
 from vopd.attitude.reading_sigma import JobReadingSigma
 from vopd.attitude.residuals import SIGNIFICANCE
 from vopd.attitude.sigmas import Sigmas
+from vopd.findings import VopdError
 from vopd.flight.estimate import FlightEstimates
 from vopd.flight.flight import Flight, HeldParameters
-from vopd.flight.solve.errors import priors_of
+from vopd.flight.solve.errors import priors_of, with_places_solved_for
 from vopd.flight.solve.free import as_solved, free_parameters, without_parameter
 from vopd.flight.solve.held import least_held, undetermined
 from vopd.flight.solve.joint import JointSolution, solve_jointly, widened
@@ -76,6 +77,11 @@ def settled(
     held = flight.options.held
     if held is not None and flight.options.given.reading is None:
         return _settled_before(flight, left_out, held, before)
+    reading = _reading_beside_held_places(flight, left_out)
+    if reading is not None:
+        scaled = replace(flight, picks=flight.picks.with_sigma(reading.sigma))
+        joint = solve_jointly(scaled, priors_of(flight), ~left_out, first=first)
+        return estimates_of(joint, flight).with_reading(reading)
     priors, robust = priors_of(flight), flight.options.loss != "least-squares"
     start = before.state if before is not None and before.passes else None
     same = first
@@ -115,6 +121,25 @@ def settled(
             estimates = estimates_of(joint, flight)
     assert reading is not None  # there is one round at least
     return estimates.with_reading(reading)
+
+
+def _reading_beside_held_places(flight: Flight, left_out: Bools) -> JobReadingSigma | None:
+    """Find the reading sigma of a flight with free parameters that holds uncertain places.
+
+    Parameters follow errors of held places as if these were the picks' own, and so leave residuals
+    in which no such errors are seen: it is that of the flight with its places solved for.
+
+    Returns:
+        None for any other flight, or where it has no such solution.
+    """
+    own = with_places_solved_for(flight) if free_parameters(flight) else None
+    if own is None:
+        return None
+    try:
+        found = settled(own, left_out)
+    except VopdError:
+        return None
+    return found.reading if found.joint is not None and found.joint.settles else None
 
 
 def _settled_before(

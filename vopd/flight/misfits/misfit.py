@@ -36,7 +36,7 @@ from vopd.flight.misfits.input_errors import (
     with_stated_exact,
 )
 from vopd.flight.solve.equations import SHIFT
-from vopd.flight.solve.errors import every_prior, priors_of
+from vopd.flight.solve.errors import every_prior, priors_of, with_places_solved_for
 from vopd.flight.solve.joint import PASSES, JointSolution, solve_jointly
 from vopd.flight.solve.sizes import (
     cost_of_frames,
@@ -351,15 +351,9 @@ def with_places(flight: Flight, joint: JointSolution) -> tuple[Flight, JointSolu
         The flight and its solution with them; as they are where nothing is held, or where the
         flight has no such solution, as with a landmark far from its place.
     """
-    options, path = joint.model.flight.options, joint.model.flight.path
-    fixes_err = path.fixes is not None and not path.fixes.exact
-    uncertain = fixes_err or path.bias_sigma_m.any() or joint.model.flight.landmarks.sigma_m.any()
-    if options.solve_position or options.held is not None or not uncertain:
+    own, read = (with_places_solved_for(one) for one in (joint.model.flight, flight))
+    if own is None or read is None:
         return flight, joint
-    own, read = (
-        replace(one, options=replace(one.options, solve_position=True))
-        for one in (joint.model.flight, flight)
-    )
     try:
         found = solve_jointly(own, priors_of(own), joint.model.used, first=joint.solved)
     except (VopdError, np.linalg.LinAlgError):

@@ -48,6 +48,16 @@ def priors_of(flight: Flight) -> Priors:
     )
 
 
+def with_places_solved_for(flight: Flight) -> Flight | None:
+    """Solve for the positions and landmarks that a flight holds; None where it holds no errors."""
+    path, options = flight.path, flight.options
+    fixes_err = path.fixes is not None and not path.fixes.exact
+    uncertain = fixes_err or path.bias_sigma_m.any() or flight.landmarks.sigma_m.any()
+    if options.solve_position or options.held is not None or not uncertain:
+        return None
+    return replace(flight, options=replace(options, solve_position=True))
+
+
 def every_prior(flight: Flight) -> Priors:
     """Collect the unknowns of a solve, and the parameters that are stated and not solved for."""
     priors = priors_of(flight)
