@@ -82,7 +82,8 @@ def test_a_camera_of_colmap_by_its_number(tmp_path: Path) -> None:
 
 
 def opensfm(**camera: Any) -> str:
-    return json.dumps({"a": {"width": 400, "height": 300, "focal": 0.5} | camera})
+    focal = {} if "focal_x" in camera else {"focal": 0.5}
+    return json.dumps({"a": {"width": 400, "height": 300} | focal | camera})
 
 
 @pytest.mark.parametrize(
@@ -516,9 +517,10 @@ def test_a_projection_is_the_calibration_s_and_then_the_sensor_s(
 @pytest.mark.parametrize(
     ("inside", "outside", "size"),
     [
-        (SIZE, "", (400, 300)), (SIZE + OTHER_SIZE, "", (400, 300)), (OTHER_SIZE, "", (800, 600)),
-        (SIZE, OTHER_SIZE, (400, 300)), ("", OTHER_SIZE, (800, 600)),
-        (OTHER_SIZE, '<resolution width="9" height="9"/>', (800, 600)),
+        (SIZE, "", (400, 300)), (SIZE + OTHER_SIZE, "", None), (OTHER_SIZE, "", (800, 600)),
+        (SIZE, OTHER_SIZE, None), ("", OTHER_SIZE, (800, 600)),
+        (OTHER_SIZE, OTHER_SIZE, (800, 600)),
+        (OTHER_SIZE, '<resolution width="9" height="9"/>', None),
         ("<width>400</width>", "", None), ("<height>300</height>", "", None),
         ("", '<resolution width="9"/>', None), ("", '<resolution height="9"/>', None),
     ],
@@ -566,6 +568,9 @@ def test_what_metashape_s_files_are_refused_for() -> None:
     covariance = "<covariance><params>f</params><coeffs>1e300</coeffs></covariance>"
     assert_approved(no_lens(calibration(SIZE + covariance)))
     assert_approved(no_lens(calibration(SIZE + "<k1>-0.1</k1><k1>0.1</k1>")))
+    for foreign in ("<skew>2</skew>", "<K1>-0.1</K1>", "<fx>210</fx>"):
+        assert_approved(no_lens(calibration(SIZE + foreign)))
+    assert lens_of(calibration(f"{SIZE}<skew>0</skew><note>7 m</note>")).lens.skew_px == 0.0
     filled = f"\n <?xml version='1.0'?><!-- {'x' * 30_000}\n -->"
     assert lens_of(filled + calibration(SIZE)).lens.size_px == (400, 300)
 
@@ -594,6 +599,8 @@ def test_lens_keys_of_mrcal() -> None:
         assert found.lens.k[:count].tolist() == k
         assert_approved(found.said, parts=[count])
     assert_approved(no_lens(str(MODEL | {"lensmodel": "LENSMODEL_OPENCV14"})))
+    assert_approved(no_lens(str(MODEL | {"distortion_model": "DISTORTION_OPENCV4"})))
+    assert lens_of(str(MODEL | {"distortion_model": "DISTORTION_NONE"})).lens.size_px == (64, 48)
 
 
 @pytest.mark.parametrize(
@@ -618,6 +625,7 @@ def test_what_opensfm_s_files_are_refused_for() -> None:
             assert_approved(no_lens(opensfm(**{key: wrong})))
     assert_approved(no_lens(opensfm(focal=1500)))
     assert_approved(no_lens(opensfm(focal_x=0.75, focal_y=100.5)))
+    assert_approved(no_lens(opensfm(focal=0.5, focal_x=0.75, focal_y=0.75)))
     assert_approved(no_lens(opensfm(c_x=200.0)))
     assert_approved(no_lens(opensfm(c_y=-1.01)))
     assert_approved(no_lens(opensfm(projection_type="perspective", p1=1e-3, p2=0.0, k3=1e-3)))
@@ -874,6 +882,22 @@ def test_sizes_of_a_calibration_under_other_names() -> None:
         assert lens_of(f"{text}{more}\n", size_px=(64, 48)).lens.size_px == size
     assert lens_of(f"{text}width: 128\nheight: 96\n").lens.size_px == (128, 96)
     no_lens(f"{text}image_size: [128, 96]\n")  # or 96 x 128
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "image_size: [1280, 960]", "width: 1280\nheight: 960", "xi: 1.4", "fisheye_model: 1",
+        "xi: {rows: 1, cols: 1, data: [0.5]}",
+    ],
+)  # fmt: skip
+def test_what_an_opencv_file_says_twice_or_of_a_model_that_is_not_here(more: str) -> None:
+    """OpenCV's example for omnidirectional cameras writes xi beside four coefficients."""
+    text = f"camera_matrix: {MATRIX}\nimage_width: 640\nimage_height: 480\n"
+    text += "distortion_model: plumb_bob\nD: [0, 0, 0, 0]\n"
+    assert_approved(no_lens(text + more))
+    same = "image_size: [480, 640]\nwidth: 640\nheight: 480\nxi: 0.0\nfisheye_model: 0\n"
+    assert lens_of(text + same).lens.size_px == (640, 480)
 
 
 def test_numbers_of_yaml_are_decimal() -> None:

@@ -21,6 +21,7 @@ from vopd.inputs import (
     MOST_SETTINGS,
     MOST_SIGMA,
     check_yaml,
+    is_number,
     plain_number,
     too_many_bytes,
     twice,
@@ -132,6 +133,7 @@ def refuse_camera(file: InputFile, question: LensQuestion) -> None:
 # mrcal's .cameramodel: a Python dict of literals, pixels from the first pixel's centre
 
 MOST_MRCAL = 20_000  # commas, of which a model of splines has some thousand; Python takes 1 kB each
+KEYS_MRCAL = "lensmodel", "lens_model", "distortion_model"  # of the model, as versions write it
 COUNTS_MRCAL = {"PINHOLE": 0, "OPENCV4": 4, "OPENCV5": 5, "OPENCV8": 8, "OPENCV12": 12}
 
 
@@ -148,12 +150,10 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
     try:
         tree = ast.parse(file.text.strip(), mode="eval")
         found = ast.literal_eval(tree)
-        name = found.get("lensmodel", found.get("lens_model", found.get("distortion_model")))
-        kind = (
-            str(name)
-            .removeprefix("LENSMODEL_")
-            .removeprefix("DISTORTION_")
-            .replace("NONE", "PINHOLE")
+        names = [str(found[key]) for key in KEYS_MRCAL if key in found] or ["None"]
+        kind, *kinds = (
+            one.removeprefix("LENSMODEL_").removeprefix("DISTORTION_").replace("NONE", "PINHOLE")
+            for one in names
         )
         values = [plain_number(str(value)) for value in found["intrinsics"]]
         width, height = (plain_number(str(value)) for value in found["imagersize"])
@@ -163,9 +163,11 @@ def read_mrcal(file: InputFile, question: LensQuestion) -> LensRead:
     if message := twice(str(one.value) for one in own if isinstance(one, ast.Constant)):
         raise file.error(message)
     if kind not in COUNTS_MRCAL:
-        raise file.error(f"model {name} is not known; LENSMODEL_ {', '.join(COUNTS_MRCAL)} are")
+        raise file.error(f"model {names[0]} is not known; LENSMODEL_ {', '.join(COUNTS_MRCAL)} are")
+    if {*kinds} - {kind}:
+        raise file.error(f"models {' and '.join(names)} differ: leave one out")
     if len(values) != 4 + COUNTS_MRCAL[kind]:
-        raise file.error(f"{name} has {4 + COUNTS_MRCAL[kind]} intrinsics, not {len(values)}")
+        raise file.error(f"{names[0]} has {4 + COUNTS_MRCAL[kind]} intrinsics, not {len(values)}")
     size, k = (width, height), values[4:]
     lens = make_lens("brown", size, values[:2], values[2:4], k, error=file.error)
     said = f"{file.name}: mrcal, {coefficients_said(values[4:], 'brown')}, centre grid"
@@ -220,12 +222,21 @@ def _calibration(
     for name in ("p3", "p4"):
         if number(name):
             raise file.error(f"{name} is of a model that is not here: calibrate without p3 and p4")
-    resolution = found.find("resolution")
-    if resolution is None:
-        resolution = inside.find("resolution")
-    width, height = number("width"), number("height")
-    if resolution is not None and not width:
-        width, height = (plain_number(resolution.get(key, "0")) for key in ("width", "height"))
+    for one in found:
+        text = (one.text or "").strip()
+        if one.tag not in OF_METASHAPE and is_number(text) and plain_number(text):
+            known = ", ".join(OF_METASHAPE[:10])
+            raise file.error(f"{shown(one.tag)} is not known: a calibration has {known}")
+    sizes = [(number("width"), number("height"))] * (found.find("width") is not None)
+    for resolution in (found.find("resolution"), inside.find("resolution")):
+        if resolution is not None:
+            wide, high = (plain_number(resolution.get(key, "0")) for key in ("width", "height"))
+            sizes.append((wide, high))
+    width, height = sizes[0] if sizes else (0.0, 0.0)
+    for other in sizes:
+        if other != (width, height):
+            several = "{:g} x {:g} and {:g} x {:g}".format(width, height, *other)
+            raise file.error(f"{several} are sizes of one camera's images: leave one out")
     if not (width and height):
         raise file.error("the image's width and height are missing")
     f = number("f")
@@ -250,6 +261,11 @@ def _calibration(
     return LensRead(lens, said, sigma)
 
 
+OF_METASHAPE = (
+    "f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "p1", "p2", "k4", "p3", "p4", "width", "height",
+    "projection", "date", "resolution", "covariance",
+)  # fmt: skip
+"""Elements of a calibration, those of the lens first."""
 METASHAPE_PARAMETERS = {
     "f": "focal", "cx": "centre_u", "cy": "centre_v", "k1": "k1", "k2": "k2", "k3": "k3",
     "p1": "p2", "p2": "p1",
@@ -366,6 +382,7 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
         size_px = number("width"), number("height")
         focal = number("focal_x" if "focal_x" in camera else "focal")
         focals = focal, number("focal_y", focal)
+        two_focals = {"focal", "focal_x"} <= {*camera} and number("focal") not in focals
         model, keys = MODELS_OPENSFM[kind]
         k = [number(key, 0.0) for key in keys]
         foreign = [key for key in OF_OPENCV if key not in keys and number(key, 0.0)]
@@ -382,6 +399,8 @@ def _camera(file: InputFile, name: str, camera: dict[str, Any]) -> LensRead:
             "projection_type",
             column=name,
         )
+    if two_focals:
+        raise file.error("focal and focal_x differ: leave one out", column=name)
     if max(focals) > MOST_FRACTION:
         raise file.error(
             f"focal {max(focals):g} is more than {MOST_FRACTION:g} times the image's longer side, "
@@ -435,6 +454,7 @@ OTHER_COEFFICIENTS = re.compile(
 )
 OTHER_FOCAL = re.compile(r"focal|f[xy]?(_|$)")
 OF_OPENCV = (*BROWN, "k4", "k5", "k6", "s1", "s2", "s3", "s4")
+PAIRS = ("image_width", "image_height"), ("width", "height")
 SIZES = "image_size", "imagesize", "img_size", "resolution"  # width and height, or the reverse
 SMALLEST_PX = 64  # fewer are the squares of a board
 BINNING = "binning_x", "binning_y"
@@ -473,6 +493,10 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     if matrix[3]:
         raise file.error(f"the camera matrix has {matrix[3]:g} in the place of 0 before fy")
     model = _model(file, values, question, k)
+    if any(_numbers(file, values.get("xi", []))):
+        raise file.error(
+            "xi is of the omnidirectional model, which no lens here has: calibrate as a fisheye"
+        )
     if model == "fisheye" and len(k) != 4:
         raise file.error(f"a fisheye has 4 coefficients, not {len(k)}")
     if len(k) not in COUNTS_OPENCV:
@@ -511,16 +535,23 @@ def _size(
     file: InputFile, values: dict[str, Any], question: LensQuestion
 ) -> Sequence[float] | None:
     """Look up the size of the images that a camera was calibrated with; None if it is not known."""
-    for names in (("image_width", "image_height"), ("width", "height")):
-        if all(name in values for name in names):
-            sides = [plain_number(str(values[name])) for name in names]
-            if names[0] == "image_width" or min(sides) >= SMALLEST_PX:
-                return sides
-    for name in SIZES if question.size_px else ():
-        listed = values.get(name)
-        sides = _numbers(file, listed) if isinstance(listed, list | dict) else []
-        if len(sides) == 2 and sorted(sides) != sorted(map(float, question.size_px or ())):
-            return sides
+    named = {
+        wide: (values[wide], values[high]) for wide, high in PAIRS if {wide, high} <= {*values}
+    }
+    sides = {key: [plain_number(str(side)) for side in pair] for key, pair in named.items()}
+    sides = {k: two for k, two in sides.items() if k == PAIRS[0][0] or min(two) >= SMALLEST_PX}
+    lists = {key: values[key] for key in SIZES if isinstance(values.get(key), list | dict)}
+    listed = {key: _numbers(file, one) for key, one in lists.items()}
+    listed = {key: two for key, two in listed.items() if len(two) == 2}
+    several = sides | {key: two for key, two in listed.items() if min(two) >= SMALLEST_PX}
+    for other in [*several][1:]:
+        if sorted(several[other]) != sorted(next(iter(several.values()))):
+            raise file.error(f"{next(iter(several))} and {other} differ: leave one out")
+    for two in sides.values():
+        return two
+    for two in listed.values() if question.size_px else ():
+        if sorted(two) != sorted(map(float, question.size_px or ())):
+            return two
     return question.size_px
 
 
@@ -548,7 +579,12 @@ def _model(file: InputFile, values: dict[str, Any], question: LensQuestion, k: l
     if named:
         if named not in MODELS_OPENCV:
             raise file.error(f"distortion model {named}; known are {', '.join(MODELS_OPENCV)}")
-        return MODELS_OPENCV[named]
+        model = MODELS_OPENCV[named]
+        if "fisheye_model" in values and (model == "fisheye") != bool(
+            plain_number(str(values["fisheye_model"]))
+        ):
+            raise file.error(f"distortion_model {named} and fisheye_model differ: leave one out")
+        return model
     if "fisheye_model" in values:
         return "fisheye" if float(values["fisheye_model"]) else "brown"
     if question.model is not None:
