@@ -364,6 +364,17 @@ def test_points_of_cvat_videos() -> None:
     assert np.isnan(rows.sigma_px).all() and rows.sigma_px.shape == (3,)
 
 
+def test_tasks_of_a_project_of_cvat_have_frames_of_their_own() -> None:
+    """Its export has those of all tasks: they were one video, or one image where names agree."""
+    one, other = (track((4, "")).replace("id=", f'task_id="{k}" id=') for k in (1, 2))
+    assert_approved(told(cvat(one, other)))
+    assert len(read(cvat(one, one.replace("well", "mast"))).frame) == 2
+    first, second = (image("a").replace("id=", f'task_id="{k}" id=') for k in (1, 2))
+    assert_approved(told(cvat(first, second)))
+    assert len(read(cvat(first, second.replace('"a"', '"b"'))).frame) == 2
+    assert_approved(told(cvat(image("a"), image("a", width=80))))
+
+
 def test_points_between_key_frames_are_no_clicks() -> None:
     """CVAT marks with keyframe 0 what it has interpolated; pixels are from the first's centre."""
     states = ((4, 'keyframe="1"'), (5, 'keyframe="0"'), (6, ""))
@@ -474,7 +485,7 @@ def test_images_that_only_their_folders_tell_apart_are_two(tmp_path: Path) -> No
     [
         "[", "[1]", {"imageWidth": 40}, label() | {"imageWidth": "x"},
         label() | {"imageHeight": None}, label(points=[[1]]), label(points=[["x", 2]]),
-        label() | {"imageWidth": 1920.9},
+        label() | {"imageWidth": 1920.9}, label() | {"imageWidth": 80},
         label(points=[[1, 519, 93]]), label(points=["12"]), label(points=[[]]),
     ],
 )  # fmt: skip

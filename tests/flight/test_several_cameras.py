@@ -100,6 +100,22 @@ def test_rows_of_lenses_may_spell_a_frame_otherwise(header: str, name: str, tmp_
     assert isinstance(lens, Lenses) and lens.which.tolist() == [0, 1, 0, 1, 0]
 
 
+def test_a_shot_of_two_reconstructions_has_one_camera(tmp_path: Path) -> None:
+    """The camera of the last one was taken, and its place is refused only where that is used."""
+    toml = TOML.replace(INLINE, 'of_images = "r.json"').replace(SIZE_KEY, "")
+    path = write_project(tmp_path, toml)
+    camera = {"projection_type": "perspective", "width": 1920, "height": 1080, "focal": 0.8}
+    parts = [
+        {"cameras": {"a": camera, "b": camera}, "shots": {"0.png": {"camera": one}}}
+        for one in ("a", "a", "b")
+    ]
+    (tmp_path / "r.json").write_text(json.dumps(parts[:2]))
+    assert read_camera(read_project(str(path))).of_image == {"0.png": 0}
+    (tmp_path / "r.json").write_text(json.dumps(parts))
+    with refused(VopdError):
+        read_camera(read_project(str(path)))
+
+
 def test_the_order_of_the_lenses_does_not_matter(tmp_path: Path) -> None:
     """A fisheye has no p1 and p2, and the other lens has errors of them."""
     path = two_cameras(tmp_path, "[uncertainty]\np1p2 = 0.001\n")

@@ -283,6 +283,20 @@ def test_numbers_of_subtitles_with_something_behind_them(
             read(path)
 
 
+@pytest.mark.parametrize(
+    "more", ["[altitude: 12.0] [abs_alt: 221.2]", "[abs_alt: 221.2] [latitude: 40.0]"]
+)
+def test_two_heights_or_places_in_one_block_are_refused(more: str, tmp_path: Path) -> None:
+    """The first counted, in silence, as by which of the two a block begins."""
+    path = tmp_path / "a.SRT"
+    block = "1\n00:00:01,000 --> 00:00:02,000\n[latitude: 47.25] [longitude: 15.5] {}\n"
+    path.write_text(block.format(more))
+    with refused(VopdError):
+        read(path)
+    path.write_text(block.format("[abs_alt: 221.2] [altitude: 221.2]"))
+    assert_close("place or time as a file has it", read(path).coordinate, [[15.5, 47.25, 221.2]])
+
+
 def test_subtitles_repeat_positions(tmp_path: Path) -> None:
     """Four frames of three positions, one of which is written twice; the other spelling too."""
     lines = []

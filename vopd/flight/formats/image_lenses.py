@@ -78,9 +78,10 @@ def read_shots(file: InputFile) -> list[dict[str, Any]]:
 
 def read_reconstruction_lenses(file: InputFile) -> ImageLenses:
     """Read which camera took each shot; the cameras are those of the same file."""
-    shots = {name: one for part in read_shots(file) for name, one in part["shots"].items()}
-    camera = [str(one["camera"]) for one in shots.values()]
-    return ImageLenses([*shots], [file.path.name] * len(shots), camera, "OpenSfM reconstruction")
+    shots = [one for part in read_shots(file) for one in part["shots"].items()]
+    camera = [str(one["camera"]) for _, one in shots]
+    names = [name for name, _ in shots]
+    return ImageLenses(names, [file.path.name] * len(shots), camera, "OpenSfM reconstruction")
 
 
 IMAGE_LENS_FORMATS: tuple[InputFormat[ImageLenses], ...] = (

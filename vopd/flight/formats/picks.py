@@ -308,16 +308,22 @@ def read_cvat(file: InputFile) -> PickRows:
         raise file.error("some points have no label: the label is the name of the landmark")
     if images and any(isinstance(one[0], int) for one in found):
         raise file.error("images and video tracks are in one file: give them one by one")
+    tasks = [*dict.fromkeys(one.get("task_id", "") for one in images or root.findall("track"))]
+    twice_named = len({one.get("name") for one in images}) < len(images)
+    if len(tasks) > 1 and (twice_named or not images):
+        raise file.error(
+            f"{count_text(len(tasks), 'task')} are in the file, whose frames have the same "
+            f"{'names' if images else 'numbers'}: export one task"
+        )
     own = [(one.get("name", ""), one.get("width"), one.get("height")) for one in images]
     own += [
         (f"task {k}", one.findtext("width"), one.findtext("height"))
         for k, one in enumerate(() if images else root.iter("original_size"))
     ]
-    sizes = {
-        name: (whole_number(width), whole_number(height))
-        for name, width, height in own
-        if width is not None and height is not None
-    }
+    sizes: Sizes = {}
+    for name, width, height in own:
+        if width is not None and height is not None:
+            _add_size(file, sizes, name, (whole_number(width), whole_number(height)))
     frames: list[Any] = [one[0] for one in found]
     by_image = isinstance(frames[0], str)
     landmark = Names(one[1] for one in found)
@@ -331,6 +337,18 @@ def read_cvat(file: InputFile) -> PickRows:
         _one_size(sizes), said,
         interpolated=np.array(between) if count else None, doubts=_left_out(file, others),
     )  # fmt: skip
+
+
+def _add_size(file: InputFile, sizes: Sizes, name: str, size: tuple[int, int]) -> None:
+    """Keep the size of an image.
+
+    Raises:
+        VopdError: where it has another already
+    """
+    other = sizes.setdefault(name, size)
+    if other != size:
+        has = "{} x {} and {} x {}".format(*other, *size)
+        raise file.error(f"{shown(name)} has two sizes, {has}: they are two images")
 
 
 def _one_size(sizes: Sizes) -> tuple[int, int] | Sizes | None:
@@ -376,7 +394,7 @@ def read_labelme(file: InputFile) -> PickRows:
             label = parse_json(open_input(path.name, path.parent).text)
             image = PurePosixPath(str(label["imagePath"]).replace("\\", "/")).as_posix()
             width, height = (plain_number(str(label[f"image{one}"])) for one in ("Width", "Height"))
-            sizes[image] = whole_size(width, height)
+            _add_size(file, sizes, image, whole_size(width, height))
             where = "shapes: "
             for k, shape in enumerate(label["shapes"], 1):
                 where = f"shape {k}: "

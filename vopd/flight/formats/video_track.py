@@ -15,7 +15,7 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import reason
-from vopd.findings import count_text
+from vopd.findings import count_text, shown
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_tags import DILUTION_SAID
 from vopd.flight.formats.track import TrackRows, sigma_of_dilution_m
@@ -226,6 +226,9 @@ def read_srt(file: InputFile) -> TrackRows:
         start = BLOCK.search(file.text, max(counted, file.text.rfind("\n", counted, at)), at)
         counted = at
         found = [field.search(file.text, at, end) for field in FIELDS]
+        several = [
+            {one[1]: one[0] for one in field.finditer(file.text, at, end)} for field in FIELDS
+        ]
         words = [one[1] for one in found if one is not None]
         before, high = (one.search(file.text, at, end) for one in (BEFORE, ABOVE))
         if older := len(words) < 3 and before is not None and high is not None:
@@ -234,6 +237,9 @@ def read_srt(file: InputFile) -> TrackRows:
         if start is None or len(words) < 3:
             damaged.append(line)
             continue
+        for one, other, *_ in (list(texts.values()) for texts in several if len(texts) > 1):
+            message = f"{shown(one)} and {shown(other)} are both there"
+            raise file.error(f"{message}: remove one of them from all blocks", line)
         above += older
         unsaid |= found[2] is not None and found[2][0].startswith("altitude")
         hours, minutes, seconds, parts = start.groups()
