@@ -490,13 +490,16 @@ def with_held(project: Project, flight: Flight) -> Flight:
 def _refuse_other_values(
     flight: Flight, found: CovarianceFile, file: InputFile, parameter: dict[str, int]
 ) -> None:
-    """Refuse values that are not those of the lens and the shutter, which the solve takes."""
+    """Refuse values that are not those of lens, shutter and clock, which the solve takes."""
     lens = {*parameters_of(flight.lens)}
     if "aspect" in parameter:  # the focal length is then that from which the aspect was solved
         lens.remove("focal")
+    own = {*lens, "readout"}
+    if found.offset_before_s is None and flight.path.row_s is not None:
+        own.add("clock")  # which is stated alone then: one that is solved for is in offset_s
     for one, row in parameter.items():
         stated, value = stated_value(flight, one), float(found.value[row])
-        if one in {*lens, "readout"} and not np.isclose(value, stated, rtol=SAME, atol=SAME_ZERO):
+        if one in own and not np.isclose(value, stated, rtol=SAME, atol=SAME_ZERO):
             has = f"is {value:.9g}, and {stated:.9g} in what the project names{AGAIN}"
             raise file.error(f"{found.name[row]} {has}", column="values")
 
