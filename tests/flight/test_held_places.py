@@ -15,7 +15,9 @@ from vopd.arrays import Floats
 from vopd.flight.adjust.adjustment import Adjustment, adjust
 from vopd.flight.flight import Flight, TrackFixes
 from vopd.flight.result import solve_flight_read
+from vopd.flight.solve import held_places
 from vopd.flight.solve.equations import Priors
+from vopd.flight.solve.joint import JointSolution
 
 FRAMES, LANDMARKS, STEP = 8, 5, 0.02  # of a standard deviation
 MARK_M, FIX_M, BIAS_M = 0.1, (0.4, 0.4, 0.8), np.array([0.5, 0.5, 1.0])
@@ -150,6 +152,22 @@ def test_frames_have_the_errors_of_places_through_parameters() -> None:
     # the picks' part in the clock is beside it
     assert (estimate.position_sigma > clock_m * (1.0 - 1e-3)).all()
     assert (estimate.position_sigma < 1.05 * clock_m).all()
+
+
+def test_errors_of_held_places_are_propagated_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They were for the angles, and again for the positions."""
+    flight, calls, own = perfect(), [], held_places.held_places
+
+    def counted(solution: JointSolution) -> held_places.HeldPlaces:
+        calls.append(solution)
+        return own(solution)
+
+    monkeypatch.setattr(held_places, "held_places", counted)
+    one = adjust(flight, FREE).result.history()
+    assert np.isfinite(one.uncertainty.components["landmark"]).all()
+    ((_, estimate),) = one.estimates()
+    assert estimate.position_sigma is not None
+    assert len(calls) == len(set(map(id, calls))) == 1
 
 
 def drawn(seed: int) -> Flight:

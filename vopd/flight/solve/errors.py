@@ -152,9 +152,7 @@ def places_by_stated(solution: JointSolution) -> Floats:
             place[:, :, column] += model.velocity_m_s * since_s * one
     found = np.asarray(place @ place.swapaxes(1, 2))
     if solution.holds_places and solution.normal.size:
-        from vopd.flight.solve.held_places import held_places  # of few flights
-
-        found = found + held_places(solution).place_m2
+        found = found + solution.by_held_places.place_m2
     return found
 
 
@@ -220,9 +218,7 @@ def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) ->
     model, sigma = solution.model, solution.stated[0]
     found = {name: _roots(one) for name, one in solution.covariance.component.items()}
     if solution.holds_places and solution.normal.size:
-        from vopd.flight.solve.held_places import held_places  # of few flights
-
-        found |= {name: _roots(one) for name, one in held_places(solution).turn.items()}
+        found |= {name: _roots(one) for name, one in solution.by_held_places.turn.items()}
     own_s = model.late_by([*sigma]) * np.array([*sigma.values()])
     turn, _, common = solution.by_stated
     late_s = model.late_by(model.names) @ common[: len(model.names)] + own_s

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from vopd.flight.solve.equations import SHIFT, Model, Priors, Readout, State
 from vopd.flight.solve.free import free_parameters
 from vopd.flight.solve.normal import NARROW, Factored, Normal, RightSide, frames_by_block, pairs
 from vopd.flight.solve.rotations import LOSSES, NOISE_AT_MOST_RAD, SolvedFlight, solve
+
+if TYPE_CHECKING:
+    from vopd.flight.solve.held_places import HeldPlaces
 
 NO_PARAMETERS: Mapping[str, Floats] = {}
 
@@ -124,6 +127,13 @@ class JointSolution:
     def unfollowed_stated(self) -> Floats:
         """What the unknowns do not follow of them, as `unfollowed` has it."""
         return _unfollowed(self, self.stated[1], self.by_stated)
+
+    @cached_property
+    def by_held_places(self) -> HeldPlaces:
+        """What errors of held places add to the covariances of frames, as `held_places` has it."""
+        from vopd.flight.solve.held_places import held_places  # of few flights
+
+        return held_places(self)
 
     @cached_property
     def marginals(self) -> tuple[Array, Array, Array, Array]:
