@@ -385,7 +385,10 @@ def test_the_line_that_names_a_separator_is_to_be_removed(tmp_path: Path) -> Non
     )
 
 
-@pytest.mark.parametrize("heights", ["alt,alt_msl", "gps_alt,baro_alt", "height (m),h"])
+@pytest.mark.parametrize("heights", [
+    "alt,alt_msl", "gps_alt,baro_alt", "height (m),h", "Elevation,Ellipsoidal height",
+    "altitude_msl_m,altitude_ellipsoid_m", "height,hMSL", "alt,HAE", "Orthometric height,ellh",
+])  # fmt: skip
 def test_two_heights_of_two_names_are_asked_for(heights: str, tmp_path: Path) -> None:
     """Of a usual name and one with its level the first was taken."""
     assert_approved(told_of(tmp_path, "landmarks", f"name,lat,lon,{heights}\na,2,3,4,5\n"))

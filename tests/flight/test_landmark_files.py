@@ -336,6 +336,27 @@ def test_a_doubtful_height_is_a_warning_of_the_flight_and_told_of_a_new_project(
     assert doubt in ran.stdout + ran.stderr
 
 
+def test_what_stands_twice_in_a_placemark_is_refused() -> None:
+    """The first name, or place, counted in silence."""
+    point = "<Point><coordinates>1,2,3</coordinates>{}</Point>"
+    for text in (
+        "<name>a</name><name>b</name>" + point.format(""),
+        "<name>a</name>" + point.format("<coordinates>4,5,6</coordinates>"),
+    ):
+        for kml in ("<kml>{}</kml>", '<kml xmlns="http://www.opengis.net/kml/2.2">{}</kml>'):
+            assert_approved(told(kml.format(f"<Placemark>{text}</Placemark>")))
+
+
+def test_waypoints_without_a_fix_are_no_landmarks() -> None:
+    """As points of a track; the height of a fix of two dimensions is of an earlier one."""
+    point = '<wpt lat="2" lon="1"><ele>3</ele><name>{}</name><fix>{}</fix></wpt>'
+    every = "".join(point.format(one, one) for one in ("none", "2d", "3d", "dgps"))
+    head = '<gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1">'
+    rows = read(f"{head}{every}</gpx>")
+    assert rows.name == ["3d", "dgps"]
+    assert_approved(rows.said)
+
+
 def test_a_height_above_the_sea_floor_is_one_whichever_mode_says_so() -> None:
     """Google's own stands beside KML's, which was looked at alone."""
     modes = (

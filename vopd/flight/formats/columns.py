@@ -23,10 +23,11 @@ SYNONYMS = {
         "v_px": "v y py y_px pixel_y image_y image_v im_y row",
         "lat_deg": "lat latitude",
         "lon_deg": "lon lng long longitude",
-        "h_m": "h alt altitude height elevation elev ele gps_alt gps_altitude gps_alt_m agl",
+        "h_m": "h alt altitude height elevation elev ele gps_alt gps_altitude gps_alt_m agl "
+        "ellh hae hmsl",
         "x_m": "x east easting e",
         "y_m": "y north northing n",
-        "z_m": "z up height elevation elev ele alt altitude h agl",
+        "z_m": "z up height elevation elev ele alt altitude h agl ellh hae hmsl",
         "from_deg": "direction wind_direction wind_dir dir wdir direction_deg wind_direction_deg",
         "speed_m_s": "speed_ms wind_speed_m_s wind_speed_ms",
         "speed_kt": "speed_knots speed_kts speed_kn wind_speed_kt wind_speed_knots wind_speed_kn",
@@ -55,7 +56,8 @@ BESIDE = re.compile(r"(^|_)(gps|gnss|utm|wgs84|deg|degrees?|dd|decimal)(?=_|$)")
 """Words of the name of a coordinate that leave it the same: its receiver, system or unit."""
 OF_ANGLE = re.compile(r"(^|_)(deg|degrees?)(_|$)")
 LEVEL = re.compile(
-    r"(^|_)(baro|rel|relative|agl|asl|a?msl|above(_[a-z]+){0,9}?(?=_(m|ft|feet)$|$))(?=_|$)"
+    r"(^|_)(baro|rel|relative|agl|asl|a?msl|ell|ellipsoid(al)?|hae|orthometric"
+    r"|above(_[a-z]+){0,9}?(?=_(m|ft|feet)$|$))(?=_|$)"
 )
 """Words of the name of a height alone: what it is counted from, which the project says."""
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")

@@ -322,6 +322,7 @@ def recognises_gpx(file: InputFile) -> bool:
 
 
 NUMBERS_OF_GPX = "ele", "hdop", "vdop", "pdop"
+NO_FIX_IN_SPACE = "none", "2d"
 OF_GPX_POINT = (*NUMBERS_OF_GPX, "time", "name", "fix")
 TIME_OF_GPX = re.compile("(?<=<time>)[^<]*")
 NOT_READ = re.compile(r"(<!\[CDATA\[.*?\]\]>)|<!--.*?-->|<\?.*?\?>", re.DOTALL)
@@ -355,8 +356,11 @@ def parse_gpx(file: InputFile) -> Any:
 
 def read_waypoints(file: InputFile) -> LandmarkRows:
     """Read the waypoints of a GPX file."""
-    points = [(p.name, p.longitude, p.latitude, p.elevation) for p in parse_gpx(file).waypoints]
-    rows = _named_points(file, points, "waypoint", "GPX waypoints")
+    every = parse_gpx(file).waypoints
+    fixed = [p for p in every if p.type_of_gpx_fix not in NO_FIX_IN_SPACE]
+    points = [(p.name, p.longitude, p.latitude, p.elevation) for p in fixed]
+    without = f", {len(every) - len(fixed)} without a fix left out" * (len(fixed) < len(every))
+    rows = _named_points(file, points, "waypoint", f"GPX waypoints{without}")
     return _with_doubts_of_level(file, rows, "GPX")
 
 
@@ -370,7 +374,12 @@ def read_kml(file: InputFile) -> LandmarkRows:
     root = file.xml()
     points = []
     for place in root.iterfind(".//{*}Placemark"):
-        for point in place.iterfind(".//{*}Point"):
+        points_of = place.findall(".//{*}Point")
+        for parts in (place, *points_of):
+            tags = (one.tag.rpartition("}")[2] for one in parts)
+            if message := twice(tag for tag in tags if tag in ("name", "coordinates")):
+                raise file.error(message)
+        for point in points_of:
             name = (place.findtext("{*}name") or "").strip()
             for one in point.iterfind("{*}altitudeMode"):  # KML's own, and Google's beside it
                 mode = (one.text or "").strip()

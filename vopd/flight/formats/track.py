@@ -30,6 +30,7 @@ from vopd.flight.formats.image_tags import (
 from vopd.flight.formats.landmarks import (
     CRS,
     LATITUDE_FIRST,
+    NO_FIX_IN_SPACE,
     SIGMA,
     SIGMAS,
     coordinates_of,
@@ -317,9 +318,6 @@ def photo_number(name: str) -> str:
 
 
 # GPX tracks: latitude, longitude, elevation and UTC. The schema leaves the height's datum open
-
-
-NO_FIX_IN_SPACE = "none", "2d"
 
 
 def read_gpx(file: InputFile) -> TrackRows:
