@@ -198,6 +198,8 @@ TRACK = "t_s,lat_deg,lon_deg,h_m"
     [
         (TRACK_FORMATS, f"{TRACK},speed,heading\n1,2,3,4,5,6\n"),
         (TRACK_FORMATS, "date,time_utc,lat,lon,h,t_s\n2026-05-01,1:2:3,2,3,4,5\n"),
+        (TRACK_FORMATS, "date,time_utc,utc_date,lat,lon,h\n2026-05-01,01:02:03,2026-05-02,2,3,4\n"),
+        (TRACK_FORMATS, "date,t_utc,lat,lon,h\n2026-05-02,2026-05-01T01:02:03Z,2,3,4\n"),
         (LANDMARK_FORMATS, "name,lat,lon,alt,alt_sigma\na,2,3,4,5\n"),
         (PICK_FORMATS, "frame,image,landmark,u,v,x,y\n1,a.png,b,3,4,5,6\n"),
         (PICK_FORMATS, "frame,landmark,u,v," + ",".join("abcdefghijklmno") + "\n1,a,3,4"

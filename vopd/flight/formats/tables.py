@@ -143,7 +143,7 @@ class CsvTable:
             read -= {*[name for name in some if name in read and self.has(name)][1:]}
         if self.has("lat_deg"):
             read -= {*PLANE}
-        read |= {one for one in self.header if self.has("t_utc") and plain_name(one) in DATES}
+        read |= {self.header[k] for k in self._date("t_utc")}
         pairs = zip(self.own, self.header, strict=True)
         return [own for own, name in pairs if own and name not in read]
 
@@ -450,6 +450,16 @@ class CsvTable:
         own = self.own[self.header.index(name)] if self.own and self.has(name) else ""
         return plain_name(own)
 
+    def _date(self, name: str) -> list[int]:
+        """Find the column of dates beside times of day in a column, by its index; or none."""
+        first = next(self.blocks(name), []) if self.has(name) else []
+        if not first or not TIME_OF_DAY.match(first[0]):
+            return []
+        date = [k for k, one in enumerate(self.header) if plain_name(one) in DATES]
+        if CLOCK.search(self._own_name(name)):  # of dates, too, one may be of that clock
+            date.sort(key=lambda k: not CLOCK.search(plain_name(self.header[k])))
+        return date[:1]
+
     def times(self, name: str) -> Floats:
         """Read seconds since 1970-01-01, UTC, of dates and times with Z or an offset.
 
@@ -457,10 +467,8 @@ class CsvTable:
         """
         texts, names = self.column(name), self.own or self.header
         own = names[self.header.index(name)]
-        date = [k for k, one in enumerate(self.header) if plain_name(one) in DATES]
-        if CLOCK.search(plain_name(own)):  # of dates, too, one may be of that clock
-            date.sort(key=lambda k: not CLOCK.search(plain_name(self.header[k])))
-        if date and texts and TIME_OF_DAY.match(texts[0]):
+        date = self._date(name)
+        if date:
             own = f"{names[date[0]]} {own}"
             pairs = zip(self.column(self.header[date[0]]), texts, strict=True)
             texts = [
