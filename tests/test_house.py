@@ -303,6 +303,7 @@ NO_TOLERANCE = {
     "1e-09 < np.abs(moved).max() < 1e-07": "the size of what a small erratum moves",
     "0 < np.abs(moved).max() < 0.0001": "the size of what two small errata move",
     "0.0005 < float(line.split('then ')[1].split()[0]) < 0.015": "the size of reading errors",
+    "0.003 < first / FOCAL - 1.0 < 0.007": "between two lenses that differ by .01, near the middle",
     "rms[1] < 0.05": "the size of reading errors, against that of a misidentified star",
     "weight[-1] < 0.01": "a weight that has almost vanished",
     "c <= 0.03928": "the sRGB rule of contrast",
