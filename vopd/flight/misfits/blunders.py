@@ -45,6 +45,7 @@ FEW = 0.01  # of the picks that are found anew: fewer, and only their frames are
 FEWEST_FRAMES = 3  # of a landmark with wrong coordinates
 LANDMARK_SIGNIFICANCE = 0.0005  # the probability of a false alarm in a flight, by all landmarks
 DETERMINED = 5.0  # standard deviations of a shift that is told
+LEAST_TOLD = 1.0  # degrees of freedom that tell how good readings are
 SHOWN_BY = 0.5  # of a landmark's shift, by the median of its frames
 AWAY = 3.0  # times as far from all landmarks as usual: a position may be wrong
 LARGE = 0.1  # of the focal length: what wrong positions and lenses may do in an image
@@ -505,7 +506,10 @@ def _variance_without(
         if estimates.flight.picks.clicks is not None:  # squares are not those of the matches alone
             least = 1.0
         variance = max((1.0 - gain / sums.squares) * reading.freedom / left, least)
-        chance = fdtrc(free, left, gain / free / variance)
+        told, tested_by = min(sums.freedom, reading.freedom) - free, max(variance, 1.0)
+        if told > LEAST_TOLD:  # else the errors that frames may share explain all that is left
+            left, tested_by = told, max((sums.squares - gain) / told, variance)
+        chance = fdtrc(free, left, gain / free / tested_by)
     if not chance < LANDMARK_SIGNIFICANCE / max(tested, 1):
         return None
     sigma, shift_m = reading.test_sigma * np.sqrt(variance), sums.shift_m()[landmark]
@@ -529,6 +533,7 @@ class _Displacements:
         self._alike = float(np.sqrt(seen.max()))
         self.normal, self.right = np.zeros((marks, 3, 3)), np.zeros((marks, 3))
         self.squares = 0.0  # weighted, of all residuals
+        self.freedom = 0.0  # what they are in the mean by the readings alone
 
     def add(self, block: _Block, equations: ResidualEquations) -> None:
         """Add the displacements of picks in some frames.
@@ -543,6 +548,7 @@ class _Displacements:
         weights = ResidualWeights(one, self._sigma)
         left = weights.of(one.residual[..., None])[..., 0]
         self.squares += float(np.nansum(one.residual * left))
+        self.freedom += float(np.nansum(weights.trace)) * self._sigma**2
         count = block.pick.shape[1]
         x, y = block.by_landmark[:, :count], block.by_landmark[:, count:]
         moved = x * left[:, :count, None] + y * left[:, count:, None]
