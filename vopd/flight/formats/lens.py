@@ -535,23 +535,24 @@ def _size(
     file: InputFile, values: dict[str, Any], question: LensQuestion
 ) -> Sequence[float] | None:
     """Look up the size of the images that a camera was calibrated with; None if it is not known."""
-    named = {
-        wide: (values[wide], values[high]) for wide, high in PAIRS if {wide, high} <= {*values}
+    sides = {
+        wide: [plain_number(str(values[key])) for key in (wide, high)]
+        for wide, high in PAIRS
+        if {wide, high} <= {*values}
     }
-    sides = {key: [plain_number(str(side)) for side in pair] for key, pair in named.items()}
     sides = {k: two for k, two in sides.items() if k == PAIRS[0][0] or min(two) >= SMALLEST_PX}
     lists = {key: values[key] for key in SIZES if isinstance(values.get(key), list | dict)}
-    listed = {key: _numbers(file, one) for key, one in lists.items()}
-    listed = {key: two for key, two in listed.items() if len(two) == 2}
-    several = sides | {key: two for key, two in listed.items() if min(two) >= SMALLEST_PX}
-    for other in [*several][1:]:
-        if sorted(several[other]) != sorted(next(iter(several.values()))):
-            raise file.error(f"{next(iter(several))} and {other} differ: leave one out")
-    for two in sides.values():
-        return two
-    for two in listed.values() if question.size_px else ():
-        if sorted(two) != sorted(map(float, question.size_px or ())):
-            return two
+    listed = {k: two for k, one in lists.items() if len(two := _numbers(file, one)) == 2}
+    several = sides | {k: two for k, two in listed.items() if min(two) >= SMALLEST_PX}
+    first, *others = several or [""]
+    for other in others:
+        if sorted(several[other]) != sorted(several[first]):
+            raise file.error(f"{first} and {other} differ: leave one out")
+    if sides:
+        return sides[first]
+    if question.size_px:
+        stated = sorted(map(float, question.size_px))
+        return next((two for two in listed.values() if sorted(two) != stated), question.size_px)
     return question.size_px
 
 
