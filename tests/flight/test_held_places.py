@@ -155,19 +155,19 @@ def test_frames_have_the_errors_of_places_through_parameters() -> None:
 
 
 def test_errors_of_held_places_are_propagated_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """They were for the angles, and again for the positions."""
-    flight, calls, own = perfect(), [], held_places.held_places
+    """Those of all landmarks, and of the place of all frames: for angles and positions together."""
+    flight, calls, own = perfect(), [], held_places.propagated
 
-    def counted(solution: JointSolution) -> held_places.HeldPlaces:
+    def counted(solution: JointSolution, change: Floats) -> tuple[Floats, Floats, Floats]:
         calls.append(solution)
-        return own(solution)
+        return own(solution, change)
 
-    monkeypatch.setattr(held_places, "held_places", counted)
+    monkeypatch.setattr(held_places, "propagated", counted)
     one = adjust(flight, FREE).result.history()
     assert np.isfinite(one.uncertainty.components["landmark"]).all()
     ((_, estimate),) = one.estimates()
     assert estimate.position_sigma is not None
-    assert len(calls) == len(set(map(id, calls))) == 1
+    assert (len(calls), len(set(map(id, calls)))) == (2, 1)
 
 
 def drawn(seed: int) -> Flight:

@@ -325,9 +325,7 @@ def common_with_stated(joint: JointSolution) -> tuple[Floats, Floats, list[str]]
     at = np.r_[:first, first + len(sigma) : len(total)]
     total[np.ix_(at, at)] += solved
     if joint.holds_places:
-        from vopd.flight.solve.held_places import common_by_held_places  # of few flights
-
-        total[np.ix_(at, at)] += common_by_held_places(joint)[:last, :last]
+        total[np.ix_(at, at)] += joint.by_held_places.of_common[:last, :last]
     by_picks[np.ix_(at, at)] = own_picks
     return total, by_picks, list(sigma)
 

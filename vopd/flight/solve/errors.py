@@ -26,7 +26,6 @@ from vopd.flight.solve.joint import (
     covariance_of_sums,
     propagated,
     right_of_sums,
-    seen_by_sums,
 )
 
 
@@ -152,7 +151,7 @@ def places_by_stated(solution: JointSolution) -> Floats:
             place[:, :, column] += model.velocity_m_s * since_s * one
     found = np.asarray(place @ place.swapaxes(1, 2))
     if solution.holds_places and solution.normal.size:
-        found = found + solution.by_held_places.place_m2
+        found = found + solution.by_held_places.of_frames[1]
     return found
 
 
@@ -218,7 +217,8 @@ def turns_by_errors(solution: JointSolution, held: HeldEffects | None = None) ->
     model, sigma = solution.model, solution.stated[0]
     found = {name: _roots(one) for name, one in solution.covariance.component.items()}
     if solution.holds_places and solution.normal.size:
-        found |= {name: _roots(one) for name, one in solution.by_held_places.turn.items()}
+        turn_by, _ = solution.by_held_places.of_frames
+        found |= {name: _roots(one) for name, one in turn_by.items()}
     own_s = model.late_by([*sigma]) * np.array([*sigma.values()])
     turn, _, common = solution.by_stated
     late_s = model.late_by(model.names) @ common[: len(model.names)] + own_s
@@ -246,9 +246,7 @@ def covariance_of_common(solution: JointSolution) -> Floats:
     moved = solution.by_stated[2]
     found = solution.factored.common + moved @ moved.T
     if solution.holds_places and len(found):
-        from vopd.flight.solve.held_places import common_by_held_places  # of few flights
-
-        found = found + common_by_held_places(solution)
+        found = found + solution.by_held_places.of_common
     return np.asarray(found)
 
 
@@ -269,10 +267,8 @@ def errors_of_sums(
     found: dict[str, Floats] = {}
     parts = covariance_of_sums(solution, weight, by_parameter)[1]
     if solution.holds_places:
-        from vopd.flight.solve.held_places import sums_by_held_places  # of few flights
-
-        by_sums = seen_by_sums(solution, right_of_sums(solution, weight, by_parameter))
-        parts |= sums_by_held_places(solution, by_sums)
+        right = right_of_sums(solution, weight, by_parameter)
+        parts |= solution.by_held_places.of_sums(right)
     for part, own in parts.items():
         name = part.removesuffix(COMMON_PART)
         found[name] = found.get(name, 0.0) + own

@@ -130,10 +130,10 @@ class JointSolution:
 
     @cached_property
     def by_held_places(self) -> HeldPlaces:
-        """What errors of held places add to the covariances of frames, as `held_places` has it."""
-        from vopd.flight.solve.held_places import held_places  # of few flights
+        """The errors of positions and landmarks that are held, propagated."""
+        from vopd.flight.solve.held_places import HeldPlaces  # of few flights
 
-        return held_places(self)
+        return HeldPlaces(self)
 
     @cached_property
     def marginals(self) -> tuple[Array, Array, Array, Array]:
