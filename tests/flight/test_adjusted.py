@@ -659,6 +659,7 @@ def crooked(values: dict[str, Any]) -> None:
         lambda values: [values[key].pop() for key in ("names", "units", "values")],
         lambda values: values.update(names=["k2" if n == "clock" else n for n in values["names"]]),
         put("values", 0, value=1500.0),
+        put("values", -1, value=1.0),
         put("offset_s_before", value=None),
         put("sigma_px", value=1e-300),
         put("reading_sigma_px", value=1e-300),

@@ -30,7 +30,7 @@ from vopd.flight.adjust.project import adjusted_project
 from vopd.flight.check import check_flight
 from vopd.flight.flight import Flight, FrameSlots
 from vopd.flight.formats.picks import CLICKS, HIDDEN, Names
-from vopd.flight.formats.tracked import TrackedRows, tracked_lines
+from vopd.flight.formats.tracked import TrackedRows, digest_of_rows, tracked_lines
 from vopd.flight.misfits.click_tests import without_readings, without_wrong_clicks
 from vopd.flight.misfits.unsolved import picks_outside
 from vopd.flight.project.keys import read_project
@@ -453,7 +453,10 @@ def clicked_project(folder: Path, church_px: float = 0.0) -> Path:
         np.where(frame == 0, 0.5, 0.05), np.zeros(30, int), np.tile(np.eye(2), (30, 1, 1)),
         np.ones(30), (frame > 0).astype(int), track_digests(read_project(str(path))),
     )  # fmt: skip
-    (folder / "tracked.csv").write_text("".join(tracked_lines(tracks)))
+    head, *lines = tracked_lines(tracks)
+    (folder / "tracked.csv").write_text("".join([head, *lines]))
+    rows = f"# rows: {digest_of_rows(folder / 'tracked.csv')}\n"
+    (folder / "tracked.csv").write_text("".join([head, rows, *lines]))
     return path
 
 
@@ -513,6 +516,16 @@ def test_a_tracked_file_says_which_clicks_it_is_of(tmp_path: Path) -> None:
     (tmp_path / "tracked.csv").write_text("".join(rows))
     with refused(VopdError):
         solve_flight(path)
+
+
+def test_a_tracked_file_says_whether_it_was_edited(tmp_path: Path) -> None:
+    path, tracked = clicked_project(tmp_path), tmp_path / "tracked.csv"
+    text, said = tracked.read_text(), []
+    edited = text.replace(",0.5000,", ",0.6000,", 1)
+    for one in (edited, re.sub("(?m)^# rows: .*\n", "", edited)):
+        tracked.write_text(one)
+        said += [finding.message for finding in read_flight(str(path)).findings]
+    assert_approved(said)
 
 
 def test_sigmas_that_no_pick_has_are_told_of_a_tracked_file_and_its_project(tmp_path: Path) -> None:

@@ -66,6 +66,7 @@ KEYS = {
     "a clock of a camera in one place": [
         (TOML[TOML.index("[track]") :], f"{PLACE}[uncertainty]\nclock_rate_ppm = 20\n"),
     ],
+    "a lens beside those of images": [("[camera]\n", '[camera]\nof_images = "lenses.csv"\n')],
     "a sensor of another shape": [
         ("fx_px = 1500.0, fy_px = 1490.0", "focal_mm = 28.0, sensor_mm = [36.0, 24.0]"),
     ],
@@ -75,6 +76,8 @@ KEYS = {
 @pytest.mark.parametrize("name", KEYS)
 def test_keys_without_an_effect(name: str, tmp_path: Path) -> None:
     (tmp_path / "lens.json").write_text(OPENCV)
+    rows = ["frame,lens", *(f"{k},lens.json" for k in range(5)), ""]
+    (tmp_path / "lenses.csv").write_text("\n".join(rows))
     (tmp_path / "times.csv").write_text("".join(["frame,t_s\n", *(f"{k},2\n" for k in range(1))]))
     found = flight(tmp_path, *KEYS[name]).findings
     assert_approved([str(one).rpartition("flight.toml: ")[2] for one in found[-1:]])

@@ -197,6 +197,7 @@ class CameraLens(NamedTuple):
     table: InputFile | None = None  # which lens each image has; None: no table says it
     lenses: Mapping[str, Lens] = {}  # that, or all of the table, by what a sentence calls them
     of_image: Mapping[str, int] = {}  # which of them
+    leaves_out: bool = False  # whether the table takes no lens from [camera] lens
 
     @property
     def lens(self) -> Lens:
@@ -277,7 +278,7 @@ def read_camera(project: Project) -> CameraLens:
     lenses = {
         f"{table.name}: {' '.join(filter(None, own))}": one.lens for own, one in found.items()
     }
-    return CameraLens(read, table, lenses, of_image)
+    return CameraLens(read, table, lenses, of_image, all(rows.file))
 
 
 def _by_first(read: LensRead, first: LensRead) -> dict[str, float]:

@@ -57,6 +57,8 @@ WITH_LEVER_ARM = ("vehicle",)
 """Sections that do so besides where there is a lever arm."""
 OTHERS = {("flight", "name"), ("picks", "sigma_px"), ("track", "offset_s")}
 """Keys of these sections that do not; of the offset `with_stated_offset` takes care."""
+VALUES = "values"
+"""Key of the digest of the file's own values: some, as a rate, stand nowhere else."""
 TAGS = 65_536  # bytes from the beginning of an image: its tags are there
 
 
@@ -79,6 +81,10 @@ class CovarianceFile:
     source: str
     digest: dict[str, str]  # SHA-256 by the keys of files, and by keys of their values
 
+    def digest_of_values(self) -> str:
+        """Digest the values of the parameters, as they are written."""
+        return sha256(json.dumps(self.value.tolist()).encode()).hexdigest()
+
     def text(self) -> str:
         """Write the file: JSON, a row of the covariance in a line."""
         values = {
@@ -94,7 +100,7 @@ class CovarianceFile:
             "reading_sigma_px": self.reading_sigma_px,
             "degrees_of_freedom": self.freedom if isfinite(self.freedom) else None,
             "reading_sigma_by": self.source,
-            "sha256": self.digest,
+            "sha256": self.digest | {VALUES: self.digest_of_values()},
         }
         lines = [f'  "{key}": {json.dumps(value)},' for key, value in values.items()]
         for key, matrix in zip(MATRICES, (self.covariance, self.by_picks), strict=True):
@@ -410,6 +416,7 @@ def _refuse_changed(
     """Refuse files that are not those of which the covariance speaks, and other values of keys."""
     files = files_spoken_of(project)
     now = digests({key: one.path for key, one in files.items()})
+    now |= {key: one for key, one in found.digest.items() if key == VALUES}  # checked in `with_held`
     of_files = {f"[{name}] {key}" for name, key in SPEAKS_OF}
     if {*found.digest} - of_files:  # earlier versions spoke of files alone
         now |= digests_of_keys({name: one.values for name, one in project.sections.items()})
@@ -484,6 +491,8 @@ def with_held(project: Project, flight: Flight) -> Flight:
     if lacking:
         message = f"{lacking[0]} is missing beside its other coordinates{AGAIN}"
         raise file.error(message, column="names")
+    if found.digest.get(VALUES, own_digest := found.digest_of_values()) != own_digest:
+        raise file.error(f"are not those that vopd adjust wrote{AGAIN}", column="values")
     return _held(flight, found, file.name, parameter, coordinate)
 
 

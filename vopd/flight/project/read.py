@@ -350,7 +350,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         )
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, times, label)
-    findings += [Finding(one, name, severity="warning") for one in unused_keys(project)]
+    findings += [Finding(one, name, severity="warning") for one in unused_keys(project, camera_lens.leaves_out)]
     refraction = refraction_of(project.section("atmosphere"))
     offset_s = project.section("track").number("offset_s") if project.has("track") else 0.0
     flight = Flight(

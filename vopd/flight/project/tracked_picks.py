@@ -314,11 +314,11 @@ def refuse_stale(file: InputFile, rows: TrackedRows, project: Project) -> list[s
                 f"was{', or was read,' * (name == 'clicks')} before: {AGAIN}"
             )  # fmt: skip
     told = []
-    if "rows" in rows.digest and rows.digest["rows"] != digest_of_rows(file.path):
-        told.append(
-            f"{file.name}: edited since vopd track wrote it: what is said of clicks may come from "
-            f"that; {AGAIN}"
-        )
+    if rows.digest.get("rows") != digest_of_rows(file.path):
+        edited = "edited since vopd track wrote it"
+        if "rows" not in rows.digest:
+            edited = f"whether it was {edited} is not known, as its line # rows: ... is missing"
+        told.append(f"{file.name}: {edited}: what is said of clicks may come from that; {AGAIN}")
     if rows.digest.get("project") != now["project"]:
         told.append(
             f"{file.name}: lens, landmarks or positions have changed since: the picks serve, and "

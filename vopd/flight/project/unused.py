@@ -10,25 +10,28 @@ from vopd.flight.project.keys import VIDEO, Project
 SQUARE = 0.03  # of a side: by so much the sizes of a sensor are rounded
 
 
-def unused_keys(project: Project) -> Iterator[str]:
+def unused_keys(project: Project, by_table: bool) -> Iterator[str]:
     """Name the keys that have no effect, and why, for warnings.
 
     Args:
         project: whose keys have been read
+        by_table: whether `[camera] of_images` has the lenses of all images
     """
-    for (section, key), why in _reasons(project).items():
+    for (section, key), why in _reasons(project, by_table).items():
         if project.section(section).has(key):
             yield f"[{section}] {key}: is not used: {why}"
     yield from _doubt_of_sensor(project)
 
 
-def _reasons(project: Project) -> dict[tuple[str, str], str]:
+def _reasons(project: Project, by_table: bool) -> dict[tuple[str, str], str]:
     """Say of keys that may be there why nothing would use them."""
     picks, found = project.section("picks"), {}
     times = picks.values.get("times")
     if not isinstance(project.section("camera").values.get("lens"), dict):
         why = "it is of cx_px and cy_px of a table, and a lens file says it itself"
         found["camera", "pixel_grid"] = why
+    if by_table:
+        found["camera", "lens"] = "the table of [camera] of_images has a lens for each image"
     if not isinstance(times, str) or times == VIDEO or not (project.folder / times).is_dir():
         found["picks", "utc_offset_h"] = "[picks] times names no folder of images"
     if not picks.has("frame_rate_hz") and times != VIDEO:
