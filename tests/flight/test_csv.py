@@ -275,6 +275,45 @@ def told_of(folder: Path, kind: str, text: str) -> str:
 # Landmarks
 
 
+@pytest.mark.parametrize(
+    ("crs", "cells"),
+    [
+        ("EPSG:32633", ["UTM 33N,WGS84", "33,WGS 84", "33T,ETRS89", "33S,", "A,local"]),
+        ("EPSG:32733", ["33S,ITRF2014", "33M,WGS 84 (G1762)"]),
+        ("EPSG:31468", ["4,DHDN"]),
+        (None, ["33S,WGS84", ",wgs-84"]),
+    ],
+)
+def test_a_datum_or_zone_beside_the_same_system(
+    crs: str | None, cells: list[str], tmp_path: Path
+) -> None:
+    place = "x_m,y_m,z_m" if crs else "lat_deg,lon_deg,h_m"
+    rows = "".join(f"{k},2,3,4,{one}\n" for k, one in enumerate(cells))
+    (tmp_path / "a.csv").write_text(f"landmark,{place},Zone,datum\n{rows}")
+    file = open_input("a.csv", tmp_path, crs=crs)
+    assert len(read_by_content(LANDMARK_FORMATS, file).name) == len(cells)
+
+
+@pytest.mark.parametrize(
+    ("crs", "kind", "cells"),
+    [
+        ("EPSG:32633", "landmarks", "34N,"),
+        ("EPSG:32633", "track", "33M,"),
+        ("EPSG:32733", "landmarks", "33T,"),
+        ("EPSG:32633", "landmarks", "33N,NAD27"),
+        (None, "track", "33N,NAD83"),
+    ],
+)
+def test_a_datum_or_zone_of_another_system_is_refused(
+    crs: str | None, kind: str, cells: str, tmp_path: Path
+) -> None:
+    place = "x_m,y_m,z_m" if crs else "lat_deg,lon_deg,h_m"
+    first = "landmark" if kind == "landmarks" else "t_s"
+    (tmp_path / kind).write_text(f"{first},{place},utm_zone,Datum\n1,2,3,4,,\n2,2,3,5,{cells}\n")
+    with refused(VopdError):
+        read_by_content(FORMATS[kind], open_input(kind, tmp_path, crs=crs))
+
+
 @pytest.mark.parametrize(("kind", "first"), [("landmarks", "landmark"), ("track", "t_s")])
 def test_a_latitude_is_90_degrees_at_most(kind: str, first: str, tmp_path: Path) -> None:
     head = f"{first},h_m,lon_deg,lat_deg\n1,5,181,90\n"

@@ -228,6 +228,68 @@ def test_heights_from_the_ground_of_winds(name: str) -> None:
     assert read_text(TRACK_FORMATS, "t.csv", f"t_s,lat_deg,lon_deg,{name}\n1,2,3,4\n").from_ground
 
 
+SAID = {"landmarks": "height_msl", "track": "Ellipsoidal height"}
+"""Columns of heights of two levels."""
+GROUND = "{ ground_m = 400.0 }"
+
+
+@pytest.mark.parametrize(
+    ("section", "column", "height"),
+    [
+        ("landmarks", "h_m (ellipsoid)", '"egm2008"'),
+        ("landmarks", "ell_height", "{ undulation_m = 5 }"),
+        ("landmarks", "alt_amsl", '"ellipsoid"'),
+        ("landmarks", "alt_agl", '"ellipsoid"'),
+        ("track", "alt_agl", '"egm96"'),
+        ("track", "altitude_above_seaLevel", GROUND),
+        ("track", "HAE", GROUND),
+    ],
+)
+def test_a_height_of_another_level_than_its_column_says(
+    section: str, column: str, height: str, tmp_path: Path
+) -> None:
+    project = with_column(tmp_path, section, column, height)
+    with refused(VopdError):
+        read_flight(str(project))
+
+
+@pytest.mark.parametrize(
+    ("section", "column", "height"),
+    [
+        ("landmarks", "ellipsoidal height", '"ellipsoid"'),
+        ("landmarks", "alt_msl", "{ undulation_m = 45.0 }"),
+        ("landmarks", "alt_agl", "{ undulation_m = 400.0 }"),
+        ("track", "alt_agl", GROUND),
+    ],
+)
+def test_a_height_of_the_level_that_its_column_says(
+    section: str, column: str, height: str, tmp_path: Path
+) -> None:
+    assert read_flight(str(with_column(tmp_path, section, column, height))).name
+
+
+def test_one_level_that_is_not_stated_is_not_of_two_names(tmp_path: Path) -> None:
+    for section, column in SAID.items():
+        project = with_column(tmp_path, section, column, '"same"')
+    with refused(VopdError):
+        read_flight(str(project))
+    assert read_flight(str(with_column(tmp_path, "track", SAID["landmarks"], '"same"'))).name
+
+
+def with_column(folder: Path, section: str, column: str, height: str) -> Path:
+    """A project whose file of a section has heights of this name, and this `height`."""
+    project = folder / "flight.toml"
+    if not project.exists():
+        write_project(folder)
+    head, own, rest = project.read_text().partition(f"[{section}]\n")
+    before, _, after = rest.partition("height =")
+    project.write_text(f"{head}{own}{before}height = {height}\n{after.partition(chr(10))[2]}")
+    file = folder / f"{section}.csv"
+    head, _, rows = file.read_text().partition("\n")
+    file.write_text(f"{head.rpartition(',')[0]},{column}\n{rows}")
+    return project
+
+
 @pytest.mark.parametrize("name", ["Sigma_m", "SIGMA (m)", "sigma_m"])
 def test_standard_deviations_in_any_spelling(name: str) -> None:
     """A column `Sigma_m` was left out, and its positions counted as exact."""

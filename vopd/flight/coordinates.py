@@ -267,6 +267,34 @@ def units_of_crs(crs: str | None, where: str) -> tuple[list[AxisUnit], list[Axis
     return [], []
 
 
+UTM_ZONE = re.compile(r"(?:UTM ?)?0?(\d{1,2}) ?([C-HJ-NP-X]?)", re.I)
+WORLD = re.compile(r"(World Geodetic|European Terrestrial Reference) System|International Terr")
+"""Names of datums that are alike as far as WGS 84 itself is told."""
+
+
+def other_system(crs: str | None, cell: str, where: str) -> str:
+    """Say that a cell names another datum or UTM zone than a CRS has; empty for the same, or none.
+
+    Args:
+        crs: of coordinates; None for WGS 84 longitude and latitude
+        cell: of a column beside them
+        where: file or section, for errors
+    """
+    other = ""
+    with suppress(VopdError):  # it is no datum, or pyproj is not there
+        own, said = _crs(crs_name(crs or ELLIPSOIDAL), where), crs or "WGS 84"
+        if zone := UTM_ZONE.fullmatch(cell):
+            stated, band = own.utm_zone, zone[2].upper()  # S may be a band in the north, too
+            north = band in ("", "S") or (band >= "N") == (stated or "N").endswith("N")
+            if stated and (int(zone[1]) != int(stated[:-1]) or not north):
+                other = f"{cell} is not the zone of {said}"
+        elif cell:
+            pair = [own.geodetic_crs.datum.name, _crs(cell, where).geodetic_crs.datum.name]
+            if len({"world" if WORLD.match(one) else one for one in pair}) > 1:
+                other = f"{cell} is not the datum of {said}"
+    return f"{other}: give the crs of these coordinates, or remove the column" if other else ""
+
+
 def other_angle(crs: str | None, where: str) -> str:
     """Name the unit of latitude and longitude of a CRS that does not count in degrees; or nothing.
 

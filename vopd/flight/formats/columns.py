@@ -60,6 +60,13 @@ LEVEL = re.compile(
     r"|above(_[a-z]+){0,9}?(?=_(m|ft|feet)$|$))(?=_|$)"
 )
 """Words of the name of a height alone: what it is counted from, which the project says."""
+FROM_GROUND = re.compile(
+    r"(^|_)(rel|relative|agl|above_([a-z]+_)?(ground|take_?off|home|launch|pad))(?=_|$)"
+)
+FROM_ELLIPSOID = re.compile(r"(^|_)(ell|ellh|ellipsoid(al)?|hae)(?=_|$)")
+FROM_SEA = re.compile(r"(^|_)(asl|h?a?msl|orthometric|geoid|sea_?level)(?=_|$)")
+"""Words of the name of a height that say its level: the ground or the place of the take-off, the
+ellipsoid, or the sea."""
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")
 COORDINATES = (*PLANE, *GEODETIC)
 DEGREES = ("lat_deg", "lon_deg")

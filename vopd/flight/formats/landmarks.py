@@ -20,6 +20,7 @@ from vopd.flight.coordinates import (
     crs_is_geographic,
     crs_name,
     other_angle,
+    other_system,
     units_of_crs,
 )
 from vopd.flight.formats.by_content import InputFormat
@@ -44,6 +45,7 @@ class LandmarkRows:
     said: str
     sigma_by: str = ""  # the columns of `sigma_m`
     names_units: bool = False  # of heights, by their column
+    heights: str = ""  # that column, as the file names it
     patch_px: Floats | None = None  # (N,) side of the patch of `vopd track`; NaN where not given
     doubts: Sequence[str] = ()  # sentences for warnings
 
@@ -144,14 +146,23 @@ def has_latitudes(table: CsvTable) -> bool:
     return crs is None or crs_is_geographic(crs_name(crs), table.file.name)
 
 
+SYSTEM = re.compile(r"^\W*((geodetic|horizontal)[ _])?datum\W*$|^\W*(utm[ _-]?)?zone\W*$", re.I)
+"""Names of columns that say the system of the coordinates."""
+
+
 def coordinates_of(table: CsvTable, geodetic: bool) -> Floats:
     """Read longitude, latitude and height, or x, y and z of a grid, in the units of its axes.
 
     Raises:
-        VopdError: where the name of a column has another unit than the grid
+        VopdError: where a column is of another unit, datum or zone than the grid
     """
     columns = coordinate_columns(geodetic)
     coordinate = np.stack([table.numbers(column) for column in columns], axis=1)
+    for name in filter(SYSTEM.match, table.header if geodetic or table.file.crs else ()):
+        cells = table.column(name)
+        for cell in dict.fromkeys(cells):
+            if other := other_system(table.file.crs, cell, table.file.name):
+                raise table.error(other, cells.index(cell), name)
     if geodetic and (other := other_angle(table.file.crs, table.file.name)):
         raise table.file.error(
             f"{table.file.crs} counts in {other}, and columns lat_deg and lon_deg are degrees: "
@@ -205,6 +216,7 @@ def read_csv_landmarks(file: InputFile) -> LandmarkRows:
         f"CSV{table.read_as}",
         sigma_columns(table),
         names_units=True,
+        heights=table.heights,
         patch_px=_patches(table),
     )
 

@@ -32,6 +32,7 @@ from vopd.flight.formats.columns import (
     DATES,
     DEGREES,
     FEET,
+    FROM_GROUND,
     HEIGHTS,
     HEIGHTS_FT,
     IN_FEET,
@@ -68,10 +69,6 @@ from vopd.inputs import (
 MANY_UNUSED = 12  # columns that are listed
 LIKE_HEIGHT = re.compile(r"(^|_)(h|z|alt\w*|elev\w*|height|high)(_|$)")
 OTHER_SPEED = re.compile(r"(?:km_?h|kmph|kph|mph)$")
-FROM_GROUND = re.compile(
-    r"(^|_)(rel|relative|agl|above_([a-z]+_)?(ground|take_?off|home|launch|pad))(?=_|$)"
-)
-"""Words of the name of a height that say the ground, or the place of the take-off."""
 ONE_OF = TIME[::-1], ("image", "frame")
 """Columns of which the first that is there is read."""
 DATE = re.compile(r"\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}")
@@ -443,7 +440,12 @@ class CsvTable:
     @property
     def from_ground(self) -> str:
         """The column of heights from the ground, as the file names it; empty if there is none."""
-        there = [name for name in HEIGHTS if FROM_GROUND.search(self._own_name(name))]
+        return self.heights if FROM_GROUND.search(plain_name(self.heights)) else ""
+
+    @property
+    def heights(self) -> str:
+        """The column of heights, as the file names it; empty if there is none."""
+        there = [name for name in HEIGHTS if self.own and self.has(name)]
         return self.own[self.header.index(there[0])] if there else ""
 
     def _own_name(self, name: str) -> str:

@@ -83,6 +83,7 @@ class TrackRows:
     whole_seconds: bool = False  # times without parts of a second, though a camera took them
     image_key: Callable[[str], str] = str  # what stands in `image` for the name of an image
     names_units: bool = False  # of heights, by their column
+    heights: str = ""  # that column, as the file names it
     by_video: bool = False  # seconds after the first frame of the video that it came with
     doubts: Sequence[str] = ()  # sentences for warnings
 
@@ -179,6 +180,7 @@ def read_csv_track(file: InputFile) -> TrackRows:
         velocity_sigma_m_s=velocity_sigma if velocity_sigma is None else velocity_sigma[new],
         from_ground=table.from_ground,
         names_units=True,
+        heights=table.heights,
         doubts=doubts,
     )
 

@@ -416,12 +416,14 @@ def _refuse_changed(
     """Refuse files that are not those of which the covariance speaks, and other values of keys."""
     files = files_spoken_of(project)
     now = digests({key: one.path for key, one in files.items()})
-    now |= {key: one for key, one in found.digest.items() if key == VALUES}  # checked in `with_held`
+    now |= {
+        key: one for key, one in found.digest.items() if key == VALUES
+    }  # checked in `with_held`
     of_files = {f"[{name}] {key}" for name, key in SPEAKS_OF}
     if {*found.digest} - of_files:  # earlier versions spoke of files alone
         now |= digests_of_keys({name: one.values for name, one in project.sections.items()})
     for key in dict.fromkeys((*files, *found.digest, *now)):
-        if now.get(key) == found.digest.get(key):
+        if now.get(key) == found.digest.get(key) or key == VALUES:  # see `with_held`
             continue
         if key not in now:
             what = f"{key} is not in the project any more"

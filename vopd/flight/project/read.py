@@ -58,7 +58,13 @@ from vopd.flight.project.stated import (
     row_sigmas,
 )
 from vopd.flight.project.times import FrameTimes, frames_of, number_frames
-from vopd.flight.project.track import covering_text, height_datum, read_path
+from vopd.flight.project.track import (
+    covering_text,
+    height_datum,
+    level_said,
+    read_path,
+    refuse_other_level,
+)
 from vopd.flight.project.unused import unused_keys
 from vopd.flight.solve.free import check_free
 from vopd.flight.solve.readout import frame_interval_s
@@ -294,7 +300,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     path = read_path(with_stated_offset(project), times)
     times = path.times
     refuse_missing(project, notes.missing | path.missing)
-    _one_datum(project)
+    _one_datum(project, rows.heights, path.heights)
 
     def label(k: int) -> str:
         return "all frames" if one else times.image[k] if times.image else f"frame {number[k]}"
@@ -350,7 +356,10 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         )
     findings += [Finding(doubt, name, severity="warning") for doubt in doubts]
     findings += frames_uncovered(project, camera, times, label)
-    findings += [Finding(one, name, severity="warning") for one in unused_keys(project, camera_lens.leaves_out)]
+    findings += [
+        Finding(one, name, severity="warning")
+        for one in unused_keys(project, camera_lens.leaves_out)
+    ]
     refraction = refraction_of(project.section("atmosphere"))
     offset_s = project.section("track").number("offset_s") if project.has("track") else 0.0
     flight = Flight(
@@ -445,6 +454,7 @@ def _landmarks(project: Project, notes: Notes) -> tuple[LandmarkRows, LandmarkSe
         raise file.error(f"{name} has two positions{where}")
     crs = landmark_crs(section, rows)
     datum = height_datum(section)
+    refuse_other_level(section, rows.heights)
     where = f"{section.project}: [landmarks]"
     position = earth_centred_positions(rows.coordinate, rows.geodetic, crs, datum, where)
     check = set(_known_names(project.section("solve"), "check_landmarks", rows.name))
@@ -489,8 +499,14 @@ def _known_names(section: Section, key: str, known: list[str]) -> tuple[str, ...
     return found
 
 
-def _one_datum(project: Project) -> None:
-    """Refuse heights of one unknown datum on one side only."""
+def _one_datum(project: Project, of_landmarks: str, of_track: str) -> None:
+    """Refuse heights of one unknown datum on one side only, or in columns of two levels.
+
+    Args:
+        project: its sections
+        of_landmarks: the column of their heights, as the file names it
+        of_track: likewise of the camera
+    """
     where = "track" if project.has("track") else "position"
     given = [project.section(name).values.get("height") for name in ("landmarks", where)]
     from_ground = isinstance(given[1], dict) and "ground_m" in given[1]
@@ -498,6 +514,13 @@ def _one_datum(project: Project) -> None:
     if same[0] != same[1] and not from_ground:
         raise project.section("landmarks" if same[0] else where).error(
             "height", f'"same" must stand in [landmarks] and in [{where}], or in neither'
+        )
+    levels = [level_said(one) for one in (of_landmarks, of_track)]
+    if all(same) and all(levels) and levels[0] != levels[1]:
+        raise project.section(where).error(
+            "height",
+            f'"same", and by their names column {of_landmarks} of the landmarks counts from '
+            f"{levels[0]}, and column {of_track} from {levels[1]}: say which with each",
         )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from vopd.arrays import Bools, Floats, Ints
 from vopd.findings import count_text, first_of, size_text
 from vopd.flight.coordinates import (
+    GEOIDS,
     HeightDatum,
     crs_name,
     doubt_of_heights,
@@ -20,7 +21,13 @@ from vopd.flight.coordinates import (
     units_of_crs,
 )
 from vopd.flight.flight import LEAPS, CameraPath, TrackFixes, TrackSlopes
-from vopd.flight.formats.columns import coordinate_columns
+from vopd.flight.formats.columns import (
+    FROM_ELLIPSOID,
+    FROM_GROUND,
+    FROM_SEA,
+    coordinate_columns,
+    plain_name,
+)
 from vopd.flight.formats.tables import COMMENTS
 from vopd.flight.formats.track import TRACK_FORMATS, VELOCITY_SIGMAS, TrackRows, row_out_of_order
 from vopd.flight.project.keys import Project, Section, toml_numbers
@@ -367,6 +374,7 @@ class PathRead(NamedTuple):
     times: FrameTimes  # of the frames, those of a track by image included
     doubts: list[str]
     missing: dict[tuple[str, str], str]
+    heights: str = ""  # the column of a track's heights, as the file names it
 
 
 def height_datum(section: Section, landmarks: Section | None = None) -> HeightDatum | None:
@@ -387,6 +395,40 @@ def height_datum(section: Section, landmarks: Section | None = None) -> HeightDa
             raise section.error("height", ONE_LEVEL if datum is not None else NO_LEVEL)
         return replace(datum, ground_m=inside.number("ground_m"))
     return HeightDatum(section.text("height"))
+
+
+LEVELS = (
+    (FROM_GROUND, "the ground", ("ground_m", "undulation_m", "same"), "{ ground_m = ... }"),
+    (FROM_ELLIPSOID, "the ellipsoid", ("ellipsoid", "same"), '"ellipsoid"'),
+    (FROM_SEA, "the sea", ("undulation_m", *GEOIDS, "same"), '{ undulation_m = ... } or "egm2008"'),
+)
+"""Words of a height's name, what they say, which `height` agrees with them, and what to write."""
+
+
+def level_said(heights: str) -> str:
+    """Say what heights count from by the name of their column; empty if it does not say it."""
+    name = plain_name(heights)
+    return next((said for words, said, *_ in LEVELS if words.search(name)), "")
+
+
+def refuse_other_level(section: Section, heights: str) -> None:
+    """Refuse a `height` that is not the level that the column of heights has in its name.
+
+    Args:
+        section: of the file
+        heights: the column, as the file names it; empty if there is none
+    """
+    given = section.values.get("height")
+    kinds = [*given] if isinstance(given, dict) else [given]
+    for _, said, agree, write in LEVELS:
+        if given is not None and level_said(heights) == said and not {*kinds} & {*agree}:
+            if section.name == "landmarks" and "ground_m" in agree:
+                write = "{ undulation_m = ... } with the ground's height above the ellipsoid"
+            raise section.error(
+                "height",
+                f"column {heights} of {section.text('file')} counts from {said} by its name: "
+                f"write {write}, or rename the column if its name is wrong",
+            )
 
 
 def read_path(project: Project, times: FrameTimes) -> PathRead:
@@ -434,7 +476,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         )
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
-    return PathRead(path, notes.said, times, doubts, notes.missing)
+    return PathRead(path, notes.said, times, doubts, notes.missing, rows.heights)
 
 
 def track_height(
@@ -442,6 +484,7 @@ def track_height(
 ) -> HeightDatum | None:
     """Choose the datum of a track's heights, by its format or by the project."""
     given = height_datum(section, landmarks)
+    refuse_other_level(section, rows.heights)
     if given is None and rows.from_ground and not section.has("crs"):
         raise section.error("height", f"is needed: {rows.asks_ground}")
     if rows.height is None:
