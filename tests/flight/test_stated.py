@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -255,6 +256,27 @@ def test_the_keys_of_coefficients_are_those_that_the_lens_has(
 def left_out(one: Flight) -> Mapping[str, str]:
     """The errors that could be stated, and where."""
     return flight_words(solve(one)).sigma_keys
+
+
+def test_a_weave_that_the_noise_of_positions_hides_is_left_out(tmp_path: Path) -> None:
+    """One of 6 m in 12 s moves by 3.1 m/s, across the track's 20.7 at most."""
+    read = flight(tmp_path)
+    assert read.path.weave is not None and "weaving" not in left_out(read)  # of exact positions
+
+    def with_weave(size_m: float, sigma_m_s: float, **more: Any) -> Flight:
+        sigma = np.full((5, 3), sigma_m_s)
+        path = replace(read.path, weave=(size_m, 12.0), velocity_sigma_m_s=sigma, **more)
+        return replace(read, path=path)
+
+    assert_approved(left_out(with_weave(6.0, 2.2))["weaving"])
+    wind = np.tile([20.0, 0.0], (5, 1))
+    assert_approved(left_out(with_weave(6.0, 2.2, wind_m_s=wind))["weaving"])
+    assert "weaving" not in left_out(with_weave(6.0, 2.3))  # the fit is as unsure itself
+    assert "weaving" not in left_out(with_weave(0.0005, 0.0))
+    unknown = np.full((5, 3), np.nan)
+    assert "weaving" not in left_out(with_weave(6.0, 2.2, velocity_m_s=unknown))
+    own = flight(tmp_path, ('sigma_t_s = "exact"', 'sigma_t_s = "exact"\nvelocity_sigma_m_s = 1'))
+    assert own.path.weave is None
 
 
 def test_exact_velocities_are_exact_where_the_track_ends_before_the_frames(tmp_path: Path) -> None:

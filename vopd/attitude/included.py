@@ -181,7 +181,12 @@ def largest_component(history: History) -> str:
 
 
 OF_VEHICLE = "yaw, pitch and roll"
-ATTACK_ALONE = ("velocity", "wind")  # move the angles of attack, which a mean does not have
+WEAVING = "weaving"  # of the path, which the noise of its positions hides; only ever left out
+ATTACK_ALONE = (
+    "velocity",
+    "wind",
+    WEAVING,
+)  # move the angles of attack, which a mean does not have
 LEAST_DEG = 0.0001  # smaller errors are told without their size
 OF_ATTACK = 100.0  # times the vehicle's: an error of the angles of attack
 TELLS = 0.1  # of the largest error of the vehicle's angles: one that is told beside those of attack
@@ -255,9 +260,11 @@ def left_out(blocks: Iterable[Estimate], components: Collection[str]) -> list[st
         moves |= bool(np.nan_to_num(one.responses.time).any())
         if attack and moves:
             break
-    without_effect = {"time": not moves, "velocity": not attack, "wind": not attack}
+    without_effect = {"time": not moves, **dict.fromkeys(ATTACK_ALONE, not attack)}
     return [
-        name for name in INPUTS if name not in components and not without_effect.get(name, False)
+        name
+        for name in (*INPUTS, WEAVING)
+        if name not in components and not without_effect.get(name, False)
     ]
 
 

@@ -336,6 +336,8 @@ class CameraPath:
     )
     row_s: Floats | None = None  # (T,) a track's times on the frames' clock; None: it has none
     of_position: bool = False  # whether `[position]` states it, and no track
+    weave: tuple[float, float] | None = None
+    """Amplitude, m, and period, s, of one that the velocity misses; None: it is no fitted one."""
 
     def later(self, late_s: Floats) -> CameraPath:
         """Take velocities of frames that are later than they say; the positions stay.

@@ -8,10 +8,11 @@ import numpy as np
 
 from vopd.arrays import Floats
 from vopd.attitude.conventions import POSITION
+from vopd.attitude.included import WEAVING
 from vopd.estimate import Words
 from vopd.findings import count_text, first_of, size_text
 from vopd.flight.angles import camera_angles
-from vopd.flight.flight import Flight, Refraction
+from vopd.flight.flight import CameraPath, Flight, Refraction
 from vopd.flight.solve.clicks import ClickEquations
 from vopd.flight.solve.equations import coefficients_of
 from vopd.flight.solve.errors import covariance_of_common
@@ -19,6 +20,7 @@ from vopd.flight.solve.free import COMMON, free_text
 from vopd.flight.solve.joint import JointSolution
 from vopd.flight.solve.lines_of_sight import sight_lines
 from vopd.flight.solve.rotations import SolvedFlight, pick_errors_px
+from vopd.geometry.linear import norm
 from vopd.geometry.rotations import FORWARD, from_yaw_pitch_roll, rotation_vectors_deg
 
 # Comparison with the gimbal's angles, which are never used in a solve
@@ -257,7 +259,32 @@ def _sigma_keys(solved: SolvedFlight) -> dict[str, str]:
                 f"[atmosphere] refraction: the standard one raises lines of sight by "
                 f"{size_text(raised_deg)} degree at most"
             )
+    if hidden := _hidden_weave_text(flight.path):
+        keys[WEAVING] = hidden
     return keys
+
+
+LEAST_WEAVE_M = 1e-3  # of exact positions: their rounding hides less
+
+
+def _hidden_weave_text(path: CameraPath) -> str:
+    """Describe a weave that the noise of a track's positions hides; nothing where it is small."""
+    if path.weave is None or path.velocity_m_s is None or path.velocity_sigma_m_s is None:
+        return ""
+    (amplitude_m, period_s), toward = path.weave, path.velocity_m_s.copy()
+    if path.wind_m_s is not None:
+        toward[:, :2] -= path.wind_m_s
+    speed_m_s, sigma_m_s = norm(toward), path.velocity_sigma_m_s.max(axis=1)
+    known, most_m_s = np.isfinite(speed_m_s * sigma_m_s), 2.0 * np.pi * amplitude_m / period_s
+    if amplitude_m < LEAST_WEAVE_M or not known.any():
+        return ""
+    if most_m_s < np.sqrt(2.0) * np.median(sigma_m_s[known]):
+        return ""
+    moved_deg = degrees(atan2(most_m_s, np.median(speed_m_s[known])))
+    return (
+        f"[track] with vn_m_s, ve_m_s, vd_m_s: {size_text(amplitude_m)} m in {size_text(period_s)} "
+        f"s, which the noise of its positions hides, is {size_text(moved_deg)} degree"
+    )
 
 
 LEAST_RAISED_DEG = 0.001  # by refraction that is left out: less is not named

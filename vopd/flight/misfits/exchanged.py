@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations, permutations
-from math import comb, factorial
+from math import comb, e, factorial
 from typing import NamedTuple
 
 import numpy as np
@@ -155,7 +155,7 @@ class _Trial(NamedTuple):
     def ways(self) -> float:
         """In how many ways as many of the frame's labels are exchanged."""
         count = len(self.moved)
-        return comb(int(self.used.sum()), count) * round(factorial(count) / np.e)
+        return comb(int(self.used.sum()), count) * round(factorial(count) / e)
 
     def without(self, pick: int) -> _Trial:
         """Leave out a pick."""

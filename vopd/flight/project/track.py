@@ -51,6 +51,7 @@ from vopd.flight.project.velocity import (
     doubts_of_velocities,
     gap_curvature,
     gap_twist,
+    hidden_weave,
     off_chord,
     off_line,
     path_slopes,
@@ -228,13 +229,14 @@ def path_by_image(
     missing = (found < 0)[:, None]
     here = np.where(missing, np.nan, position[found])
     sigma_m, sigma_m_s = track_sigma(section, rows, notes), velocity_sigma(section, rows, notes)
-    velocity, acceleration = rows.velocity_m_s, None
+    velocity, acceleration, weave = rows.velocity_m_s, None, None
     order = order_of_times(time_s, rows.whole_seconds)
     if time_s is not None and len(order):
         at_s, at_m = time_s[order], position[order]
         own, own_sigma = (None if one is None else one[order] for one in (velocity, sigma_m_s))
         rough = track_roughness(at_s, at_m, sigma_m[order])
         by_time = path_velocity(at_s, at_m, at_s, at_m, rough, own, own_sigma, notes)
+        weave = hidden_weave(at_s, rough) if own is None and own_sigma is None else None
         of_rows = np.full((3, *position.shape), np.nan)
         for every, one in zip(of_rows, by_time, strict=True):
             every[order] = np.nan if one is None else one
@@ -260,6 +262,7 @@ def path_by_image(
         acceleration_m_s2=of_images(acceleration),
         lever_arm_m=lever_arm(section),
         gimbal_deg=gimbal,
+        weave=weave,
     )
 
 
@@ -576,6 +579,7 @@ def path_by_time(
     velocity, acceleration, of_frames = path_velocity(
         at, here, time_s, position, rough, velocity_m_s, sigma_m_s, notes
     )
+    weave = hidden_weave(time_s, rough) if velocity_m_s is None and sigma_m_s is None else None
     unknown = ~inside[:, None]
     key_sigma(section, "sigma_t_s", "", notes)
     fixes = path_errors(at, inside, time_s, position, sigma_m, rough, way)
@@ -590,6 +594,7 @@ def path_by_time(
         np.where(unknown, np.nan, acceleration),
         lever_arm_m=lever_arm(section),
         row_s=time_s,
+        weave=weave,
     )
 
 

@@ -196,6 +196,20 @@ def _local_sums(each: Floats) -> Floats:
     return np.asarray(total[..., first + width] - total[..., first])
 
 
+HIDDEN_STEPS = 12  # between fixes: as quick a weave as wide as their noise is averaged away
+
+
+def hidden_weave(time_s: Floats, rough: Roughness) -> tuple[float, float]:
+    """Find the amplitude, m, and the period, s, of a weave that third differences do not show.
+
+    Args:
+        time_s: of the fixes, ascending, (T,)
+        rough: noise of the track
+    """
+    noise_m = np.nan_to_num(np.median(rough.noise_m, axis=0)).max()
+    return float(noise_m), float(HIDDEN_STEPS * np.median(np.diff(time_s)))
+
+
 # Velocity by polynomials through the fixes about a time
 
 FITS = (
