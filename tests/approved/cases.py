@@ -258,18 +258,24 @@ def _place(folder: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _quick_figures(of_pages: bool) -> Iterator[None]:
-    """Figures without layout, which takes most of the time; of a picture only the size is made.
+    """Figures without layout, which takes most of the time: what is drawn in them in place of SVG.
+
+    Of other pictures only the size is made.
 
     Args:
         of_pages: whether only reports have figures, which are not compared
     """
     from matplotlib.figure import Figure
 
+    from tests.kit.drawn import described
+
     save = Figure.savefig
 
-    def saved(figure: Figure, *args: Any, **options: Any) -> None:
-        drawn = options["format"] == "svg" and not of_pages
-        save(figure if drawn else Figure(figure.get_size_inches()), *args, **options)
+    def saved(figure: Figure, file: Any, **options: Any) -> None:
+        if options["format"] == "svg" and not of_pages:
+            file.write("\n".join([*described(figure), ""]).encode())
+        else:
+            save(Figure(figure.get_size_inches()), file, **options)
 
     engine = "matplotlib.layout_engine.ConstrainedLayoutEngine.execute"
     with patch(engine, lambda *_: None), patch.object(Figure, "savefig", saved):

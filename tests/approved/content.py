@@ -24,9 +24,8 @@ def content(data: bytes) -> str:
     """Describe an output by lines of text.
 
     Arrays of a .npz, columns of a Parquet file and records of tape 10 become lines of names and
-    numbers, a picture or a video its size, an SVG its texts but for the
-    numbers along its axes, a page itself without its figures, style and script, which are
-    `page.css` and `page.js` of vopd/report. Anything else is its text.
+    numbers, a picture or a video its size, a page itself without its figures, style and script,
+    which are `page.css` and `page.js` of vopd/report. Anything else is its text.
     """
     if data.startswith(b"PK\3\4"):
         return _npz(data)
@@ -42,12 +41,6 @@ def content(data: bytes) -> str:
     if data.startswith(TAPE_MARK) and len(data) % 64 == 0:
         return _tape10(data)
     text = data.decode("utf-8", "backslashreplace")
-    if text.startswith("<?xml") and "<svg" in text:
-        size = re.findall(r'<svg[^>]* viewBox="([^"]*)"', text)
-        texts = [
-            one for one in re.findall(r"<text[^>]*>(.*?)</text>", text) if re.search("[a-z]", one)
-        ]
-        return "\n".join(["SVG", *size, *texts, ""])
     return LEFT_OUT.sub(_left_out, text)
 
 

@@ -112,7 +112,8 @@ def _draw(figure: Any, history: History, scene: JobScene, read: Photograph) -> s
             told = short_start(PurePath(history.estimate.frame_label(one.k)).stem, FRAME_SHOWN)
             if first is None:
                 first = patch
-                low, high = np.nanpercentile(first, (1, 99)) + np.array([-20.0, 20.0])
+                if np.isfinite(first).any():
+                    low, high = np.nanpercentile(first, (1, 99)) + np.array([-20.0, 20.0])
             else:
                 told += f"  {_correlation(first, patch):.2f}" if found else " not found"
             scaled = np.clip((patch - low) / max(high - low, 1.0), 0.0, 1.0)

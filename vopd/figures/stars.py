@@ -268,9 +268,8 @@ def _draw_sky(
             linestyles="solid",
         )  # fmt: skip
         before = len(taken)
-        for parts in lines.allsegs:
-            line = np.vstack([np.zeros((0, 2)), *parts])
-            taken = np.vstack([taken, _clear_points(line, taken, corners)])
+        for path in lines.get_paths():
+            taken = np.vstack([taken, _clear_points(path.vertices, taken, corners)])
         at = taken[before:].tolist()
         labels = axis.clabel(lines, fmt={one: name(one) for one in levels}, fontsize=7, manual=at)
         for one in labels:
