@@ -259,6 +259,31 @@ def test_the_landmark_that_was_chosen_is_known_by_its_name(opened: Any) -> None:
     assert opened.execute_script("return names[landmark]") == "old"
 
 
+@pytest.mark.parametrize(
+    "kept",
+    [
+        "{", "7", '"text"', "[]", '{"picks": 3}',
+        '{"names": ["mast"], "picks": {}, "hidden": [], "frame": 0, "landmark": 0}',
+        '{"names": [5], "picks": [], "hidden": [], "frame": 0, "landmark": 0}',
+        '{"names": ["mast"], "picks": [null], "hidden": [], "frame": 0, "landmark": 0}',
+        '{"names": ["mast"], "picks": [{"frame": 0, "landmark": "mast"}], "hidden": [], '
+        '"frame": 0, "landmark": 0}',
+        '{"names": ["mast"], "picks": [], "hidden": [{"frame": 99, "landmark": "mast"}], '
+        '"frame": 0, "landmark": 0}',
+        '{"names": ["mast"], "picks": [], "hidden": [], "frame": 99, "landmark": 0}',
+    ],
+)  # fmt: skip
+def test_damaged_storage_is_left_aside(opened: Any, kept: str) -> None:
+    """The page starts as it was made, and keeps what is picked then."""
+    before = opened.execute_script("return [names, picks, hidden, frame, landmark]")
+    opened.execute_script("localStorage.setItem(place, arguments[0])", kept)
+    opened.refresh()
+    wait_for_picture(ready(opened))
+    assert opened.execute_script("return [names, picks, hidden, frame, landmark]") == before
+    press(opened, Keys.ENTER)
+    assert len(rows(opened)) == 1
+
+
 def test_nothing_is_picked_before_the_image_is_there(opened: Any) -> None:
     opened.execute_script("choose(1); put(5, 5)")
     assert rows(opened) == []

@@ -202,12 +202,13 @@ def test_hostile_names_stay_text(where: str) -> None:
 
 @pytest.mark.usefixtures("no_figures")
 def test_control_characters_are_written_as_escapes() -> None:
-    """HTML has none but tabs and ends of lines."""
+    """HTML has none but tabs and ends of lines; others turn the text that follows around."""
     (one,) = histories("appendix_h/case4")
-    control = "".join(map(chr, (*range(9), 11, 12, *range(14, 32), *range(127, 160))))
+    turning = "\u202e\u2066"
+    control = "".join(map(chr, (*range(9), 11, 12, *range(14, 32), *range(127, 160)))) + turning
     text, _ = page([about(one, source=f"a{control}b\t")], [f"c{control}d\n"])
     assert not {*control} & {*text} and "\t" in text
-    escaped = "".join(f"\\x{ord(c):02x}" for c in control)
+    escaped = "".join(f"\\x{ord(c):02x}" for c in control[: -len(turning)]) + r"\u202e\u2066"
     assert f"a{escaped}b\t" in text and f"c{escaped}d\n" in text
 
 

@@ -173,6 +173,12 @@ ADVICE: list[tuple[str, dict[str, Any], tuple[str, ...], bool, list[str]]] = [
         "px", PX, ("focal", "centre", "k1"), False,
         ["--focal-px 123.457", "--free centre", "--k1 -0.01235", "--free focal,centre,k1"],
     ),
+    (
+        "mm", {"free": ("focal", "centre")}, ("focal", "k1"), True,
+        ["--focal 123.5", "--k1 -0.01235", "--free focal,centre,k1"],
+    ),
+    ("mm", {"free": ("k1",)}, ("centre",), True, ["x 1.235, y -2.346 mm", "--free centre,k1"]),
+    ("mm", {"free": ("k1",)}, ("k1",), True, ["--k1 -0.01235"]),
 ]  # fmt: skip
 """The numbers of each advice: those of `LENS`, in the axes and units of the camera."""
 

@@ -1177,6 +1177,19 @@ def test_whole_numbers_are_numbers() -> None:
     assert read_corr_fits(page.getvalue(), "a").image.tolist() == [[1.0, 1.0], [2.0, 2.0]]
 
 
+def test_whole_numbers_that_stand_for_none() -> None:
+    """TNULL is of numbers as they are stored, before TSCAL and TZERO."""
+    fits = pytest.importorskip("astropy.io.fits")
+    columns = [fits.Column(name, "J", array=np.array([1, 2])) for name in ROWS]
+    plain = fits.Column("mag", "I", array=np.array([5, -99]), null=-99)
+    moved = fits.Column("mag", "I", array=np.array([32773, 32669]), null=-99, bzero=32768)
+    for magnitude in (plain, moved):
+        page = io.BytesIO()
+        fits.BinTableHDU.from_columns([*columns, magnitude]).writeto(page)
+        found = read_corr_fits(page.getvalue(), "a").magnitude
+        assert found is not None and np.isnan(found).tolist() == [False, True]
+
+
 WRONG_TABLES = {
     "x": {"field_x": [np.nan, 1.0]},
     "y": {"field_y": [1.0, np.inf]},

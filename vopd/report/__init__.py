@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
-import re
 from collections.abc import Callable, Sequence
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -24,7 +23,7 @@ from vopd.attitude.summary import where_text
 from vopd.figures import FIGURES, draw, drawn_jobs, figure_names, left_out_text
 from vopd.figures.adjust import draw_adjusted
 from vopd.figures.style import ready, svg
-from vopd.files import optional_package
+from vopd.files import optional_package, readable
 from vopd.findings import VopdError, count_text
 from vopd.report.answer import MOST, Sigma, angle_table, doubts, not_included, sigmas_in_force
 from vopd.report.frames import (
@@ -177,12 +176,9 @@ def page_template(name: str) -> Template:
     return template
 
 
-CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")  # which no page may have
-
-
 def _readable(value: object) -> object:
-    """Write control characters of a text, as in the name of a landmark, as \\x1b."""
-    return CONTROL.sub(lambda c: f"\\x{ord(c[0]):02x}", value) if type(value) is str else value
+    """Write the control characters of a text, as of a landmark's name, as on a terminal."""
+    return readable(value) if type(value) is str else value
 
 
 def style_and_script(name: str = "page") -> dict[str, str]:

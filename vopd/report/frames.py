@@ -18,6 +18,7 @@ from vopd.export.tables import as_text
 from vopd.figures.attitude import TOLD_BY, shows_attack
 from vopd.figures.image import camera_index, film_ends, film_frames, horizon_dip_deg, toward
 from vopd.figures.map import MISSED, ground, rise_m
+from vopd.files import readable
 from vopd.findings import count_text
 from vopd.geometry.earth import geodetic, local_axes
 from vopd.scene import FilmView, JobScene, Views
@@ -85,11 +86,8 @@ def _encoded(value: Any) -> str:
         return "{" + ",\n".join(inside) + "}"
     if isinstance(value, list):
         return "[" + ",".join(map(_encoded, value)) + "]"
-    return json.dumps(value, ensure_ascii=False).translate(CONTROL)
-
-
-CONTROL = {code: f"\\u{code:04x}" for code in range(0x7F, 0xA0)}
-"""Control characters that JSON may have as they are, and a page may not."""
+    value = readable(value) if isinstance(value, str) else value
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _numbers(values: Floats | Ints, decimals: int = 0) -> Token:
@@ -152,7 +150,7 @@ def frame_columns(histories: Sequence[History]) -> list[dict[str, Any]]:
         else:
             if values[column.name].dtype.kind == "f":
                 about["decimals"] = "e" if column.decimals is None else column.decimals
-            cells = (one if _is_number(one) else json.dumps(one) for one in texts)
+            cells = (one if _is_number(one) else _encoded(one) for one in texts)
             tokens = Token("[" + ",".join(one if one != '""' else "null" for one in cells) + "]")
             if tokens in known and "e" not in str(about.get("decimals")):
                 about["same"] = known[tokens]

@@ -12,12 +12,17 @@ let cross = [0, 0], picture = null, dragged = null, seen = null, exchange = null
 
 // What is kept: in the browser's own storage after each change, so that closing the page loses nothing
 
+const isText = one => typeof one === "string";
+const isFrame = one => Number.isInteger(one) && one in data.frames;
+const arePoints = (list, ...axes) => list.every(one => (isFrame(one.frame) || isText(one.frame)) && isText(one.landmark) && axes.every(axis => Number.isFinite(one[axis])));
+
 function restore() {
   try {
     const kept = JSON.parse(localStorage.getItem(place));
     if (!kept) return data.places.length ? data.places[0].frame : 0;
-    ({ picks, hidden } = kept);
+    if (!(kept.names.every(isText) && arePoints(kept.picks, "u", "v") && arePoints(kept.hidden) && isFrame(kept.frame))) return 0;
     names = [...new Set([...names, ...kept.names])];
+    ({ picks, hidden } = kept);
     landmark = Math.max(names.indexOf(kept.names[kept.landmark]), 0);
     part("kept").textContent = picks.length + (picks.length === 1 ? " pick" : " picks") + " restored";
     return kept.frame;

@@ -528,9 +528,8 @@ IDENTIFIED_UNDATED = (
     "ICRF axes (J2000), stars identified in Gaia DR3 and Hipparcos, at 2000.0: no aberration or "
     "refraction"
 )
-EQUINOX_OF = "the true equator and equinox of "
 DATED = (
-    f"ICRF axes (J2000), and where it says of date {EQUINOX_OF}{{moment}}; "
+    "ICRF axes (J2000), and where it says of date the true equator and equinox of {moment}; "
     "stars of {source}, seen with {effects}"
 )
 """What right ascensions and declinations refer to."""
@@ -569,11 +568,16 @@ def sky_directions(file: StarFile, sky: SkyRequest, report: Report) -> FileSky:
     if frame.pressure_mbar > 0.0:
         effects = "aberration, light deflection and refraction"
     epoch = DATED.format(
-        moment=sky.utc.astimezone(UTC).isoformat().replace("+00:00", "Z"),
+        moment=moment_text(sky.utc),
         source=SOURCES.get(file.kind, "the file, without proper motion"),
         effects=effects,
     )
     return FileSky(directions, frame, epoch, stars.magnitude)
+
+
+def moment_text(utc: datetime) -> str:
+    """Write a moment as the results have it."""
+    return utc.astimezone(UTC).isoformat().replace("+00:00", "Z")
 
 
 def _below_horizon(file: StarFile, altitude_deg: Floats) -> Finding:

@@ -334,7 +334,6 @@ def recognises_gpx(file: InputFile) -> bool:
 
 
 NUMBERS_OF_GPX = "ele", "hdop", "vdop", "pdop"
-NO_FIX_IN_SPACE = "none", "2d"
 OF_GPX_POINT = (*NUMBERS_OF_GPX, "time", "name", "fix")
 TIME_OF_GPX = re.compile("(?<=<time>)[^<]*")
 NOT_READ = re.compile(r"(<!\[CDATA\[.*?\]\]>)|<!--.*?-->|<\?.*?\?>", re.DOTALL)
@@ -366,12 +365,21 @@ def parse_gpx(file: InputFile) -> Any:
         raise file.error(f"not valid GPX: {reason(error)}") from error
 
 
+def with_fix(points: Sequence[Any]) -> tuple[list[Any], str]:
+    """Leave out the points of GPX without a fix in three dimensions.
+
+    Returns:
+        The others, and what is to be said of those; empty if there is none.
+    """
+    fixed = [point for point in points if point.type_of_gpx_fix not in ("none", "2d")]
+    without = len(points) - len(fixed)
+    return fixed, f", {without} without a fix left out" * bool(without)
+
+
 def read_waypoints(file: InputFile) -> LandmarkRows:
     """Read the waypoints of a GPX file."""
-    every = parse_gpx(file).waypoints
-    fixed = [p for p in every if p.type_of_gpx_fix not in NO_FIX_IN_SPACE]
+    fixed, without = with_fix(parse_gpx(file).waypoints)
     points = [(p.name, p.longitude, p.latitude, p.elevation) for p in fixed]
-    without = f", {len(every) - len(fixed)} without a fix left out" * (len(fixed) < len(every))
     rows = _named_points(file, points, "waypoint", f"GPX waypoints{without}")
     return _with_doubts_of_level(file, rows, "GPX")
 

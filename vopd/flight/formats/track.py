@@ -30,7 +30,6 @@ from vopd.flight.formats.image_tags import (
 from vopd.flight.formats.landmarks import (
     CRS,
     LATITUDE_FIRST,
-    NO_FIX_IN_SPACE,
     SIGMA,
     SIGMAS,
     coordinates_of,
@@ -41,6 +40,7 @@ from vopd.flight.formats.landmarks import (
     recognises_geojson,
     recognises_gpx,
     sigma_columns,
+    with_fix,
 )
 from vopd.flight.formats.tables import CsvTable, has_columns, read_csv
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
@@ -326,7 +326,7 @@ def read_gpx(file: InputFile) -> TrackRows:
     """Read all points of all tracks of a GPX file that have a fix, in their order."""
     parsed = parse_gpx(file)
     every = [p for track in parsed.tracks for segment in track.segments for p in segment.points]
-    points = [p for p in every if p.type_of_gpx_fix not in NO_FIX_IN_SPACE]
+    points, without = with_fix(every)
     if not points:
         none = f"{count_text(len(every), 'track point')}, none with a fix of three dimensions"
         raise file.error(none if every else "no track point is in the file")
@@ -356,7 +356,6 @@ def read_gpx(file: InputFile) -> TrackRows:
         dtype=np.float64,
     )
     sigma = sigma_of_dilution_m(dilution[:, 0], dilution[:, 1])
-    without = f", {len(every) - len(points)} more without a fix" if len(every) > len(points) else ""
     return TrackRows(
         coordinate,
         True,

@@ -41,6 +41,7 @@ class ImageAxes:
     # radial distortion of the lens: images lie (1 + k1 r**2) times as far out, r the tangent of the
     # angle from the optical axis
     k1: float = 0.0
+    free: tuple[str, ...] = ()  # what of it the user has solved for, which advice repeats
 
     def flipped(self, file: StarFile) -> bool:
         """Test whether y is turned upward: the user, or else the file's format, has it down."""

@@ -313,7 +313,8 @@ def camera_advice(
 ) -> str:
     """Advise what to do about a wrong camera."""
     parts = [_part(one, lens, file, axes, named=named) for one in free]
-    together = f"; --free {','.join(free)} solves them together" if len(free) > 1 else ""
+    every = [one for one in PARAMETERS if one in (*free, *axes.free)]
+    together = f"; --free {','.join(every)} solves them together" if len(every) > 1 else ""
     return ", and ".join(parts) + together
 
 

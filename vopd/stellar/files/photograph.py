@@ -592,7 +592,7 @@ def _judged(problem: StarProblem, fitted: FittedStars | None, suspicious: bool) 
         return Plausibility(0.0)
 
     def judgement(stars: StarField) -> Plausibility:
-        axes, start = request.axes, problem.start
+        axes, start = replace(request.axes, free=request.free), problem.start
         return judge(file, stars, sigma, axes, start, fitted, suspicious=suspicious)
 
     if not request.free:

@@ -207,13 +207,20 @@ def read_corr_fits(data: bytes, source: str) -> StarFile:
 
 
 def _columns(unit: Any) -> dict[str, Floats]:
-    """Read the columns of numbers of one part of a FITS file, by their names in small letters."""
+    """Read the columns of numbers of one part of a FITS file, by their names in small letters.
+
+    Of whole numbers, that of TNULL stands for none.
+    """
     table = getattr(unit, "data", None)
     if table is None or getattr(table, "names", None) is None:
         return {}
-    columns = {name.lower(): np.asarray(table[name]) for name in table.names}
-    return {
-        name: values.astype(np.float64)
-        for name, values in columns.items()
-        if values.ndim == 1 and values.dtype.kind in "iuf"
-    }
+    found = {}
+    for column in table.columns:
+        values = np.asarray(table[column.name])
+        if values.ndim == 1 and values.dtype.kind in "iuf":
+            found[column.name.lower()] = numbers = values.astype(np.float64)
+            if column.null not in (None, ""):  # as it is stored
+                numbers[numbers == column.null * (column.bscale or 1) + (column.bzero or 0)] = (
+                    np.nan
+                )
+    return found

@@ -18,7 +18,7 @@ from vopd.stellar.files.read import StarFile
 from vopd.stellar.interstar_angles import star_disagreement_arcsec
 from vopd.stellar.listed import LISTED_CORRECTIONS, stars_printout
 from vopd.stellar.methods.run import ANGLE_NAMES, REDUCED_WEIGHT, SolvedStars
-from vopd.stellar.sky import EQUINOX_OF, OF_PLACE, OF_VEHICLE
+from vopd.stellar.sky import OF_PLACE, OF_VEHICLE, moment_text
 
 _Column = tuple[str, Sequence[float | None], str, int]  # title, values, format, width
 
@@ -65,27 +65,19 @@ def as_text(
         pages += _cameras(rows)
     if len(rows) > 1 and any("azimuth_deg" in (one.sky or {}) for _, one in rows):
         pages.append(f"{EXACT_SKY}\n")
-    if epochs := _epochs([one.epoch for one in photographs if one.epoch and one.solved]):
+    dates: dict[str, dict[str, None]] = {}  # those that differ by their dates alone are one
+    for one in photographs:
+        if one.epoch and one.solved:
+            each = "the date of each photograph"
+            undated = one.epoch.replace(moment_text(one.utc), each) if one.utc else one.epoch
+            dates.setdefault(undated, {})[one.epoch] = None
+    if dates:
+        epochs = (undated if len(of) > 1 else next(iter(of)) for undated, of in dates.items())
         pages.append("".join(f"right ascension and declination: {epoch}\n" for epoch in epochs))
     for photograph in photographs:
         if any(one.disagreement_arcsec is not None for one in photograph.solved):
             pages.append(_disagreements(photograph))
     return "\n".join(pages)
-
-
-def _epochs(stated: list[str]) -> list[str]:
-    """List what right ascensions refer to, each once: those that differ by their dates are one."""
-    dates: dict[tuple[str, str], dict[str, None]] = {}
-    for epoch in stated:
-        before, of, rest = epoch.partition(EQUINOX_OF)
-        date, _, after = rest.partition(";")
-        dates.setdefault((before + of, after), {})[date] = None
-    return [
-        head
-        + ("the date of each photograph" if len(of) > 1 else "".join(of))
-        + f";{after}" * bool(after)
-        for (head, after), of in dates.items()
-    ]
 
 
 WHOLE_TURN = 360.0  # degrees
