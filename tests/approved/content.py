@@ -13,7 +13,7 @@ TAPE_MARK = struct.pack("<i", 56)
 
 
 LEFT_OUT = re.compile(
-    r"(data:[\w/+.-]+;base64,)[\w+/=]+()"
+    r"(data:[\w/+.-]+;base64,|<script type=\"text/plain\" id=\"image\d+\">)[\w+/=]+()"
     r"|(?s:(<style>|<script>).*?(</style>|</script>))"
     r"|((?:style|script)-src &#39;sha256-)[\w+/=]+()"
 )

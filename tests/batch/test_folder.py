@@ -205,7 +205,8 @@ def test_a_journal_that_cannot_be_written(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "text",
     ["", "not JSON", "[1]", '{"source": "a"}', '{"seconds": 1}', "3",
-     '{"source": "a", "seconds": NaN}', '{"source": "a", "seconds": "x"}', "[" * 9999],
+     '{"source": "a", "seconds": NaN}', '{"source": "a", "seconds": "x"}', "[" * 9999,
+     '{"source": "a", "seconds": 1e300}'],
 )  # fmt: skip
 def test_times_that_cannot_be_read_are_not_known(text: str, tmp_path: Path) -> None:
     written(tmp_path / "summary.jsonl", replace(RECORD, seconds=0.0))

@@ -179,7 +179,7 @@ def test_the_record_of_a_source_that_failed() -> None:
 
 CLEAN = SourceRecord("a", "a.dat", SOLVED, "", "", "", "", jobs=1, frames=5, attitudes=4)
 DOUBTFUL = replace(
-    CLEAN, source="b/long name", flagged=3, warnings=2, flags={"outlier": 1, "two_landmarks": 2}
+    CLEAN, source="b/long\nname", flagged=3, warnings=2, flags={"outlier": 1, "two_landmarks": 2}
 )
 LOST = replace(CLEAN, source="c", status=UNCONVERGED, not_converged=1, flagged=1)
 MORE_LOST = replace(LOST, source="d", not_converged=2)
@@ -191,7 +191,7 @@ def test_the_worst_come_first() -> None:
     alike = replace(CLEAN, source="z")
     records = [alike, CLEAN, DOUBTFUL, LOST, MORE_LOST, FAILS]
     order = [one.source for one in worst_first(records)]
-    assert order == ["e", "d", "c", "b/long name", "z", "a"]
+    assert order == ["e", "d", "c", "b/long\nname", "z", "a"]
 
 
 def test_the_table_and_its_totals() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -83,13 +84,17 @@ def test_photographs_that_an_input_names_are_needed(
     for name in ("images/within", "elsewhere"):
         Path(name).mkdir(parents=True)
     Path("project.toml").write_text('[picks]\nfile = "picks.csv"  # vopd plot -o figure.png\n')
-    Path("picks.csv").write_text("image,landmark\nf0.png,mast\n")
-    Path("night.json").write_text('[{"image": "f0.png", "source": "stars.csv"}]')
+    Path("picks.csv").write_text("image,landmark\nf0.png,mast\nbig-g0.png,mast\n")
+    sources = ["stars.csv", 'the "second".csv']
+    Path("night.json").write_text(json.dumps([{"image": "f0.png", "source": s} for s in sources]))
     Path("stars.csv").write_text("image\nf0.png\n")
     for name in (photograph, "figure.png", "images/f0.csv", "elsewhere/g0.png"):
         Path(name).touch()
     with refused(OutputError):
         refuse_to_overwrite(inputs, photograph)
+    for name in sources if "night.json" in inputs else ():
+        with pytest.raises(OutputError):
+            refuse_to_overwrite(inputs, name)
     for name in ("figure.png", "f1.png", "images/f0.csv", "images/f2.png", "elsewhere/g0.png"):
         refuse_to_overwrite(inputs, name)
 

@@ -42,6 +42,27 @@ def data(page: str = "p.html") -> dict[str, Any]:
     return dict(json.loads(found[1]))
 
 
+def picked(*arguments: Any, page: str = "p.html") -> Any:
+    """Make a page; all that is said and all that the page was given is approved."""
+    done = vopd("pick", *arguments, "-o", page)
+    assert (done.status, done.stdout) == (0, ""), done.stderr
+    size = f"{len(Path(page).read_bytes()) / 1e6:.1f} MB"
+    lines = [done.stderr.replace(size, "N MB").rstrip("\n")]
+    for key, value in data(page).items():
+        for one in value if isinstance(value, list) else [value] if value and key != "key" else []:
+            lines.append(f"{key}: {json.dumps(_rounded(one), sort_keys=True)}")
+    assert_approved("\n".join(lines).replace(str(Path.cwd()), "FOLDER"))
+    return data(page)
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _rounded(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_rounded(one) for one in value]
+    return round(value, 6) + 0.0 if isinstance(value, float) else value
+
+
 @pytest.mark.parametrize("at", ["", "3,", "x", "-1", "1.5", "\u0663", "1234567890"])
 def test_frames_that_are_asked_for_are_numbers(at: str) -> None:
     ran = vopd("pick", "a.mp4", "-o", "p.html", f"--at={at}")
@@ -50,13 +71,9 @@ def test_frames_that_are_asked_for_are_numbers(at: str) -> None:
 
 
 def test_frames_of_a_video(tmp_path: Path) -> None:
-    done = vopd("pick", "a.mp4", "-o", "p.html")
-    assert (done.status, done.stdout) == (0, "")
-    assert_approved(re.sub(r"[\d.]+ MB", "N MB", done.stderr))
-    names = [int(one["name"]) for one in data()["frames"]]
+    names = [int(one["name"]) for one in picked("a.mp4")["frames"]]
     assert len(names) == 12 and (names[0], names[-1]) == (0, 39) and sorted(names) == names
-    assert vopd("pick", "a.mp4", "-o", "p.html", "--at", "7,3,7").status == 0
-    assert [one["title"] for one in data()["frames"]] == ["3, 0.120 s", "7, 0.280 s"]
+    picked("a.mp4", "--at", "7,3,7")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes there alone")
@@ -95,26 +112,18 @@ def test_landmarks_and_picks_that_there_are(tmp_path: Path) -> None:
     Path("lm.csv").write_text(MARKS)
     saved = "# pixels: u right, v down, (0, 0) the centre of the first pixel\n"
     Path("c.csv").write_text(saved + "frame,landmark,u_px,v_px\n3,pond,1.5,2\n4,mast,1,1\n")
-    done = vopd("pick", "a.mp4", "-o", "p.html", "--at", "3", "--landmarks", "lm.csv",
-                "--clicks", "c.csv")  # fmt: skip
-    assert done.status == 0
-    assert data()["landmarks"] == ["mast", "</script>", "pond"]
-    assert data()["picks"] == [
-        {"frame": 0, "landmark": "pond", "u": 1.5, "v": 2.0},
-        {"frame": "4", "landmark": "mast", "u": 1.0, "v": 1.0},
-    ]
+    picked("a.mp4", "--at", "3", "--landmarks", "lm.csv", "--clicks", "c.csv")
 
 
 def test_a_project_names_video_and_landmarks(tmp_path: Path) -> None:
     project = write_project(tmp_path, TOML.replace("[landmarks]", 'video = "a.mp4"\n[landmarks]'))
     Path("picks.csv").unlink()  # nothing is picked yet
-    assert vopd("pick", project, "-o", "p.html").status == 0
-    assert len(data()["frames"]) == 12 and "mast" in data()["landmarks"]
+    picked(project)
 
 
 def test_a_project_goes_on_where_it_was(tmp_path: Path) -> None:
     """Its own picks and hidden marks are there; a lens and a track let the page predict."""
-    toml = TOML.replace("picks.csv", "clicks.csv").replace(
+    toml = TOML.replace("picks.csv", "mine.csv").replace(
         "[landmarks]", 'video = "photos"\n[landmarks]'
     )
     project = write_project(tmp_path, toml)
@@ -124,12 +133,9 @@ def test_a_project_goes_on_where_it_was(tmp_path: Path) -> None:
     saved = (
         "# pixels: u right, v down, (0, 0) the centre of the first pixel\n# hidden: 3.png,mast\n"
     )
-    Path("clicks.csv").write_text(saved + "image,landmark,u_px,v_px\n3.png,well,1.5,2\n")
-    done = vopd("pick", project, "-o", "p.html")
-    assert_approved(re.sub(r"[\d.]+ MB", "N MB", done.stderr).replace(str(tmp_path), "FOLDER"))
-    assert data()["picks"] == [{"frame": 1, "landmark": "well", "u": 1.5, "v": 2.0}]
-    assert data()["hidden"] == [{"frame": 1, "landmark": "mast"}]
-    alone = ("--clicks", "clicks.csv", "--landmarks", "landmarks.csv")
+    Path("mine.csv").write_text(saved + "image,landmark,u_px,v_px\n3.png,well,1.5,2\n")
+    picked(project)
+    alone = ("--clicks", "mine.csv", "--landmarks", "landmarks.csv")
     assert vopd("pick", "photos", "-o", "q.html", *alone).status == 0
     assert [data("q.html")[one] for one in ("picks", "hidden")] == [
         data()["picks"],
@@ -181,17 +187,16 @@ def test_images_stand_on_the_page_as_they_are_picked(column: str, tmp_path: Path
         head, *rows = (tmp_path / "picks.csv").read_text().splitlines()
         named = [f"f_{int(row.partition(',')[0]):03d}.png,{row.partition(',')[2]}" for row in rows]
         (tmp_path / "picks.csv").write_text("\n".join([head.replace("frame", "image"), *named]))
-    ran = vopd("pick", project, "-o", "p.html")
-    page = data()
-    assert ran.status == 0 and page["column"] == column
+    page = picked(project)
+    assert page["column"] == column
     names = [str(k) if column == "frame" else f"f_{k:03d}.png" for k in range(5)]
     assert [one["name"] for one in page["frames"]] == names
     assert [one["title"] for one in page["frames"]] == [f"f_{k:03d}.png" for k in range(5)]
     assert {one["frame"] for one in page["picks"]} == {*range(5)}
 
 
-@pytest.mark.parametrize("picked", [True, False])
-def test_images_whose_times_are_by_number_are_predicted(picked: bool, tmp_path: Path) -> None:
+@pytest.mark.parametrize("there", [True, False])
+def test_images_whose_times_are_by_number_are_predicted(there: bool, tmp_path: Path) -> None:
     """Where nothing is picked yet, what is saved has numbers too: the table has no images."""
     toml = TOML.replace("frame_rate_hz = 10.0\nfirst_frame_t_s = 2.0", 'times = "times.csv"')
     toml = toml.replace("[landmarks]", 'video = "photos"\n[landmarks]')
@@ -202,12 +207,11 @@ def test_images_whose_times_are_by_number_are_predicted(picked: bool, tmp_path: 
     Path("times.csv").write_text("frame,t_s\n0,2\n1,2.25\n2,2.5\n3,2.75\n4,3\n")
     head, *rows = Path("picks.csv").read_text().splitlines()
     Path("picks.csv").write_text("\n".join([head, *(one for one in rows if one[0] in "13")]))
-    if not picked:
+    if not there:
         Path("picks.csv").unlink()
-    assert vopd("pick", project, "-o", "p.html").status == 0
-    page = data()
+    page = picked(project)
     assert (page["column"], [one["name"] for one in page["frames"]]) == ("frame", ["1", "3"])
-    assert len(page["picks"]) == (12 if picked else 0)
+    assert len(page["picks"]) == (12 if there else 0)
     frame, mark = np.divmod(np.arange(12), 6)
     lines = sight_lines(camera_m(np.array([2.25, 2.75])), marks_m(), frame, mark, Refraction())
     to = np.array([one["to"] for one in page["frames"]])
@@ -217,9 +221,7 @@ def test_images_whose_times_are_by_number_are_predicted(picked: bool, tmp_path: 
 def test_where_to_click_next_is_not_known_of_a_flight_without_a_solution(tmp_path: Path) -> None:
     toml = TOML.replace("[landmarks]", 'video = "a.mp4"\ntracked = "t.csv"\n[landmarks]')
     project = write_project(tmp_path, toml)
-    done = vopd("pick", project, "-o", "p.html")
-    assert done.status == 0 and {*range(5)} <= {int(one["name"]) for one in data()["frames"]}
-    assert_approved(done.stderr.splitlines()[0].replace(str(tmp_path), "FOLDER"))
+    assert {*range(5)} <= {int(one["name"]) for one in picked(project)["frames"]}
 
 
 def test_photographs_of_a_camera_that_stands_are_predicted_one_by_one(tmp_path: Path) -> None:
@@ -232,13 +234,10 @@ def test_photographs_of_a_camera_that_stands_are_predicted_one_by_one(tmp_path: 
     Path("photos").mkdir()
     for k in (0, 3):
         Image.new("L", (1920, 1080)).save(Path("photos", f"{k}.png"))
-    assert vopd("pick", project, "-o", "p.html").status == 0
-    first, second = (np.array(one["to"]) for one in data()["frames"])
+    first, second = (np.array(one["to"]) for one in picked(project)["frames"])
     assert first.shape == (6, 3) and np.array_equal(first, second)
     Image.new("L", (1280, 720)).save(Path("photos", "0.png"))
-    done = vopd("pick", project, "-o", "p.html")
-    assert done.status == 0 and "to" not in data()["frames"][0]
-    assert_approved(data()["unpredicted"].replace(str(tmp_path), "FOLDER"))
+    assert "to" not in picked(project)["frames"][0]
 
 
 def test_what_is_no_pick_in_the_picks_of_a_project_is_told(tmp_path: Path) -> None:
@@ -253,20 +252,16 @@ def test_what_is_no_pick_in_the_picks_of_a_project_is_told(tmp_path: Path) -> No
     ]
     labels = {"imagePath": "a_1.png", "imageWidth": 1920, "imageHeight": 1080, "shapes": shapes}
     Path("a.json").write_text(json.dumps(labels))
-    done = vopd("pick", project, "-o", "p.html")
-    assert done.status == 0 and [one["landmark"] for one in data()["picks"]] == ["mast"]
-    assert_approved(done.stderr.splitlines()[0], parts=[tmp_path])
+    assert [one["landmark"] for one in picked(project)["picks"]] == ["mast"]
 
 
 def test_the_folder_of_a_project_is_the_project(tmp_path: Path) -> None:
     """With images in it, it is a folder of images."""
     write_project(tmp_path, TOML.replace("[landmarks]", 'video = "a.mp4"\n[landmarks]'))
     Path("picks.csv").unlink()
-    assert vopd("pick", ".", "-o", "p.html").status == 0
-    assert len(data()["frames"]) == 12 and len(data()["landmarks"]) == 6
+    assert len(picked(".")["landmarks"]) == 6
     Image.new("RGB", (8, 6)).save("one.png")
-    assert vopd("pick", ".", "-o", "p.html").status == 0
-    assert [one["name"] for one in data()["frames"]] == ["one.png"]
+    assert [one["name"] for one in picked(".")["frames"]] == ["one.png"]
 
 
 def test_a_folder_above_has_its_own_name_as_title(tmp_path: Path) -> None:
@@ -298,22 +293,15 @@ def test_images_of_a_folder() -> None:
     Path("photographs").mkdir()
     for name in ("b.png", "a.png"):
         Image.fromarray(np.zeros((4, 6, 3), np.uint8)).save(Path("photographs", name))
-    assert vopd("pick", "photographs", "-o", "p.html").status == 0
-    one = {"name": "a.png", "title": "a.png", "width": 6, "height": 4}
-    assert data()["column"] == "image" and data()["frames"] == [
-        one,
-        one | dict.fromkeys(("name", "title"), "b.png"),
-    ]
+    picked("photographs")
 
 
 def test_a_pixel_of_a_scanned_film_in_inches_of_the_reader() -> None:
     """At 2540 dpi a pixel is .01 mm on the film; .713816400205 mm are an inch on the reader."""
     Image.new("L", (8, 6)).save("1.png")
     deck = str(DECKS / "appendix_h/case1.dat")
-    done = vopd("pick", "1.png", "-o", "p.html", "--cards", deck, "--dpi", "2540")
-    assert done.status == 0, done.stderr
-    assert_close("inch of the reader", data()["deck"]["inch"], 0.01 / 0.713816400205)
-    assert [one["number"] for one in data()["frames"]] == [1]
+    given = picked("1.png", "--cards", deck, "--dpi", "2540")
+    assert_close("inch of the reader", given["deck"]["inch"], 0.01 / 0.713816400205)
     Path("again").mkdir()
     Path("1.png").rename(Path("again", "b_1.png"))
     Image.new("L", (8, 6)).save(Path("again", "a_1.png"))
