@@ -60,3 +60,83 @@ def forget(browser: Any) -> Any:
     browser.get("about:blank")
     browser.get_log("browser"), browser.get_log("performance")
     return browser
+
+
+SHOWN = """
+  const shapes = (one) => {
+    const runs = [];
+    const walk = (parent) => {
+      for (const element of parent.children) {
+        const values = [...element.attributes].filter(({ name }) => !/^(class|href)$/.test(name));
+        const look = [element.localName, ...element.classList].join(".");
+        const text = element.children.length ? "" : element.textContent;
+        const said = [...values.map(({ value }) => value), text].filter(Boolean).join(" ");
+        if (runs.at(-1)?.[0] === look) runs.at(-1)[1].push(said);
+        else runs.push([look, [said]]);
+        if (element.children.length) walk(element);
+      }
+    };
+    walk(one);
+    return runs.map(([look, all]) => `${look} ${all.join("; ")}`);
+  };
+  const cells = (row) => [...row.cells].map((cell) => cell.textContent.trim()).join(" | ");
+  const seen = (one) => !one.closest("[hidden]") && one.offsetParent !== null;
+  return [...document.querySelectorAll(arguments[0])].filter(seen).flatMap((one) => {
+    const name = `#${one.closest("[id]").id}`;
+    if (one.localName === "svg")
+      return [`${name} ${one.ariaLabel}`, one.getAttribute("viewBox"), ...shapes(one)];
+    if (one.localName === "table") return [name, ...[...one.tBodies[0].rows].map((row) =>
+      [row.className, row.ariaCurrent && "chosen", cells(row)].filter(Boolean).join(": "))];
+    const state = [
+      one.disabled && "disabled", one.ariaInvalid === "true" && "invalid",
+      one.ariaPressed === "true" && "chosen",
+    ].filter(Boolean);
+    const parts = [one.value ?? "", one.max ?? "", one.ariaValueText ?? "", one.textContent.trim()];
+    return [[name, ...state, ...new Set(parts)].filter((part) => part !== "").join(" ")];
+  });
+"""
+
+
+def all_shown(browser: Any, what: str) -> list[str]:
+    """Describe what is to be seen of a page: drawings by their shapes, tables, controls, texts.
+
+    Shapes stand in the order in which they are drawn: kind and class, then attributes and text.
+
+    Args:
+        what: selector of drawings, tables, controls and texts
+    """
+    found: list[str] = browser.execute_script(SHOWN, what)
+    return found
+
+
+DRAWN = """
+  const told = [], proto = CanvasRenderingContext2D.prototype, own = {}, path = [];
+  const say = (pen, ...parts) => told.push([pen.canvas.id, ...parts.flat()]
+    .map((one) => typeof one === "number" ? Math.round(one * 10) / 10 : one).join(" "));
+  const record = {
+    beginPath() { path.length = 0; },
+    moveTo(...at) { path.push("M", ...at); },
+    lineTo(...at) { path.push("L", ...at); },
+    arc(...at) { path.push("O", ...at); },
+    stroke() { say(this, this.strokeStyle, this.lineWidth, this.getLineDash(), path); },
+    strokeText(...text) { say(this, this.strokeStyle, this.lineWidth, this.textAlign, text); },
+    fillText(text, ...at) { say(this, this.fillStyle, this.font.split(" ")[0], text, at); },
+    fillRect(...at) { say(this, this.fillStyle, at); },
+    drawImage(image, ...at) { say(this, image.width, this.imageSmoothingEnabled, at); },
+  };
+  for (const name in record) {
+    own[name] = proto[name];
+    proto[name] = function (...given) {
+      record[name].apply(this, given);
+      return own[name].apply(this, given);
+    };
+  }
+  try { draw(); } finally { Object.assign(proto, own); }
+  return told;
+"""
+
+
+def drawn(browser: Any) -> list[str]:
+    """Describe what the page of picks draws on its canvases: colour, width, path or text."""
+    found: list[str] = browser.execute_script(DRAWN)
+    return found

@@ -18,7 +18,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.browser import forget, load
+from tests.kit.browser import all_shown, drawn, forget, load
 from tests.kit.command import DECKS
 from tests.kit.random_flights import SIZE, lenses, random_frame
 from tests.tolerances import assert_close
@@ -542,7 +542,7 @@ def test_a_film_on_cards(browser: Any, tmp_path: Path) -> None:
         found = browser.execute_script("return cards().text").encode()
         assert [*read_jobs(io.BytesIO(found), "page")] == [*read_jobs(io.BytesIO(expected), "deck")]
         assert browser.execute_script("return cards().missing") == []
-    ready(browser, 0.0)
+    wait_for_picture(browser)
     assert not browser.find_element(By.ID, "add").is_displayed()
     press(browser, Keys.ENTER)
     assert "has its three readings" in text(browser, "kept")
@@ -552,3 +552,50 @@ def test_a_film_on_cards(browser: Any, tmp_path: Path) -> None:
     assert len(browser.execute_script("return cards().text").splitlines()) == len(
         alone.splitlines()
     )
+
+
+# Everything that is drawn and said, step by step
+
+STATE = "#places button, #landmarks button, #fit, #exchange, #kept, #csv, #save, #where, #frame"
+STEPS = (
+    "select(0); put(cross[0] + 1, cross[1], true); put(cross[0], cross[1] - 3, true)",
+    "repair(); select(4)",
+    "hide(); ask()",
+    "zoom(1); zoom(1); select(1)",
+    "remove(); zoom(-1)",
+    "undo(); undo(); fit()",
+    "part('name').value = ' new, one '; part('add').requestSubmit(); put(900, 400)",
+    "change(picks.filter((one) => one.landmark === 'mast'))",
+    "choose(1)",
+    "select(3); put(1500, 300); select(-1)",
+    "data.sighted = []; data.unpredicted = 'no lens'; picks = []; show()",
+)
+
+
+def test_what_is_drawn_and_said(browser: Any, tmp_path: Path) -> None:
+    """Two frames with a lens of four coefficients; picks of which two are exchanged, and others."""
+    rng, lens = np.random.default_rng(7), lenses()["brown"]
+    seen = [random_frame(rng, lens, 6, 0.3) for _ in range(2)]
+    for k in range(2):
+        Image.new("L", SIZE, 90).save(tmp_path / f"{k}.png")
+    both = Lenses.join((lens, lens), np.arange(2))
+    by = Predicted(SIX, np.array([one.direction for one in seen]), *plain_lenses(both, 2), 0.5, "x")
+    swapped = [("0.png", SIX[k], *seen[0].pixel[m].tolist()) for k, m in enumerate((0, 2, 1, 3))]
+    clicks = [*swapped, ("9.png", "mast", 1.0, 2.0)]
+    places = [("0.png", "corner", "the first", (99.5, 44.0)), ("1.png", "mast", "the next", None)]
+    content = PageContent(
+        SIX, clicks, [("1.png", "bridge")], "# head", predicted=by, places=places,
+        name=["0.png", "b, c"],
+    )  # fmt: skip
+    load(browser, tmp_path, pick_page(open_frames([str(tmp_path)]), [0, 1], content, "mine.csv"))
+    browser.execute_script("localStorage.clear()")
+    browser.refresh()
+    wait_for_picture(browser)
+    browser.execute_script("""
+      canvas.parentElement.style.cssText = "width: 640px; height: 400px; flex: none";
+      fit();
+    """)
+    for step in ("", *STEPS):
+        browser.execute_script(step)
+        wait_for_picture(browser)
+        assert_approved([*all_shown(browser, STATE), *drawn(browser)])

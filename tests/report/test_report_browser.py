@@ -23,12 +23,13 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
 from tests.approved.texts import assert_approved
-from tests.kit.browser import forget, load
+from tests.kit.browser import all_shown, forget, load
 from tests.kit.command import ROOT
 from tests.kit.histories import by_hand, flight, histories, with_estimate
 from tests.kit.html_page import data_of
 from tests.kit.renamed_hill import WIDE, renamed
 from tests.tolerances import assert_close
+from vopd.attitude.history import History
 from vopd.export import FORMATS, FileRequest
 from vopd.flight.result import solve_flight
 from vopd.report import report
@@ -82,7 +83,27 @@ def page_of(name: str) -> bytes:
             many = np.arange(3000)
             long = with_estimate(one.take(many % 30), frame=many, time_s=many / 32.0, scene=None)
             return report([long])
+        if name == "grid":
+            return report([solve_flight(ROOT / "examples" / "summits" / "flight.toml").history()])
+        if name == "case1":
+            return report(histories("appendix_h/case1"))
+        if name == "odd":
+            return report([odd(), by_hand(3, said={"job": 2})], ["a warning"], 5.0)
         return report(flight(250 if name == "long film" else 30))
+
+
+def odd() -> History:
+    """Nine frames with a gap, one without angles, a wide interval, and angles beyond the cuts."""
+    angles = np.tile([355.0, -60.0, 178.0, 355.0, -60.0, 178.0, 1.0, -2.0, 3.0], (9, 1))
+    angles += np.outer(np.arange(9.0), [3.0, 0.1, 1.0, 3.0, 0.1, 1.0, 0.2, 0.3, 0.4])
+    angles[:, :6] %= 360.0
+    angles[4] = np.nan
+    half = np.tile([0.1, 0.2, 0.3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], (9, 1))
+    half[6], half[7] = 9.0, np.inf
+    times = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 9.0, 9.5, 10.0])
+    flags = {"two_landmarks": [1, 2], "second_solution": [1, 2, 3], "jump": [6]}
+    one = by_hand(9, angles_deg=angles, half_deg=half, flags=flags, time_s=times)
+    return replace(one, residual_rms=np.array([1.0, 1.2, 0.8, 1.1, 0.9, 1.3, 40.0, np.nan, 0.7]))
 
 
 def columns(browser: Any, table: str = "frames-table") -> dict[str, list[str]]:
@@ -762,3 +783,43 @@ def test_the_page_of_a_batch(browser: Any, tmp_path: Path) -> None:
         assert column(page, "source", "sources-table") == [names[k] for k in order]
     page.find_element(By.LINK_TEXT, "a b/one#1").click()
     assert page.title == "of one"
+
+
+# Everything that the script draws and says, of pages of all kinds, step by step
+
+STATE = (
+    ".drawing svg, #picks-table, #now, #count, #rows, #nowhere, #slider, #before, #after, #low, "
+    "#high, #more, #rows-before, #rows-after, figcaption[id], #group, #filters select"
+)
+HANDS = """
+  const of = (id) => document.getElementById(id);
+  const did = (id, what) => of(id).dispatchEvent(new Event(what, { bubbles: true }));
+  const select = (id, value) => { of(id).value = value; did(id, "change"); };
+  const type = (id, value) => { of(id).value = value; did(id, "input"); };
+  const key = (name) => of("curve-box").dispatchEvent(
+    new KeyboardEvent("keydown", { key: name, bubbles: true }));
+"""
+WIDTHS = """
+  window.widthOf = (text) => 6 * text.length + 4;  // of any font
+  for (const id of ["curve-box", "image-box", "map-box"])
+    document.getElementById(id).style.width = "620px";
+  for (const what of ["input", "change"]) {  // all is drawn anew
+    document.getElementById("low").dispatchEvent(new Event(what));
+  }
+"""
+DOES: dict[str, list[str]] = {  # what a user does to a page, step by step
+    "hill": ["key('End')"],
+    "film": ["type('number', 8)", "select('group', 'attack'); type('number', 20)"],
+    "case1": [],
+    "odd": ["select('job', 1)"],
+    "grid": [],
+}
+
+
+@pytest.mark.parametrize("name", DOES)
+def test_what_is_drawn_and_said(name: str, browser: Any, tmp_path: Path) -> None:
+    load(browser, tmp_path, page_of(name))
+    browser.execute_script(WIDTHS)
+    for does in ["", *DOES[name]]:
+        browser.execute_script(HANDS + does)
+        assert_approved(all_shown(browser, STATE))
