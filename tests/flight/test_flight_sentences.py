@@ -30,7 +30,7 @@ from vopd.flight.project.inspect import (
 )
 from vopd.flight.project.keys import Section
 from vopd.flight.project.read import landmark_crs, read_flight
-from vopd.flight.project.times import FrameTimes
+from vopd.flight.project.times import FrameTimes, doubt_of_years
 from vopd.flight.project.track import doubts_of_rounded_times, times_of_track
 from vopd.flight.result import solve_flight_read
 from vopd.flight.solve.joint import no_solution
@@ -201,9 +201,40 @@ def test_a_flight_without_a_solution_names_what_is_far_off() -> None:
     told.append(str(no_solution(replace(flight, options=held))))
     leaps = Finding(f"the track {LEAPS}", flight.source, severity="warning")
     told.append(str(no_solution(replace(flight, findings=(leaps,)))))
+    doubted = Finding("[camera] readout_ms: 16000", flight.source, severity="warning")
+    told.append(str(no_solution(replace(flight, findings=(doubted,)))))
     nowhere = replace(flight.path, position_m=np.full_like(places, np.nan))
     assert str(no_solution(replace(flight, path=nowhere))) == told[0] == told[1]
     assert_approved(told[1:])
+
+
+def test_frames_that_are_years_from_time_zero_are_doubted() -> None:
+    """A clock that lost 1024 weeks of GPS: seconds of -6e8, and nothing told."""
+    year_s = 365.25 * 86_400.0
+
+    def doubts(*time_s: float, epoch: datetime | None = NOON) -> list[str]:
+        return doubt_of_years(FrameTimes(np.array(time_s), (), epoch), lambda k: f"frame {k}")
+
+    assert_approved([*doubts(1.0, -1024 * 7 * 86_400.0), *doubts(np.nan, 3.001 * year_s)])
+    assert not doubts(np.nan, 2.999 * year_s) and not doubts(np.nan)
+    assert not doubts(1.7e9, epoch=datetime(1970, 1, 1, tzinfo=UTC)) and not doubts(9e9, epoch=None)
+
+
+NOON = datetime(2026, 5, 1, 12, tzinfo=UTC)
+
+
+@pytest.mark.parametrize("levels", [(45.0, 47.0), (-45.0, 45.0), (45.0, 46.0), (45.0, 435.0)])
+def test_two_heights_of_the_geoid_are_as_near_as_the_places(
+    levels: tuple[float, float], tmp_path: Path
+) -> None:
+    """Of places half a kilometre apart; a level 435 m up is the ground's."""
+    own = iter(levels)
+    keys = [
+        f"height = {{ undulation_m = {next(own)} }}" if one.startswith("height") else one
+        for one in TOML.splitlines()
+    ]
+    flight = read_flight(str(write_project(tmp_path, "\n".join(keys))))
+    assert_approved([one.message for one in flight.findings])
 
 
 # Mounts

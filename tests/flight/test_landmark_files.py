@@ -305,6 +305,11 @@ def waypoints(*heights: float) -> str:
     return f'<gpx version="1.1" creator="x">{text}</gpx>'
 
 
+def test_blanks_around_a_name_of_gpx_are_none_of_it() -> None:
+    """No pick had that name."""
+    assert read(waypoints(30.0).replace(">A<", ">\n  A\n<")).name == ["A"]
+
+
 @pytest.mark.parametrize("form", ["GPX", "GeoJSON"])
 def test_a_height_of_0_beside_others_is_doubted(form: str) -> None:
     """Not one near 0, nor where all are 0, as on a plane of the user's own."""

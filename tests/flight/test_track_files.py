@@ -186,6 +186,8 @@ def test_lines_of_a_geo_txt() -> None:
     assert rows.velocity_m_s is None and rows.gimbal_deg is None
     assert rows.sigma_m[0].tolist() == [0.1, 0.1, 0.2] and np.isnan(rows.sigma_m[1]).all()
     assert [*read("EPSG:4326\nA 1 2 3\n").line] == [2]
+    below = read("\n \nEPSG:4326\nA 1 2 3\n")  # ODM takes them too
+    assert ([*below.line], below.crs) == ([4], "EPSG:4326")
 
 
 @pytest.mark.parametrize(

@@ -81,19 +81,27 @@ OTHER_UNITS = {
     "m": {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "km": 1e3},
     "s": {"us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "days": 86_400.0},
     "deg": {"rad": 180.0 / math.pi, "e7": 1e-7, "gon": 0.9},
-}
+    "m_s": {
+        "cm_s": 1e-2, "mm_s": 1e-3, "ft_s": 0.3048, "fps": 0.3048, "mph": 0.44704,
+        **dict.fromkeys(("km_h", "kmh", "kph"), 1.0 / 3.6),
+        **dict.fromkeys(("kt", "kts", "kn", "knots"), 1852.0 / 3600.0),
+    },
+}  # fmt: skip
 """By the unit of a column, others that its name may end in, and what to multiply them by."""
 
 
 def other_unit(own: str, name: str) -> str:
     """Say which unit a column seems to have in the place of that of `name`; empty for no other."""
-    bare, _, unit = plain_name(own).replace("timeus", "time_us").rpartition("_")
+    plain = plain_name(own).replace("timeus", "time_us")
     wanted = "deg" if name.endswith("_deg") else "m" * (name in COORDINATES)
-    wanted = "s" if name == TIME[0] else wanted
-    factor = OTHER_UNITS.get(wanted, {}).get(unit)
-    known = SYNONYMS.get(name, (name.removesuffix("_deg"),))
-    if factor is None or bare not in (TIMES if wanted == "s" else known):
+    wanted = "s" if name == TIME[0] else "m_s" if name.endswith("_m_s") else wanted
+    known = SYNONYMS.get(name, (name.removesuffix("_deg").removesuffix("_m_s"),))
+    names = TIMES if wanted == "s" else known
+    others = OTHER_UNITS.get(wanted, {}).items()
+    found = [(unit, factor) for unit, factor in others for one in names if plain == f"{one}_{unit}"]
+    if not found:
         return ""
+    unit, factor = found[0]
     said = "1e-7 degree" if unit == "e7" else unit
     return f"{own} is in {said}: multiply by {factor:.12g} and call it {name}"
 
@@ -110,9 +118,21 @@ TOWARD = re.compile(
 """Names of the direction that a wind blows to."""
 
 
+REVERSED = {
+    "lat_deg": (re.compile(r"(^|_)(s|south)(_|$)"), "south: write latitudes in the south below 0"),
+    "lon_deg": (re.compile(r"(^|_)(w|west)(_|$)"), "west: write longitudes in the west below 0"),
+    **dict.fromkeys(
+        HEIGHTS, (re.compile(r"(^|_)(down|depth)(_|$)"), "ground: change its sign")
+    ),
+}  # fmt: skip
+"""Words in the name of a coordinate that counts the other way, and what to do."""
+
+
 def other_sense(own: str, name: str) -> str:
     """Say that a column seems to count the other way than `name` does; or nothing."""
     plain = plain_name(own)
+    if name in REVERSED and REVERSED[name][0].search(plain):
+        return f"{own} seems to count to the {REVERSED[name][1]} and call it {name}"
     if name == "vd_m_s" and UPWARD.match(plain):
         return f"{own} seems to count up; change its sign and call it {name}"
     if name == "from_deg" and TOWARD.match(plain):

@@ -379,7 +379,7 @@ def with_fix(points: Sequence[Any]) -> tuple[list[Any], str]:
 def read_waypoints(file: InputFile) -> LandmarkRows:
     """Read the waypoints of a GPX file."""
     fixed, without = with_fix(parse_gpx(file).waypoints)
-    points = [(p.name, p.longitude, p.latitude, p.elevation) for p in fixed]
+    points = [((p.name or "").strip(), p.longitude, p.latitude, p.elevation) for p in fixed]
     rows = _named_points(file, points, "waypoint", f"GPX waypoints{without}")
     return _with_doubts_of_level(file, rows, "GPX")
 

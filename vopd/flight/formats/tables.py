@@ -268,9 +268,9 @@ class CsvTable:
             has = f"no columns {', '.join(lacking)}: {', '.join(feet[:MANY_NAMED])} are feet"
             do = "state a grid that counts in feet as crs, such as EPSG:2229, or multiply by 0.3048"
             raise self.file.error(f"{has}: {do} and call them x_m, y_m", 1)
-        pairs_of_units = [other_unit(one, name) for name in lacking for one in free]
-        if units := [*filter(None, pairs_of_units)]:
-            raise self.file.error(f"no columns {', '.join(lacking)}: {'; '.join(units)}", 1)
+        pairs_of = ((one, name) for name in lacking for one in free)
+        if others := [*filter(None, (other_unit(*one) or other_sense(*one) for one in pairs_of))]:
+            raise self.file.error(f"no columns {', '.join(lacking)}: {'; '.join(others)}", 1)
         if free:
             near = {name: nearest_word(name, free) for name in lacking}
             pairs = ", ".join(f'{name} = "{(near[name] or ["..."])[0]}"' for name in lacking)

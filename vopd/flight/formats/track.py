@@ -373,16 +373,18 @@ def read_gpx(file: InputFile) -> TrackRows:
 
 def recognises_odm_geo(file: InputFile) -> bool:
     """Tell whether the first line is a coordinate reference system and others begin with a name."""
-    lines = file.head.split("\n", 1)
+    lines = file.head.lstrip().split("\n", 1)
     return len(lines) > 1 and bool(CRS.match(lines[0].strip()))
 
 
 def read_odm_geo(file: InputFile) -> TrackRows:
     """Read the positions of a geo.txt and their accuracies; its angles are not used."""
     images, values, sigmas, numbers = [], [], [], []
-    for number, line in enumerate(file.text.splitlines(), 1):
+    lines = enumerate(file.text.splitlines(), 1)
+    crs = next(line.strip() for _, line in lines if line.strip())
+    for number, line in lines:
         fields = line.split()
-        if number == 1 or not fields or fields[0].startswith("#"):
+        if not fields or fields[0].startswith("#"):
             continue
         if len(fields) < 4:
             raise file.error("a line needs image, x, y and z", number)
@@ -398,7 +400,6 @@ def read_odm_geo(file: InputFile) -> TrackRows:
         numbers.append(number)
     if not images:
         raise file.error("no position is in the file")
-    crs = file.text.splitlines()[0].strip()
     return TrackRows(
         np.array(values), False, crs, None, None,
         f"ODM geo.txt, {count_text(len(images), 'image')}, x east or longitude; "

@@ -57,7 +57,7 @@ from vopd.flight.project.stated import (
     refuse_missing,
     row_sigmas,
 )
-from vopd.flight.project.times import FrameTimes, frames_of, number_frames
+from vopd.flight.project.times import FrameTimes, doubt_of_years, frames_of, number_frames
 from vopd.flight.project.track import (
     covering_text,
     height_datum,
@@ -330,6 +330,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
 
         known = (*times.image, *landmarks.name)
         doubts += doubts_of_comments(project, picks.commented, known)
+    doubts += doubt_of_years(times, label)
+    doubts += _doubt_of_geoids(project, path.path.position_m, landmarks.position_m)
     doubts += doubt_of_heights("landmarks", rows.names_units, crs)
     file = project.section("landmarks").text("file")
     doubts += doubts_of_rounding(
@@ -522,6 +524,37 @@ def _one_datum(project: Project, of_landmarks: str, of_track: str) -> None:
             f'"same", and by their names column {of_landmarks} of the landmarks counts from '
             f"{levels[0]}, and column {of_track} from {levels[1]}: say which with each",
         )
+
+
+GEOID_SLOPE = 5e-4  # the steepest deflection of the vertical, 100 seconds of arc
+GEOID_ROUNDED_M = 1.0
+MOST_GEOID_M = 110.0  # a level that is farther from the ellipsoid is the ground's
+
+
+def _doubt_of_geoids(project: Project, position_m: Floats, landmarks_m: Floats) -> list[str]:
+    """Warn of two heights of the geoid that are farther apart than it can be between the places.
+
+    Args:
+        project: its sections
+        position_m: of the camera, (F, 3)
+        landmarks_m: of the landmarks, (N, 3)
+    """
+    where = "track" if project.has("track") else "position"
+    given = [project.section(name).values.get("height") for name in ("landmarks", where)]
+    level_m = [one["undulation_m"] for one in given if isinstance(one, dict) and len(one) == 1
+               and "undulation_m" in one]  # fmt: skip
+    if len(level_m) < 2 or max(map(abs, level_m)) > MOST_GEOID_M:
+        return []
+    every_m = np.concatenate([position_m, landmarks_m])
+    apart_m = np.linalg.norm(np.nanmax(every_m, axis=0) - np.nanmin(every_m, axis=0))
+    most_m = GEOID_ROUNDED_M + GEOID_SLOPE * float(apart_m)
+    if abs(level_m[0] - level_m[1]) <= most_m:
+        return []
+    return [
+        f"[{where}] height: a geoid {level_m[1]:g} m above the ellipsoid, and {level_m[0]:g} m at "
+        f"the landmarks: within their distance it changes by {most_m:.2g} m at most; write the "
+        "same number in both, unless one counts from the ground"
+    ]
 
 
 SAME_LEVEL_M = 1e-3  # between levels of heights: that of the ellipsoid is no geoid's

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import NamedTuple
@@ -38,6 +38,27 @@ class FrameTimes(NamedTuple):
     whole_seconds: bool = False  # a camera's clock without parts of a second
     doubts: tuple[str, ...] = ()  # warnings about images that have no time
     bring: str = BRING_TIMES  # what to give where frames need times and have none
+
+
+YEAR_S = 365.25 * 86_400.0
+MOST_YEARS = 3.0  # of a frame from t = 0
+
+
+def doubt_of_years(times: FrameTimes, label: Callable[[int], str]) -> list[str]:
+    """Warn of the frame that is farthest from t = 0, if it is years away from it.
+
+    The seconds since 1970 are as many, and are meant so.
+    """
+    years = np.nan_to_num(times.time_s) / YEAR_S
+    far = int(np.argmax(np.abs(years)))
+    if times.epoch is None or not times.epoch.timestamp() or abs(years[far]) < MOST_YEARS:
+        return []
+    way = "before" if years[far] < 0.0 else "after"
+    return [
+        f"{label(far)} is {abs(years[far]):.1f} years {way} t = 0, {times.epoch:%Y-%m-%d}: was a "
+        "clock not set (one that loses 1024 weeks of GPS is 19.6 years late)? Look at [flight] "
+        "epoch and the dates of the file"
+    ]
 
 
 def frames_of(project: Project, rows: PickRows) -> tuple[Ints, FrameTimes, Ints]:

@@ -290,7 +290,8 @@ def solvable(flight: Flight) -> Iterator[None]:
 def no_solution(flight: Flight) -> VopdError:
     """Make the error of a flight whose equations have no solution, naming what is far off."""
     leaps = [one.message for one in flight.findings if one.message.endswith(LEAPS)]
-    far = leaps[0] if leaps else _far_landmark(flight) or FAR_OFF
+    doubted = [f"Doubtful is: {one.message}." for one in flight.findings[:1]]
+    far = leaps[0] if leaps else _far_landmark(flight) or " ".join([FAR_OFF, *doubted])
     advice = HOLD if flight.options.solve_position else ""
     return VopdError(
         f"{flight.source}: the equations of its positions and landmarks have no solution within "
