@@ -1,4 +1,4 @@
-"""Every field and line of files of tracks: MRK, geo.txt, GPX, and tables."""
+"""Every field and line of files of tracks: MRK, RTKLIB, geo.txt, GPX, and tables."""
 
 from __future__ import annotations
 
@@ -469,6 +469,74 @@ def test_a_grid_beside_latitudes_is_said_not_to_be_used() -> None:
     rows = read("t_s,x_m,y_m,lat_deg,lon_deg,h_m,z_m\n4,5,6,7,8,9,10\n")
     assert rows.coordinate.tolist() == [[8.0, 7.0, 9.0]]
     assert_approved(rows.said)
+
+
+# Solutions of RTKLIB
+
+LEVEL = "% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,5:single,ns=# of satellites)\n"
+POS = "%  GPST  latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) age(s)\n"
+XYZ = "%  UTC  x-ecef(m) y-ecef(m) z-ecef(m) Q ns sdx(m) sdy(m) sdz(m) sdxy(m) sdyz(m) sdzx(m)\n"
+FIX = "2024/02/04 00:00:01.500 47.6 -16.4 540.0 1 9 1.0 2.0 3.0 -0.1 0.0\n"
+
+
+def test_a_solution_of_rtklib() -> None:
+    """Week 2300 of GPS began on 2024-02-04."""
+    rows = read(f"% program : RTKLIB\n{LEVEL}{POS}{FIX}\n{FIX.replace(' 1 9', ' 5 9')}")
+    assert rows.coordinate.tolist() == [[-16.4, 47.6, 540.0]] * 2 and [*rows.line] == [4, 6]
+    at_s = datetime(2024, 2, 4, 0, 0, 1, 500_000, UTC).timestamp()
+    assert rows.time_s.tolist() == [at_s, at_s] and rows.clock == "gps"
+    assert rows.sigma_m.tolist() == [[2.0, 1.0, 3.0]] * 2
+    assert (rows.geodetic, rows.crs, rows.height) == (True, "EPSG:4326", "ellipsoid")
+    assert_approved([rows.said, rows.sigma_by])
+    week = FIX.replace("2024/02/04 00:00:01.500", "2300 1.5").replace(" ", ",")
+    for other in (LEVEL + POS + week, LEVEL + POS.replace("GPST", "UTC") + FIX):
+        assert read(other).time_s.tolist() == [at_s]
+    assert read(LEVEL + POS.replace("GPST", "UTC") + FIX).clock == "utc"
+
+
+def test_heights_of_rtklib_that_it_does_not_say_are_asked_for() -> None:
+    assert read(LEVEL.replace("ellipsoidal", "geodetic") + POS + FIX).height is None
+    assert read(POS + FIX).height is None
+
+
+def test_places_of_rtklib_without_a_solution_or_sigmas() -> None:
+    rows = read(POS + FIX.replace(" 1 9", " 0 9") + FIX.replace(" 1.0 2.0 3.0", " 0.0 2.0 3.0"))
+    assert [*rows.line] == [3]
+    np.testing.assert_array_equal(rows.sigma_m, [[2.0, np.nan, 3.0]])
+    short = read(POS.partition(" Q")[0] + "\n" + FIX.partition(" 1 9")[0] + "\n")
+    assert short.sigma_m is None and short.said != rows.said
+
+
+def test_earth_centred_places_of_rtklib() -> None:
+    """At latitude 0 and longitude 45 east is (y - x) / sqrt(2), up (x + y) / sqrt(2), north z.
+
+    Of variances 4 and 4 and the covariance -1 these are 5 and 3 for east and up.
+    """
+    x = 6_378_137.0 * np.sqrt(0.5)
+    rows = read(f"{XYZ}2024/02/04 00:00:01 {x} {x} 0.0 2 9 2.0 2.0 7.0 -1.0 0.0 0.0\n")
+    assert_close("flight position", rows.coordinate, [[45.0, 0.0, 0.0]])
+    assert_close("flight position", rows.sigma_m, [[np.sqrt(5.0), 7.0, np.sqrt(3.0)]])
+    assert (rows.clock, rows.height) == ("utc", "ellipsoid")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        POS.replace("GPST", "JST") + FIX,
+        POS.replace("latitude(deg)", "latitude(d'\")") + FIX,
+        "% GPST e-baseline(m) n-baseline(m) u-baseline(m) Q ns\n2300 1.5 1.0 2.0 3.0 1 9\n",
+        POS,
+        POS + FIX[:40] + "\n",
+        POS + FIX.replace("47.6", "97.6"),
+        POS + FIX.replace("540.0", "nan"),
+        POS + FIX.replace("/02/", "/13/"),
+        POS + FIX.replace("00:00:01.500", "23:59:60.000"),
+        POS + FIX.replace("540.0", "54O.0"),
+    ],
+    ids=["JST", "minutes", "baseline", "empty", "cut", "latitude", "nan", "date", "leap", "O"],
+)
+def test_what_is_wrong_in_a_solution_of_rtklib_is_named(text: str) -> None:
+    assert_approved(told(text))
 
 
 # .MRK files of drones: photos by number, with GPS time, position and standard deviations

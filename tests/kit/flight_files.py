@@ -294,6 +294,17 @@ def _gpx() -> str:
     return "\n".join([head, *points, "</trkseg></trk></gpx>", ""])
 
 
+def _pos() -> str:
+    """A solution of RTKLIB, whose GPS time is 18 s ahead of UTC."""
+    head = "% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,5:single,ns=# of satellites)\n"
+    head += "%  GPST   latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)\n"
+    rows = [
+        f"2026/05/01 11:59:{t:06.3f} {' '.join(map(str, p))} 1 9 0.0100 0.0200 0.0300\n"
+        for t, p in zip(TRACK_S.tolist(), _camera(TRACK_S), strict=True)
+    ]
+    return head + "".join(rows)
+
+
 def _geo_txt() -> str:
     rows = zip(IMAGES, _projected(camera_m(FRAME_S)), strict=True)
     lines = [" ".join([image, *map(str, xyz), "0", "0", "0"]) for image, xyz in rows]
@@ -327,6 +338,7 @@ TRACKS = {
     "GPX": Part(
         'file = "track.gpx"' + _HEIGHT + _EXACT + _EXACT_TIME, {"track.gpx": _gpx()}, "time"
     ),
+    "RTKLIB": Part('file = "track.pos"' + _EXACT_TIME, {"track.pos": _pos()}, "time"),
     "geo.txt": Part('file = "geo.txt"' + _HEIGHT + _EXACT, {"geo.txt": _geo_txt()}, "image"),
 }  # fmt: skip
 POSITION = Part("lat_deg = 47.6435\nlon_deg = 16.4759\nh_m = 540.0" + _HEIGHT + _EXACT)

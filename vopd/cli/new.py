@@ -32,7 +32,11 @@ _FILES = (
     ),
     ("--picks", "picks", "The picks: CSV, CVAT, LabelMe, gcp_list.txt."),
     ("--landmarks", "landmarks", "The landmarks: CSV, GeoJSON, gcp_list.txt."),
-    ("--track", "track", "The camera's track: CSV, GPX, ODM geo.txt, .MRK, .SRT, a GoPro's video."),
+    (
+        "--track",
+        "track",
+        "The camera's track: CSV, GPX, geo.txt, .MRK, .pos, .SRT, a GoPro's video.",
+    ),
     (
         "--images",
         "images",

@@ -566,10 +566,22 @@ def _read_srt(file: InputFile) -> TrackRows:
     return read_srt(file)
 
 
+# Solutions of RTKLIB: vopd/flight/formats/rtklib.py
+
+POS_HEAD = re.compile(r"^% *(GPST|UTC|JST)([ \t,;]+(?:latitude|x-ecef|e-baseline)\(.*)$", re.M)
+
+
+def _read_pos(file: InputFile) -> TrackRows:
+    from vopd.flight.formats.rtklib import read_pos
+
+    return read_pos(file)
+
+
 # Formats of tracks, one row each; the next format is one more row
 
 TRACK_FORMATS: tuple[InputFormat[TrackRows], ...] = (
     InputFormat("GPX", recognises_gpx, read_gpx),
+    InputFormat("RTKLIB .pos", lambda file: bool(POS_HEAD.search(file.head)), _read_pos),
     InputFormat("ODM geo.txt", recognises_odm_geo, read_odm_geo),
     InputFormat(
         "CSV (t_s or t_utc or image, lat_deg,lon_deg,h_m or x_m,y_m,z_m)",

@@ -66,13 +66,14 @@ def as_text(
     if len(rows) > 1 and any("azimuth_deg" in (one.sky or {}) for _, one in rows):
         pages.append(f"{EXACT_SKY}\n")
     dates: dict[str, dict[str, None]] = {}  # those that differ by their dates alone are one
-    for one in photographs:
-        if one.epoch and one.solved:
-            each = "the date of each photograph"
-            undated = one.epoch.replace(moment_text(one.utc), each) if one.utc else one.epoch
-            dates.setdefault(undated, {})[one.epoch] = None
+    for photograph in photographs:
+        if photograph.epoch and photograph.solved:
+            epoch, undated = photograph.epoch, photograph.epoch
+            if photograph.utc:
+                undated = epoch.replace(moment_text(photograph.utc), "the date of each photograph")
+            dates.setdefault(undated, {})[epoch] = None
     if dates:
-        epochs = (undated if len(of) > 1 else next(iter(of)) for undated, of in dates.items())
+        epochs = [undated if len(of) > 1 else next(iter(of)) for undated, of in dates.items()]
         pages.append("".join(f"right ascension and declination: {epoch}\n" for epoch in epochs))
     for photograph in photographs:
         if any(one.disagreement_arcsec is not None for one in photograph.solved):
