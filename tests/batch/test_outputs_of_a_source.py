@@ -83,6 +83,8 @@ def test_only_what_is_doubtful_has_a_page_unless_all_are_asked_for(write: Any) -
         assert sum(name.endswith(".html") for name in write(now, report=asked)[0].outputs) == pages
     strays = [history(4, 3, not_converged=[1])]  # which counts before that it misfits
     assert write(source(flight=MISFITS, histories=strays))[0].status == UNCONVERGED
+    plain = write(source(flight=MISFITS, histories=[history(4, 3)]), report="flagged")[0]
+    assert plain.status == "misfits" and len(plain.outputs) == 4
 
 
 def test_the_page_of_a_deck_that_broke_off_says_why(write: Any) -> None:

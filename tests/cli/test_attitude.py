@@ -34,6 +34,7 @@ from vopd.estimate import Words
 from vopd.export import FORMATS
 from vopd.findings import Finding, VopdError
 from vopd.flight import result as flight_result
+from vopd.job import GOES_ON
 from vopd.pipeline import SolveOptions, read_deck
 from vopd.results import SourceEnd
 
@@ -372,7 +373,8 @@ class Job:
 
     frames = 4
     misfits = mistaken = False
-    next_clicks = ()
+    next_clicks: tuple[str, ...] = ()
+    unused: tuple[Finding, ...] = ()
 
     def __init__(self, name: str, has: bool = True, is_counted: bool = True) -> None:
         self.findings = (Finding(f"{name} is odd", severity="warning"),)
@@ -394,10 +396,12 @@ def collected(
     monkeypatch: pytest.MonkeyPatch, *sources: Any, by_parts: bool = True, **asked: Any
 ) -> tuple[Collected, list[str]]:
     heard: list[str] = []
+    names = tuple(asked.pop("names", "ab"))
+    job = asked.pop("job", None)
 
     def solve(decks: tuple[str, ...], options: SolveOptions, sigmas: Sigmas) -> Iterator[Any]:
         assert sigmas == SOLVED.history.sigmas
-        assert (decks, options) == (("a", "b"), asked.get("solve", SolveOptions()))
+        assert (decks, options) == (names, asked.get("solve", SolveOptions()))
         return iter(sources)
 
     def misfits(about: str, _: object) -> list[Finding]:
@@ -409,9 +413,9 @@ def collected(
     monkeypatch.setattr(histories, "solve_sources", solve)
     monkeypatch.setattr(histories, "findings_of", misfits)
     monkeypatch.setattr(histories, "one_part", one_part)
-    monkeypatch.setattr(flight_result, "unused_options", lambda one, options: [])
+    monkeypatch.setattr(flight_result, "unused_options", lambda one, options: one.unused)
     how = replace(SOLVED, **asked)
-    return histories.collect_jobs(("a", "b"), how, by_parts, heard.append), heard
+    return histories.collect_jobs(names, how, by_parts, heard.append, job=job), heard
 
 
 def test_what_is_said_of_sources_in_their_order(
@@ -444,8 +448,15 @@ def test_flights_that_are_doubted_are_counted(monkeypatch: pytest.MonkeyPatch) -
     """Those whose inputs seem wrong; one that misfits is enough."""
     jobs = [Job(name) for name in "abc"]
     jobs[0].misfits = jobs[0].mistaken = jobs[1].mistaken = True
-    found, _ = collected(monkeypatch, *jobs)
-    assert (found.misfits, found.mistaken) == (True, 2)
+    jobs[0].next_clicks, jobs[2].next_clicks = ("here", "there"), ("elsewhere",)
+    jobs[1].unused = (ODD,)
+    unread = SourceEnd("c", None, (Finding(GOES_ON, severity="warning"),))
+    found, heard = collected(monkeypatch, *jobs, unread, SourceEnd("d"))
+    assert (found.misfits, found.mistaken, found.unread) == (True, 2, 1)
+    assert found.clicks == ("here", "there", "elsewhere") and str(ODD) in heard
+    assert [one.about for one in collected(monkeypatch, *jobs, job=1)[0].jobs] == ["a", "b", "c"]
+    with refused(VopdError):
+        collected(monkeypatch, *jobs, job=2)
 
 
 def test_where_parts_are_not_wanted_a_job_is_made_whole(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -460,7 +471,9 @@ def test_a_corrected_run_is_told(
     from vopd.errata import fixes
 
     solve = SolveOptions(fixes("restart"))
-    collected(monkeypatch, Job("a"), quiet=quiet, solve=solve)
+    collected(monkeypatch, Job("a"), quiet=True, solve=solve, names=("a.toml", "b.toml"))
+    assert capsys.readouterr().err == ""
+    collected(monkeypatch, Job("a"), quiet=quiet, solve=solve, names=("a.toml", "b"))
     shown = "warning: a is odd\nwarning: a misfits\n"
     found = capsys.readouterr().err
     assert bool(found) == (not quiet)
@@ -531,6 +544,14 @@ def test_the_progress_counts_frames_and_is_wiped_at_the_end_of_a_deck(
 
 
 # What is not sent to a terminal, and epochs
+
+
+def test_the_name_of_a_page() -> None:
+    for name in ("a.html", "a.HTM", "-"):
+        report.check_page_name(name)
+    for name in ("a.htmlx", "html", "a"):
+        with refused(click.UsageError):
+            report.check_page_name(name)
 
 
 @pytest.mark.parametrize("command", ["plot", "report"])

@@ -229,3 +229,6 @@ def test_sequence_numbers_are_taken_off(end: str, tmp_path: Path) -> None:
     bare = (tmp_path / "bare.dat").read_bytes().decode().split("\n")
     assert [line.rstrip() for line in bare] == [*(line.rstrip() for line in lines), ""]
     assert vopd("run", tmp_path / "bare.dat").stdout == vopd("run", CASE_1).stdout
+    (tmp_path / "numbered.dat").write_text("\n".join(numbered[:30]))  # what is wrong is kept
+    ran = vopd("cards", tmp_path / "numbered.dat", "--strip-sequence")
+    assert ran.stdout.split("\n") == [line.rstrip() for line in lines[:30]]

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.command import CASE_1, DECKS, handed, vopd
+from tests.kit.command import CASE_1, DECKS, ROOT, handed, vopd
 from vopd.attitude.history import HistoryOptions
 from vopd.batch import workers as runs
 from vopd.cli import batch, cli, diff, plot
@@ -675,3 +675,12 @@ def test_options_take_plain_digits_alone(text: str) -> None:
     for option in numbers:
         with pytest.raises(click.BadParameter):
             option.type.convert(text, option, None)
+
+
+def test_a_search_that_does_not_settle_is_status_3(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By so few rounds it settles nowhere."""
+    monkeypatch.setattr("vopd.convert.feature_trials.MOST_ROUNDS", 1)
+    monkeypatch.chdir(ROOT / "tests" / "approved" / "inputs")
+    ran = vopd("adjust", "feature.dat", "--free", "landmark:13", "--trials", "--format", "csv")
+    assert ran.status == 3
+    assert_approved(ran.stderr)

@@ -21,7 +21,7 @@ from vopd.stellar.files.photograph import StarRequest
 
 USUAL: dict[str, Any] = {
     "axes": {"focal_mm": None, "focal_px": None, "pitch_um": None, "centre_px": None,
-             "size_px": None, "y_down": None, "k1": 0.0},
+             "size_px": None, "y_down": None, "k1": 0.0, "free": ()},
     "method": "collinearity", "pair": None, "all_pairs": False, "reject": False,
     "edit_by_pairs": False, "magnitude_limit": None, "by_elongation": False, "listing": False,
     "camera_m": None, "resection": False, "free": (), "points": (), "shared": None,
@@ -176,6 +176,7 @@ REFUSED = [
     "--corrections 1001",
     "--date yesterday",
     "--place 91,0,0",
+    "--mount -361,0,0",
     *(f"-o page{suffix}"
       for suffix in (".png", ".svg", ".pdf", ".jpg", ".jpeg", ".gif", ".tif", ".tiff", ".PNG")),
 ]  # fmt: skip
