@@ -380,7 +380,8 @@ UNITS = {
               "time_us,p,q", "time_days,lat,lon,h", "t_s,lat_deg,lon_W,h_m",
               "t_s,lat_south,West longitude,h_m", "t_s,lat_deg,lon_deg,z_down_m",
               "t_s,lat_deg,lon_deg,h_m,vn_m_s,ve_m_s,vd_kt"],
-    "wind": ["h_km,from_deg,speed_m_s,rh", "h_m,direction_rad,speed_m_s"],
+    "wind": ["h_m,wind_dir_magnetic,speed_m_s", "h_km,from_deg,speed_m_s,rh",
+             "h_m,direction_rad,speed_m_s"],
 }  # fmt: skip
 
 

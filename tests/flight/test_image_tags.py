@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 import tomllib
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,7 +20,15 @@ import vopd
 from tests.approved.texts import assert_approved, refused
 from tests.kit.command import ROOT
 from tests.kit.command import vopd as run
-from tests.kit.flight_project import TOML, camera_m, local_to_camera, truth_deg, write_project
+from tests.kit.flight_project import (
+    LENS,
+    SIZE,
+    TOML,
+    camera_m,
+    local_to_camera,
+    truth_deg,
+    write_project,
+)
 from tests.kit.tagged_images import Rational, tagged_image
 from tests.tolerances import assert_close, within
 from vopd.findings import VopdError
@@ -39,11 +48,14 @@ from vopd.flight.formats.image_tags import (
 )
 from vopd.flight.formats.picks import CLICKS
 from vopd.flight.formats.track import TRACK_FORMATS, damage_text
+from vopd.flight.project.camera import doubts_of_tags
 from vopd.flight.project.inspect import NewProject, has_positions, look_at_focal, take_size
 from vopd.flight.project.keys import Section
 from vopd.flight.project.new import project_of_files
+from vopd.flight.project.read import read_flight
 from vopd.flight.project.times import times_of_images
 from vopd.geometry.earth import geodetic
+from vopd.geometry.lenses import LensKind
 from vopd.video import open_frames, upright_size
 
 
@@ -85,7 +97,7 @@ def images_project(folder: Path) -> Path:
             f'drone-dji:AbsoluteAltitude="{height:.6f}" drone-dji:GimbalYawDegree="{yaw:.2f}" '
             f'drone-dji:GimbalPitchDegree="{pitch:.2f}" drone-dji:GimbalRollDegree="{roll:.2f}">'
         )
-        tagged_image(folder / "images" / f"IMG_{k}.JPG", xmp=xmp)
+        tagged_image(folder / "images" / f"IMG_{k}.JPG", xmp=xmp, size_px=SIZE)
     picks = folder / "picks.csv"
     rows = [f"IMG_{row[0]}.JPG{row[1:]}" for row in picks.read_text().splitlines()[1:]]
     picks.write_text("\n".join(["image,landmark,u_px,v_px", *rows]))
@@ -156,7 +168,7 @@ def test_a_new_project_from_images(tmp_path: Path) -> None:
     ran = run("new", tmp_path / "new", "--images", tmp_path / "a" / "images")
     assert ran.status == 0
     text = (tmp_path / "new" / "flight.toml").read_text()
-    assert 'file = "../a/images"' in text and "image_size_px = [64, 48]" in text
+    assert 'file = "../a/images"' in text and "image_size_px = [1920, 1080]" in text
     assert "needed: [track] height" in ran.stdout
 
 
@@ -446,7 +458,7 @@ def test_doubts_of_places_are_warnings_of_the_flight(tmp_path: Path) -> None:
     image = tmp_path / "images" / "IMG_3.JPG"
     plain = image.read_bytes()
     packet = plain[2 : 4 + int.from_bytes(plain[4:6], "big")]
-    tagged_image(image, (10, 0, 0), (16, 0, 0), "NE", 500.0)
+    tagged_image(image, (10, 0, 0), (16, 0, 0), "NE", 500.0, size_px=SIZE)
     image.write_bytes(image.read_bytes()[:2] + packet + image.read_bytes()[2:])
     assert_approved([str(one) for one in vopd.solve_flight(project).findings])
 
@@ -823,6 +835,32 @@ def test_a_new_project_begins_with_the_focal_length_of_the_tags(tmp_path: Path) 
         look_at_focal(other, none, tmp_path)
         assert not none
         assert_approved(other.said[0].removeprefix(str(tmp_path)))
+
+
+def test_images_of_another_size_or_focal_length_than_the_lens_are_doubted() -> None:
+    """The lens has 1495 px: a zoom at 7 times that, and pictures half as large, were silent."""
+
+    def doubts(size_px: tuple[int, int], focal_px: float, kind: LensKind = LENS.kind) -> list[str]:
+        where, clock = (16.0, 47.0, 500.0), float("nan")
+        one = ImageTags(where, where, size_px, clock, clock, True)
+        one = one._replace(focal_px=focal_px, focal_by="FocalLengthIn35mmFilm, 28 mm")
+        lens = replace(LENS, kind=kind)
+        return doubts_of_tags({"A.JPG": one}, ["B.JPG", "a/A.JPG"], lens)
+
+    half, turned = (SIZE[0] // 2, SIZE[1] // 2), (SIZE[1], SIZE[0])
+    odd = [(half, 1495.0), (turned, float("nan")), (SIZE, 1495.0 * 1.31), (SIZE, 1495.0 / 1.31)]
+    assert_approved([told for one in odd for told in doubts(*one)])
+    for focal_px in (1495.0 * 1.29, 1495.0 / 1.29, float("nan")):
+        assert not doubts(SIZE, focal_px)
+    assert not doubts(SIZE, 400.0, LensKind.FISHEYE) and not doubts_of_tags({}, ["A.JPG"], LENS)
+
+
+def test_a_picture_of_another_size_than_the_lens_is_a_warning_of_the_flight(tmp_path: Path) -> None:
+    project = images_project(tmp_path)
+    before = len(read_flight(str(project)).findings)
+    place = (47, 38, 36.6), (16, 28, 33.2)
+    tagged_image(tmp_path / "images" / "IMG_1.JPG", *place, altitude_m=540.0)
+    assert len(read_flight(str(project)).findings) == before + 1
 
 
 def test_a_lens_that_is_named_is_not_that_of_the_tags(tmp_path: Path) -> None:

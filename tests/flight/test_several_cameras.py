@@ -335,6 +335,7 @@ def test_images_and_cameras_that_are_refused(tmp_path: Path) -> None:
         (rows + "3,a.json\n", ""),
         ("frame,lens\n", ""),
         (rows.replace("3,b.json", "3,"), ""),
+        (rows.replace("3,b.json", "3,c.json"), ""),
         ("frame,lens\n" + "".join(f"{k},a.json\n" for k in (0, 1, 2, 4)), ""),
         (rows, '[solve]\nfree = ["focal"]\n'),
         (rows, '[solve]\nframes = "one"\n'),

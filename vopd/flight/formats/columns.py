@@ -118,6 +118,7 @@ TOWARD = re.compile(
 """Names of the direction that a wind blows to."""
 
 
+MAGNETIC = re.compile(r"(^|_)mag(netic)?(_|$)")
 REVERSED = {
     "lat_deg": (re.compile(r"(^|_)(s|south)(_|$)"), "south: write latitudes in the south below 0"),
     "lon_deg": (re.compile(r"(^|_)(w|west)(_|$)"), "west: write longitudes in the west below 0"),
@@ -133,6 +134,8 @@ def other_sense(own: str, name: str) -> str:
     plain = plain_name(own)
     if name in REVERSED and REVERSED[name][0].search(plain):
         return f"{own} seems to count to the {REVERSED[name][1]} and call it {name}"
+    if name in ("yaw_deg", "from_deg") and MAGNETIC.search(plain):
+        return f"{own} seems to be from magnetic north: add its declination and call it {name}"
     if name == "vd_m_s" and UPWARD.match(plain):
         return f"{own} seems to count up; change its sign and call it {name}"
     if name == "from_deg" and TOWARD.match(plain):

@@ -108,14 +108,27 @@ def other_size(flight: Flight, most: int | None = None) -> str:
     of_lens = np.broadcast_to(flight.lens.by_rows("size_px"), (len(flight.frame), 2))
     for k, name, size in _sizes(flight, np.unique(flight.picks.frame)[:most].tolist()):
         if (of_lens[k] != size).any():
-            own, lens = (f"{one[0]:.0f} x {one[1]:.0f}" for one in (size, of_lens[k]))
-            turned = ", turned" if (of_lens[k] == size[::-1]).all() else ""
-            return (
-                f"[picks] video: {name} has {own} upright, and the lens is for {lens}{turned}: "
-                "if it was picked in, give the lens of such pictures; of the same picture in "
-                "another size it is lens_size_px"
-            )
+            return other_size_text("[picks] video", name, size, of_lens[k].tolist())
     return ""
+
+
+def other_size_text(
+    where: str, name: str, size_px: Sequence[float], lens_px: Sequence[float]
+) -> str:
+    """Say that a picture has another size than its lens.
+
+    Args:
+        where: the key that names it
+        name: the picture's
+        size_px: its width and height
+        lens_px: those of the lens's pictures
+    """
+    own, lens = (f"{one[0]:.0f} x {one[1]:.0f}" for one in (size_px, lens_px))
+    turned = ", turned" if [*lens_px] == [*size_px][::-1] else ""
+    return (
+        f"{where}: {name} has {own} upright, and the lens is for {lens}{turned}: if it was picked "
+        "in, give the lens of such pictures; of the same picture in another size it is lens_size_px"
+    )
 
 
 def _sizes(flight: Flight, frames: list[int]) -> Iterator[tuple[int, str, tuple[int, int]]]:

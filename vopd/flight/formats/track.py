@@ -86,6 +86,7 @@ class TrackRows:
     heights: str = ""  # that column, as the file names it
     by_video: bool = False  # seconds after the first frame of the video that it came with
     doubts: Sequence[str] = ()  # sentences for warnings
+    tags: Mapping[str, ImageTags] = field(default_factory=dict)  # of images, by their names
 
     def label(self, row: int) -> str:
         """Name a row: by its line, its image, or its place in the file."""
@@ -546,6 +547,7 @@ def read_image_folder(file: InputFile) -> TrackRows:
         usual_sigma_m=USUAL_SIGMA_M,
         whole_seconds=any(one.whole_second for one in tags if np.isfinite(one.clock_s)),
         doubts=doubts_of_places(every, file.name),
+        tags={path.name: one for path, one in named},
     )
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
-from typing import NamedTuple
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vopd.arrays import Floats
 from vopd.files import reason
-from vopd.findings import count_text, shown
+from vopd.findings import VopdError, count_text, shown
 from vopd.flight.formats.by_content import read_by_content
 from vopd.flight.formats.files import InputFile
 from vopd.flight.formats.image_lenses import IMAGE_LENS_FORMATS
@@ -29,6 +29,9 @@ from vopd.flight.formats.lens import (
 from vopd.flight.project.keys import Project, Section
 from vopd.geometry.lenses import MODELS, Lens, Lenses, LensKind
 from vopd.video import find_images
+
+if TYPE_CHECKING:
+    from vopd.flight.formats.image_tags import ImageTags
 
 # The lens: an inline table, or a file
 
@@ -261,7 +264,11 @@ def read_camera(project: Project) -> CameraLens:
             of_this = project
             for key, one in (("lens", lens), ("camera", camera)):
                 of_this = of_this.changed("camera", key, one) if one else of_this
-            found[own] = read_lens(of_this)
+            try:
+                found[own] = read_lens(of_this)
+            except VopdError as error:  # of a key that the project does not have
+                text = str(error).removeprefix(f"{project.name}: [camera] lens: ")
+                raise table.error(text) if file and text != str(error) else error from error
         if of_image.setdefault(image, [*found].index(own)) != [*found].index(own):
             raise table.error(f"{shown(image)} has two lenses")
     if not found:
@@ -294,6 +301,35 @@ def check_size(section: Section, own: tuple[int, int], size: tuple[int, int], wh
     if own != size:
         message = f"{where} {w} x {h}, the lens is for {width} x {height}{turned}"
         raise section.error("file", message)
+
+
+OTHER_FOCAL = 1.3  # times that of a lens: tags are within a tenth of it
+
+
+def doubts_of_tags(tags: Mapping[str, ImageTags], image: Sequence[str], lens: Lens) -> list[str]:
+    """Warn of the first picked image that has another size, or focal length, than the lens.
+
+    Args:
+        tags: of the images that are the track, by their names
+        image: the picked ones, perhaps with their folders
+        lens: of all of them
+    """
+    for name in (PurePosixPath(one).name for one in image if tags):
+        one = tags.get(name)
+        if one is None:
+            continue
+        if one.size_px != lens.size_px:
+            from vopd.flight.formats.photographs import other_size_text  # of few flights
+
+            return [other_size_text("[track] file", name, one.size_px, lens.size_px)]
+        ratio = one.focal_px / float(lens.focal_px.mean())  # NaN where no tag says it
+        if max(ratio, 1.0 / ratio) > OTHER_FOCAL and lens.kind is not LensKind.FISHEYE:
+            return [
+                f"[track] file: {name} has a focal length of {one.focal_px:.0f} px by its "
+                f"{one.focal_by}, and the lens has {lens.focal_px.mean():.0f}: is it the "
+                "calibration of this camera, and of its zoom?"
+            ]
+    return []
 
 
 OBLONG = 1.5  # fx_px by fy_px: pixels of 1440 x 1080 that are shown in 16:9 have 1.33

@@ -44,7 +44,7 @@ from vopd.flight.formats.picks import LEAST_PX, PICK_FORMATS, SMALL_SIGMA, Names
 from vopd.flight.formats.tables import COMMENTS
 from vopd.flight.formats.track import TRACK_FORMATS
 from vopd.flight.formats.wind import WIND_FORMATS
-from vopd.flight.project.camera import CameraLens, doubts_of_lens, read_camera
+from vopd.flight.project.camera import CameraLens, doubts_of_lens, doubts_of_tags, read_camera
 from vopd.flight.project.covariance import with_held, with_stated_offset
 from vopd.flight.project.keys import ROWS, Project, Section, read_project
 from vopd.flight.project.picks import COPIED_PX, join_picks, sizes_px
@@ -300,7 +300,7 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
     path = read_path(with_stated_offset(project), times)
     times = path.times
     refuse_missing(project, notes.missing | path.missing)
-    _one_datum(project, rows.heights, path.heights)
+    _one_datum(project, rows.heights, "" if path.rows is None else path.rows.heights)
 
     def label(k: int) -> str:
         return "all frames" if one else times.image[k] if times.image else f"frame {number[k]}"
@@ -341,6 +341,8 @@ def _flight_of(project: Project, given: PickRows | None) -> Flight:
         doubts.append(f"[picks] sigma_px: {sigma_px:g} {SMALL_SIGMA}")
     for where, own in camera_lens.lenses.items():
         doubts += doubts_of_lens(own, where)
+        if path.rows is not None and len(camera_lens.lenses) == 1:
+            doubts += doubts_of_tags(path.rows.tags, times.image, own)
     shutter, section = shutter_of(project.section("camera")), project.section("picks")
     rate_hz = section.number("frame_rate_hz") if section.has("frame_rate_hz") else None
     interval_s = frame_interval_s(number, times.time_s, times.image, rate_hz)

@@ -377,7 +377,7 @@ class PathRead(NamedTuple):
     times: FrameTimes  # of the frames, those of a track by image included
     doubts: list[str]
     missing: dict[tuple[str, str], str]
-    heights: str = ""  # the column of a track's heights, as the file names it
+    rows: TrackRows | None = None  # of a track, as they stand in its file
 
 
 def height_datum(section: Section, landmarks: Section | None = None) -> HeightDatum | None:
@@ -479,7 +479,7 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
         )
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
-    return PathRead(path, notes.said, times, doubts, notes.missing, rows.heights)
+    return PathRead(path, notes.said, times, doubts, notes.missing, rows)
 
 
 def track_height(
