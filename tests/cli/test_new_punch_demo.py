@@ -196,6 +196,35 @@ def test_what_a_new_project_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("typed", "is_terminal"),
+    [("1920x1080\negm96\n\nx\n460\n\n", True), ("1920,1080\n\n12\n\n.5\n", True), ("9,9\n\n", True),
+     ("", True), ("9,9\n", False)],
+)  # fmt: skip
+def test_what_a_new_project_asks(
+    typed: str, is_terminal: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the order of what is needed, but no file; a wrong answer is asked for again."""
+    needed = {
+        ("picks", "file"): "no file", ("camera", "image_size_px"): "no image",
+        ("landmarks", "height"): "CSV does not say", ("track", "sigma_m"): "metres; or exact",
+        ("track", "height"): "from the ground", ("position", "height"): "CSV does not say",
+    }  # fmt: skip
+    made = NewProject({}, ["two files"], needed, options={("track", "height"): "--ground"})
+    values: dict[tuple[str, str], str] = {}
+
+    def of_files(_: Path, files: Any, answers: Any, ask: Any, *more: Any) -> NewProject:
+        ask(made, values)
+        return made
+
+    stream = SimpleNamespace(isatty=lambda: is_terminal)
+    monkeypatch.setattr(new, "sys", SimpleNamespace(stdin=stream, stdout=stream))
+    monkeypatch.setattr(new_project, "project_of_files", of_files)
+    monkeypatch.chdir(tmp_path)
+    ran = vopd("new", "p", "--picks", "some.file", stdin=typed)
+    assert_approved([ran.stdout, values, ran.status])
+
+
 def test_files_that_are_there_already_are_not_touched(tmp_path: Path) -> None:
     """All or none: of those that were written before the error none is left."""
     (tmp_path / "b").write_text("before")

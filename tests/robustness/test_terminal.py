@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from tests.approved.texts import assert_approved
 from tests.kit.command import CASE_1, ROOT
 from tests.kit.flight_project import write_project
 
@@ -83,18 +81,6 @@ def test_pipes_and_files_get_the_bytes_as_they_are(tmp_path: Path) -> None:
     to_file = [*command, "-o", str(tmp_path / "found")]
     subprocess.run(to_file, cwd=PROJECT, env=environment, check=True)
     assert (tmp_path / "found").read_bytes() == piped.stdout
-
-
-def test_a_new_project_asks_for_what_no_file_says(tmp_path: Path) -> None:
-    """A wrong answer is asked again, Enter leaves a key open, a height is offered once more."""
-    write_project(tmp_path)
-    files = ("--picks", "picks.csv", "--landmarks", "landmarks.csv", "--track", "track.csv")
-    typed = "1920,1080\nsame\ncentre\negm96\n.05\n\nnine\n\n"
-    shown = on_terminal("new", "made", *files, folder=tmp_path, typed=typed + "\n" * 9)
-    asked = shown[shown.index("no lens") :]  # before is what was typed
-    assert_approved(re.sub(r"\r+\n", "\n", asked))
-    made = (tmp_path / "made" / "flight.toml").read_text()
-    assert made.count('\nheight = "egm96"') == 2 and '\npixel_grid = "centre"' in made
 
 
 def test_what_was_answered_stays_where_answers_end(tmp_path: Path) -> None:

@@ -323,7 +323,7 @@ def _ask(new: NewProject, values: KeyValues) -> None:
                 break
             try:
                 values[section, key] = answer_value(own or "answer", (section, key), text)
-                height = text if key == "height" else height
+                height = text if key == "height" and not own else height
             except VopdError as error:
                 click.echo(f"  {error}")
 
