@@ -12,6 +12,7 @@ from vopd.attitude.history import History
 from vopd.figures.attitude import draw_attack
 
 OKABE_ITO = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
+GREY = "#b2b2b2"
 DARK_RED = "#b30000"
 
 

@@ -22,7 +22,7 @@ from vopd.figures.style import (
     plain,
     short,
 )
-from vopd.findings import angle_in_range, angle_text
+from vopd.findings import angle_in_range, angle_text, count_text
 
 # Break the lines of a figure where frames are missing and where angles wrap.
 
@@ -137,6 +137,16 @@ def draw_flags(axis: Any, histories: Sequence[History]) -> None:
 BAND = "95 % interval; where none is seen, it is no wider than the line"
 
 
+OTHERS = "0.7"
+"""The colour of the jobs that are more than there are colours: they are no names' twice."""
+
+
+def _coloured(histories: Sequence[History]) -> list[tuple[History, str]]:
+    """Give each job its colour, those without one of their own first, behind the others."""
+    alike = [(history, OTHERS) for history in histories[len(COLOURS) :]]
+    return [*alike, *zip(histories, COLOURS, strict=False)]
+
+
 def draw_legend(figure: Any, histories: Sequence[History]) -> None:
     """Put the legend of jobs and band below the panels, where no data are."""
     from matplotlib.lines import Line2D
@@ -149,6 +159,9 @@ def draw_legend(figure: Any, histories: Sequence[History]) -> None:
         for number, history in enumerate(histories[: len(COLOURS)]):
             handles.append(Line2D([], [], color=COLOURS[number]))
             texts.append(label(history, histories))
+    if others := len(histories[len(COLOURS) :]):
+        handles.append(Line2D([], [], color=OTHERS))
+        texts.append(f"{count_text(others, 'other job')} in grey: a figure of fewer names them")
     handles.append(Patch(color=colour, alpha=0.3, lw=0))
     texts.append(BAND)
     legend_below(figure, handles, texts, 4)
@@ -330,8 +343,8 @@ ANGLE_TEXTS = {
 def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
     for axis, name in zip(axes[:3], names, strict=True):
         cut = unwrapped_about(np.concatenate([values_of(h, name) for h in histories]))
-        for number, history in enumerate(histories):
-            _angle(axis, history, name, COLOURS[number % len(COLOURS)], cut)
+        for history, colour in _coloured(histories):
+            _angle(axis, history, name, colour, cut)
         axis.set_ylabel(f"{ANGLE_TEXTS[name.split('_')[-1]]}, degrees")
         axis.yaxis.set_major_formatter(
             lambda y, _, name=name, axis=axis: (
@@ -340,8 +353,8 @@ def _panels(axes: Any, histories: Sequence[History], names: list[str]) -> None:
         )
     marks = ("-", "--", ":")
     for mark, name in zip(marks, names, strict=True):
-        for number, history in enumerate(histories):
-            _half_width(axes[3], history, name, mark, COLOURS[number % len(COLOURS)])
+        for history, colour in _coloured(histories):
+            _half_width(axes[3], history, name, mark, colour)
     _width_scale(axes[3], [name.split("_")[-1] for name in names], marks)
     if len(axes) > 4:
         draw_flags(axes[4], histories)
@@ -408,7 +421,7 @@ def _angle(axis: Any, history: History, name: str, colour: str, cut: float) -> N
         times, line + picked(low, index), line + picked(high, index), color=colour, alpha=0.3,
         lw=0, label="band", rasterized=len(times) > MANY,
     )  # fmt: skip
-    marker = "." if known.sum() <= POINTS else ""
+    marker = "." if known.sum() <= POINTS and colour != OTHERS else ""
     axis.plot(times, line, color=colour, lw=1.0, marker=marker)
     alone = known & ~_has_neighbour(index, known)
     if alone.any():

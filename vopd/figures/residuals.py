@@ -145,7 +145,8 @@ def _against_time(figure: Any, histories: Sequence[History], found: Residuals) -
         str(place): f"{_label(histories, int(numbers[k]))}: {_three_digits(rms[k])}"
         for place, k in enumerate(coloured)
     }
-    named |= {"others": f"{len(numbers) - len(coloured)} others", "does not fit": "does not fit"}
+    rest = count_text(len(numbers) - len(coloured), "other")
+    named |= {"others": rest, "does not fit": "does not fit"}
     kept = [one for one in named if one in shown]
     handles, texts = [shown[one] for one in kept], [named[one] for one in kept]
     title = f"rms, {units.residual}"
