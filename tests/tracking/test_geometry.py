@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.approved.texts import assert_approved
 from tests.kit.drawn_ground import EARTH_M, LENS, NADIR, SIZE, drawn
+from tests.kit.whole import whole
 from tests.tolerances import assert_close
 from vopd.arrays import Floats
 from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
@@ -607,3 +608,163 @@ def test_a_terrain_is_advised_where_it_helps(wide_m: float, high_m: float, said:
     assert len(told) == said
     if said:
         assert_approved(told[0], parts=[f"{high_m:.0f}"])
+
+
+# Number by number
+
+
+def shown(height_m: float, other: float = 0.0, waves: float = 0.0) -> Floats:
+    """The ground from some height, with a part of another ground and with waves of 3 px."""
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    x, y = (u - 100.0) * height_m / 1000.0, (v - 80.0) * height_m / 1000.0
+    grey = (1.0 - other) * drawn(100.0 + x, 80.0 + y) + other * drawn(300.0 - y, 200.0 + x)
+    return np.asarray(grey + waves * np.cos(2.0 / 3.0 * np.pi * (u + v)))
+
+
+@pytest.mark.parametrize("height_m", [300.0, 500.0, 850.0, 1300.0, 2000.0, 4000.0])
+def test_patches_from_other_heights(height_m: float) -> None:
+    """Of every size, in the middle and at edges; the camera has turned about all its axes."""
+    scene = above(1000.0, height_m)
+    turned = view(1, turned_by(np.array([0.002, -0.003, 0.02]), NADIR))
+    said = []
+    for place, side in (
+        ((105.3, 83.8), 13), ((60.2, 61.0), 25), ((98.0, 80.6), 31), ((9.4, 70.0), 25),
+        ((104.0, 151.2), 17),
+    ):  # fmt: skip
+        one = laid(scene, shown(1000.0, waves=9.0), place, side)
+        warps = warp(scene, turned, [one])
+        found = match(shown(height_m, 0.1), warps, [one], np.zeros((1, 2)), 4.0)
+        less = {"side": one.patch.side, "corner": one.patch.corner, "size": one.patch.grey.shape}
+        less |= {"spread_px": one.patch.spread_px, "weight": one.patch.weight.sum()}
+        place_m = {"first_m": one.place_m[0], "last_m": one.place_m[-1], "click_m": one.clicked_m}
+        said.append(whole(less | place_m | warps._replace(pixel=warps.pixel[:, ::99])._asdict()))
+        said.append(whole(found, decimals=5))
+        for radius_px, least in ((8.0, 0.6), (14.0, 0.9)):
+            said.append(whole(search(shown(height_m, 0.1), warps, [one], radius_px, least)))
+    assert_approved("\n".join(said))
+
+
+def test_what_is_just_a_match_and_what_is_not() -> None:
+    """Of contrast, likeness, gain, distance, curvature and room, some values about each limit."""
+    scene, start = above(1000.0, 1000.0), np.zeros((1, 2))
+    v, _ = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    said = []
+
+    def tell(name: str, first: Floats, then: Floats, least: float = 0.6, side: int = 25) -> None:
+        one = laid(scene, first, (120.3, 70.8), side)
+        found = match(then, warp(scene, view(1, NADIR), [one]), [one], start, 4.0, least)
+        said.append(f"{name}: {whole(found._asdict(), decimals=5)}".replace("\n", ", "))
+
+    for part in (0.06, 0.075, 0.09, 0.14, 0.2):
+        little = 120.0 + part * (shown(1000.0) - 120.0)
+        tell(f"contrast {part}", little, little)
+        tell(f"contrast then {part}", shown(1000.0), little)
+        tell(f"contrast before {part}", little, shown(1000.0))
+    for part in (0.2, 0.35, 0.45, 0.5, 0.55, 0.65):
+        for least in (0.6, 0.8):
+            tell(f"other {part} {least}", shown(1000.0), shown(1000.0, part), least)
+    for x, y in ((3.9, 0.0), (4.1, 0.0), (-2.7, 2.7), (-2.9, 2.9), (0.0, -1.5)):
+        tell(f"shift {x} {y}", picture(), picture((x, y)))
+    for part in (0.03, 0.05, 0.07, 0.1, 0.2, 0.5):
+        along = 120.0 + 40.0 * np.tanh((v - 70.0) / 3.0) + part * (shown(1000.0) - 120.0)
+        tell(f"edge {part}", along, along)
+    noise = np.random.default_rng(9).normal(0.0, 6.0, SIZE[::-1])
+    for side in (25, 15, 9):
+        tell(f"noise {side}", picture(), picture((0.4, -0.3)) + noise, side=side)
+    one = laid(scene, picture(), (120.3, 70.8))
+    for axis, limits in ((0, (-0.076, 0.058)), (1, (-0.107, 0.0675))):
+        for angle in np.add.outer(limits, [-0.0015, -0.0005, 0.0005, 0.0015]).ravel():
+            there = warp(scene, view(1, turned_by(angle * np.eye(3)[axis], NADIR)), [one]).inside
+            said.append(f"room {axis} {angle:.4f}: {there.tolist()}")
+    sides = [cut_patch(picture(), 0, 0, 0, np.array([x, 80.0]), 25) for x in np.arange(5.0, 16.0)]
+    said.append(f"sides {[one and one.side for one in sides]}")
+    sides = [cut_patch(picture(), 0, 0, 0, np.array([90.0, y]), 9) for y in np.arange(150.0, 160.0)]
+    said.append(f"sides {[one and one.side for one in sides]}")
+    assert_approved(said)
+
+
+def test_places_that_are_nearly_as_good() -> None:
+    """Ground that repeats after some pixels, with a difference; near an edge, too."""
+    scene = above(1000.0, 1000.0)
+    v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
+    said = []
+    for period in (6.0, 12.0, 15.0, 22.0):
+        for part in (0.1, 0.3, 0.5):
+            waves = np.sin(2.0 * np.pi * u / period) + np.sin(2.0 * np.pi * v / period)
+            grey = 120.0 + 25.0 * waves + part * (shown(1000.0) - 120.0)
+            for side in (13, 25):
+                one = laid(scene, grey, (120.3, 70.8), side)
+                warps = warp(scene, view(1, turned_by([0.004, -0.007, 0.0], NADIR)), [one])
+                shift, several = search(grey, warps, [one], 16.0)
+                said.append(f"{period} {part} {side}: {whole(shift, 'shift')} {several}")
+    assert_approved(said)
+
+
+@pytest.mark.parametrize("larger", [1, 2, 4])
+def test_aligned_frames_number_by_number(larger: int) -> None:
+    """Alike, brighter, partly or wholly of another ground, far apart, from another place."""
+    size = larger * SIZE[0], larger * SIZE[1]
+    lens = replace(
+        LENS, size_px=size, focal_px=larger * LENS.focal_px, centre_px=larger * LENS.centre_px,
+        k=np.array([-12.0 * (larger == 4), *np.zeros(11)]),  # its corners are no image then
+    )  # fmt: skip
+    scene = replace(above(1000.0, 1010.0), lens=lens)
+    scene.path.position_m[1, 1] = 7.0
+    v, u = np.mgrid[: size[1], : size[0]] / larger
+    before, beside = drawn(u, v), np.arange(size[0]) < size[0] // 4
+    noise = np.random.default_rng(4).normal(0.0, 8.0, before.shape)
+    said = []
+    frames = (
+        ("alike", drawn(u + 2.0, v - 1.5), [0.0, 0.002, 0.0]),
+        ("alike", drawn(u + 2.0, v - 1.5), [0.001, 0.003, -0.02]),
+        ("brighter", 40.0 + 0.6 * drawn(u + 3.0, v) + noise, [0.0, 0.0, 0.0]),
+        ("a quarter is other", np.where(beside, drawn(v, u), drawn(u + 6.0, v)), [0.0, 0.0, 0.0]),
+        ("nine tenths are other", np.where(v < 145, drawn(v, u), drawn(u + 6.0, v)), [0.0] * 3),
+        ("black", 0.0 * u, [0.0, 0.0, 0.0]),
+        ("darker", 0.1 * drawn(u + 5.0, v), [0.0, 0.0, 0.0]),
+        ("half", drawn(u - 93.0, v), [0.0, 0.101, 0.0]),
+        ("a quarter", drawn(u - 140.0, v), [0.0, 0.146, 0.0]),
+        ("a sixth", drawn(u - 155.0, v), [0.0, 0.161, 0.0]),
+        ("nothing", drawn(u - 175.0, v), [0.0, 0.181, 0.0]),
+    )
+    for name, after, first in frames[: 7 if larger == 4 else None]:
+        found, likeness = Alignment(scene).turn(
+            view(0, NADIR), reduced(before), view(1, turned_by(first, NADIR)), reduced(after)
+        )
+        turn = turn_between(NADIR, found)
+        said.append(f"{name}: {whole(turn, 'turn')}, {whole(likeness, 'alike')}")
+    assert_approved(said)
+
+
+@pytest.mark.parametrize("terrain", [None, Rising(), Rising(2), Falling()])
+@pytest.mark.parametrize("way", ["down", "left"])
+def test_an_oblique_view_number_by_number(terrain: Any, way: Any) -> None:
+    """Of four landmarks, one of them beside and one high above the others, by moving rows."""
+    scene = above(700.0, 710.0, shutter=Shutter(0.05, way, True))
+    marks = np.array([EARTH_M, 0.0, 0.0]) + np.array(
+        [
+            [0.0, -11.0, -440.0],
+            [30.0, 60.0, -500.0],
+            [-20.0, -120.0, -380.0],
+            [650.0, -20.0, -900.0],
+        ]
+    )
+    scene = replace(
+        scene, landmarks=LandmarkSet(tuple("abcd"), marks, np.zeros((4, 3))),
+        refraction=Refraction(0.2, False), terrain=terrain, mount=DOWNWARD,
+        path=replace(scene.path, lever_arm_m=np.array([1.0, -2.0, 0.5])),
+    )  # fmt: skip
+    tilted = turned_by(np.array([0.55, 0.1, 0.3]), NADIR)
+    looks = View(1, tilted, np.array([0.1, -0.2, 0.3]), scene.velocity_m_s(1))
+    pixel = np.array([[0.0, 0.0], [200.0, 0.0], [100.0, 80.0], [20.0, 160.0], [180.0, 150.0]])
+    with np.errstate(all="ignore"):
+        grounds = [scene.ground(looks, pixel, mark) for mark in range(4)]
+    away = scene.landmark_m + scene.raised_m(1) - scene.camera_m(1, tilted)
+    assert_approved(
+        whole({
+            "landmark_m": scene.landmark_m, "up": scene.up, "raised_m": scene.raised_m(1),
+            "camera_m": scene.camera_m(1, tilted), "velocity_m_s": scene.velocity_m_s(1),
+            "late_s": scene.late_s(pixel), "pixels": list(scene.pixels(looks, away)),
+            "rays": list(scene.rays(looks, pixel)), "ground_m": grounds,
+        }, decimals=5)
+    )  # fmt: skip

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
-from tests.kit.drawn_ground import EARTH_M, LENS, NADIR, SIZE, drawn
+from tests.kit.plain import EVERY, Plain
 from tests.tolerances import within
-from vopd.arrays import Floats
-from vopd.flight.flight import CameraPath, LandmarkSet, Refraction, Shutter
 from vopd.tracking import tracker as rooms
-from vopd.tracking.scene import Scene, turn_between
 from vopd.tracking.tracker import (
     AMBIGUOUS,
     CLICKED,
@@ -24,101 +19,18 @@ from vopd.tracking.tracker import (
     TRACKED,
     UNKNOWN,
     Beginning,
-    ClickedPixels,
     Tracker,
 )
 
-PLACES = {
-    "a": (-60.0, 40.0), "b": (55.0, 45.0), "c": (-50.0, -45.0), "d": (60.0, -40.0), "e": (5.0, 0.0)
-}  # fmt: skip
-EVERY = [(0, mark, 0.0, 0.0) for mark in range(len(PLACES))]
 
-
-class Plain:
-    """F frames of a camera 1000 m above a plain with five landmarks, which turns as it goes on.
-
-    Between frames it goes 4 m to the east; by frame n it has turned by `turn` times a power of n,
-    radians about its own axes. Rows of a rolling shutter are drawn each by its own place and
-    attitude.
-    """
-
-    def __init__(
-        self,
-        frames: int,
-        turn: tuple[float, float, float],
-        readout_s: float = 0.0,
-        power: float = 1.0,
-    ) -> None:
-        self.turn, self.readout_s, self.power = np.array(turn), readout_s, power
-        own = np.array(list(PLACES.values()))
-        marks = np.column_stack([np.full(len(own), EARTH_M), own - own.mean(axis=0)])
-        self.mark_m = np.column_stack([marks[:, 1:], np.zeros(len(own))])
-        place = np.array([[EARTH_M + 1000.0, 4.0 * k, 0.0] for k in range(frames)])
-        speed = np.tile([0.0, 40.0, 0.0], (frames, 1))
-        shutter = Shutter(readout_s, "down", False) if readout_s else None
-        landmarks = LandmarkSet(tuple(PLACES), marks, np.zeros((len(own), 3)))
-        path = CameraPath(place, velocity_m_s=speed)
-        self.scene = Scene(LENS, path, landmarks, Refraction(0.0, False), np.eye(3), shutter)
-        self.time_s = np.arange(frames) / 10.0
-
-    def at(self, time_s: Floats) -> tuple[Floats, Floats]:
-        """Attitudes (..., 3, 3) and places (..., 3) at some times."""
-        angle = np.multiply.outer((np.asarray(time_s) * 10.0) ** self.power, self.turn)
-        turned = Rotation.from_rotvec(angle.reshape(-1, 3)).as_matrix().reshape(*angle.shape, 3)
-        place = np.zeros(angle.shape)
-        place[..., 0], place[..., 2] = 40.0 * np.asarray(time_s), 1000.0
-        return turned @ NADIR, place
-
-    def grey(self, frame: int, change: str = "") -> Floats:
-        """Draw a frame: as it is, black, or with another ground at the landmarks or around them."""
-        rotation, place = self.at(self.time_s[frame] + self.readout_s * np.arange(161) / 160.0)
-        v, u = np.mgrid[: SIZE[1], : SIZE[0]].astype(float)
-        ray = np.stack([(u - 100.0) / 1000.0, (v - 80.0) / 1000.0, np.ones_like(u)], axis=-1)
-        ray = np.einsum("rij,rci->rcj", rotation, ray)
-        on_it = place[:, None] - ray * (place[:, None, 2:] / ray[..., 2:])
-        away = np.linalg.norm(on_it[:, :, None] - self.mark_m, axis=-1).min(axis=-1)
-        other = {"marks": away < 18.0, "around": away > 20.0, "black": away >= 0.0}
-        grey = drawn(100.0 + on_it[..., 0], 80.0 - on_it[..., 1])
-        if change:
-            ground = drawn(400.0 - on_it[..., 1], 300.0 + on_it[..., 0]) * (change != "black")
-            grey = np.where(other[change], ground, grey)
-        return grey
-
-    def pixel(self, frame: int, mark: int) -> Floats:
-        """Find where a frame has a landmark, (2,)."""
-        late = 0.0
-        for _ in range(6):
-            rotation, place = self.at(self.time_s[frame] + late)
-            ray = rotation @ (self.mark_m[mark] - place)
-            found = 1000.0 * ray[:2] / ray[2] + [100.0, 80.0]
-            late = self.readout_s * found[1] / 160.0
-        return np.asarray(found)
-
-    def run(self, *clicks: tuple[int, int, float, float], **changed: Collection[int]) -> Tracker:
-        """Run forward from clicks: frame, landmark, and by how much they are off, right and down.
-
-        Frames of each change are given by its name.
-        """
-        frame, mark = (np.array([one[k] for one in clicks]) for k in (0, 1))
-        pixel = np.array([self.pixel(f, m) + off for f, m, *off in clicks])
-        own = ClickedPixels(frame, mark, pixel, np.ones(len(clicks)))
-        tracker = Tracker(self.scene, own, self.time_s, np.full(len(PLACES), 25))
-        of = {k: change for change, frames in changed.items() for k in frames}
-        pictures = ((k, self.grey(k, of.get(k, ""))) for k in range(len(self.time_s)))
-        assert len(list(tracker.forward(pictures, {}))) == len(self.time_s)
-        return tracker
-
-    def off_px(self, tracker: Tracker) -> Floats:
-        """By how many pixels attitudes are off, rotations about the lens at 100 px from it (F,)."""
-        true, _ = self.at(self.time_s)
-        off = [turn_between(*pair) for pair in zip(tracker.attitudes.rotation, true, strict=True)]
-        return np.linalg.norm(np.array(off) * [1000.0, 1000.0, 100.0], axis=1)
-
-
-@pytest.mark.parametrize("readout_s", [0.0, 0.08])
-def test_a_wrong_click_spoils_no_frame(readout_s: float) -> None:
-    """The fifth of the first frame is 47 px off."""
-    plain = Plain(4, (0.003, -0.002, 0.01), readout_s)
+@pytest.mark.parametrize(
+    ("readout_s", "lever_m"), [(0.0, None), (0.08, None), (0.0, (1.0, 2.0, 3.0))]
+)
+def test_a_wrong_click_spoils_no_frame(
+    readout_s: float, lever_m: tuple[float, float, float] | None
+) -> None:
+    """The fifth of the first frame is 47 px off; also of a camera beside its antenna."""
+    plain = Plain(4, (0.003, -0.002, 0.01), readout_s, lever_m=lever_m)
     for last in (EVERY[4], (0, 4, 40.0, 25.0)):
         tracker = plain.run(*EVERY[:4], last)
         assert tracker.attitudes.known.tolist() == [TRACKED] * 4

@@ -20,8 +20,10 @@ from vopd.findings import VopdError
 ATTITUDE = np.dtype([
     ("frame", "i4"), ("known", "i1"), ("segment", "i4"), ("rotation", "f8", (3, 3)),
     ("begins", "?"), ("cut", "i4"), ("state", "i4"), ("hidden", "i4"), ("predicted", "i4"),
+    ("lost", "i4"),
 ])  # fmt: skip
-"""A frame of the first run; `state` is the frame that the next one is aligned with."""
+"""A frame of the first run; `state` is the frame that the next one is aligned with, `lost` that
+from which the track is lost; each -1 where there is none."""
 ROW = np.dtype([
     ("frame", "i4"), ("landmark", "i4"), ("click", "i4"), ("pixel", "f8", (2,)), ("sigma", "f8"),
     ("by_click", "f8", (2, 2)), ("correlation", "f4"), ("status", "i1"),

@@ -159,21 +159,20 @@ class Tracker:
         clicks, scene = self.clicks, self.scene
         frames = np.unique(clicks.frame)
         at = np.searchsorted(frames, clicks.frame)
-        away = np.empty((len(at), 3))
-        for k, frame in enumerate(frames.tolist()):
-            place = scene.camera_m(frame, np.eye(3)) - scene.raised_m(frame)
-            own = at == k
-            away[own] = scene.landmark_m[clicks.landmark[own]] - place[clicks.landmark[own]]
-        away /= np.linalg.norm(away, axis=1, keepdims=True)
+        away, found = np.empty((len(at), 3)), dict[int, Floats]()
         several = np.bincount(at)[at] > 3
-        found = {}
-        for loss, used in (("least-squares", ~several), ("cauchy", several)):
-            solved = solve_rotations(
-                scene.lens, len(frames), at, clicks.pixel, clicks.sigma_px, away, used, loss
-            )
-            for k, rotation in enumerate(solved.rotation):
-                if np.isfinite(rotation).all():
-                    found[int(frames[k])] = rotation
+        for _ in range(2):  # where the lens is beside its antenna depends on the attitude
+            for k, frame in enumerate(frames.tolist()):
+                place = scene.camera_m(frame, found.get(frame, np.eye(3))) - scene.raised_m(frame)
+                own = at == k
+                away[own] = scene.landmark_m[clicks.landmark[own]] - place[clicks.landmark[own]]
+            away /= np.linalg.norm(away, axis=1, keepdims=True)
+            for loss, used in (("least-squares", ~several), ("cauchy", several)):
+                solved = solve_rotations(
+                    scene.lens, len(frames), at, clicks.pixel, clicks.sigma_px, away, used, loss
+                )
+                known = np.isfinite(solved.rotation).all(axis=(1, 2))
+                found |= {int(frames[k]): solved.rotation[k] for k in np.flatnonzero(known)}
         return found
 
     def view(self, frame: int, rotation: Floats | None = None, rate: Floats | None = None) -> View:
@@ -273,17 +272,16 @@ class Tracker:
         cut = self.beginnings[-1].cut if begins else -1
         left = (-1, 0, 0) if state is None else (state.frame, state.hidden, state.predicted)
         known = own.known[frame], own.segment[frame], own.rotation[frame]
-        return np.array([(frame, *known, begins, cut, *left)], ATTITUDE)
+        return np.array([(frame, *known, begins, cut, *left, self._lost)], ATTITUDE)
 
     def _replay(self, one: Any) -> None:
         """Take a frame as an earlier run left it."""
         frame = int(one["frame"])
         if one["begins"]:
             self.beginnings.append(Beginning(frame, int(one["cut"])))
-        self._lost = frame if one["state"] < 0 <= self._segment and self._lost < 0 else self._lost
+        self._lost = int(one["lost"])
         if one["known"]:
             self._segment = int(one["segment"])
-            self._lost = -1
             self._set(frame, one["rotation"], int(one["known"]))
 
     def backward(self, pictures: Iterable[tuple[int, Any]]) -> Iterator[int]:
