@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
+import base64
 import io
 import re
 import struct
 
 import numpy as np
+from PIL import Image
 
 TAPE_MARK = struct.pack("<i", 56)
 """Before and after each record of tape 10, seven numbers of eight bytes."""
 
 
+EMBEDDED = re.compile(r'(;base64,|<script type="text/plain" id="\w+">)([\w+/=]{20,})')
+"""A picture in a page."""
 LEFT_OUT = re.compile(
-    r"(data:[\w/+.-]+;base64,|<script type=\"text/plain\" id=\"image\d+\">)[\w+/=]+()"
-    r"|(?s:(<style>|<script>).*?(</style>|</script>))"
+    r"(?s:(<style>|<script>).*?(</style>|</script>))"
     r"|((?:style|script)-src &#39;sha256-)[\w+/=]+()"
 )
-"""Of a page: pictures, style, script, and the hashes of these two."""
+"""Of a page: style, script, and the hashes of these two."""
 
 
 def content(data: bytes) -> str:
     """Describe an output by lines of text.
 
     Arrays of a .npz, columns of a Parquet file and records of tape 10 become lines of names and
-    numbers, a picture or a video its size, a page itself without its figures, style and script,
-    which are `page.css` and `page.js` of vopd/report. Anything else is its text.
+    numbers, a picture or a video its size, a page itself without its style and script, which are
+    files of vopd/report, and with its pictures described. Anything else is its text.
     """
     if data.startswith(b"PK\3\4"):
         return _npz(data)
@@ -33,6 +36,10 @@ def content(data: bytes) -> str:
         return _parquet(data)
     if data.startswith(b"\x89PNG"):
         return "PNG, {} x {} pixels\n".format(*struct.unpack(">II", data[16:24]))
+    if data.startswith(b"\xff\xd8"):
+        with Image.open(io.BytesIO(data)) as picture:
+            steps = picture.quantization[0][0]  # of its quality
+            return "JPEG, {} x {} pixels, in steps of {}\n".format(*picture.size, steps)
     if data[4:8] == b"ftyp":
         return f"MP4, {len(data)} bytes\n"
     if data.startswith(b"%PDF"):
@@ -41,7 +48,14 @@ def content(data: bytes) -> str:
     if data.startswith(TAPE_MARK) and len(data) % 64 == 0:
         return _tape10(data)
     text = data.decode("utf-8", "backslashreplace")
-    return LEFT_OUT.sub(_left_out, text)
+    return LEFT_OUT.sub(_left_out, EMBEDDED.sub(_embedded, text))
+
+
+def _embedded(found: re.Match[str]) -> str:
+    described = content(base64.b64decode(found[2])).strip()
+    if size := re.search(r'<svg[^>]* viewBox="0 0 (\S+) (\S+)"', described):
+        described = "SVG, {:.0f} x {:.0f} points".format(*map(float, size.groups()))
+    return found[1] + described
 
 
 def _left_out(found: re.Match[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from dataclasses import replace
 from pathlib import Path
 
@@ -72,8 +73,9 @@ def test_lines(expected: str, actual: str, kind: list[str]) -> None:
 def test_binary_files_are_their_content() -> None:
     png = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + (640).to_bytes(4) + (480).to_bytes(4)
     assert content(png) == "PNG, 640 x 480 pixels\n"
-    assert content(b'<img src="data:image/png;base64,iVBOR+/=">') == (
-        '<img src="data:image/png;base64,...">'
+    drawing = base64.b64encode(b'<svg viewBox="0 0 72.0 36.2"></svg>')
+    assert content(b'<img src="data:image/svg+xml;base64,' + drawing + b'">') == (
+        '<img src="data:image/svg+xml;base64,SVG, 72 x 36 points">'
     )
 
 

@@ -350,6 +350,7 @@ def test_what_cannot_be_located_says_what_to_do() -> None:
         (replace(job, trajectory=replace(job.trajectory, position_ft=still)), 12),
         (with_coordinates(job, 12, coordinates_of(job, 12) * [1.0, 1.0, 1000.0]), 12),  # in space
         (with_coordinates(job, 12, np.array([90.0, -106.0, 0.0])), 12),
+        (with_coordinates(job, 12, np.array([-90.0, -106.0, 0.0])), 12),
     ):
         with refused(VopdError):
             locate_feature(wrong, number, ALL, "film.dat")

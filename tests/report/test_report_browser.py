@@ -7,11 +7,13 @@ import csv
 import io
 import json
 import re
+import shutil
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -87,9 +89,29 @@ def page_of(name: str) -> bytes:
             return report([solve_flight(ROOT / "examples" / "summits" / "flight.toml").history()])
         if name == "case1":
             return report(histories("appendix_h/case1"))
+        if name == "left out":
+            return left_out()
         if name == "odd":
             return report([odd(), by_hand(3, said={"job": 2})], ["a warning"], 5.0)
         return report(flight(250 if name == "long film" else 30))
+
+
+def left_out() -> bytes:
+    """The hill with a check landmark, a pick that does not fit, and two that are not there.
+
+    Its horizon is told to go from south-east to south.
+    """
+    with TemporaryDirectory() as place:
+        shutil.copytree(HILL.parent, place, dirs_exist_ok=True)
+        project, picks = (Path(place) / name for name in ("flight.toml", "picks.csv"))
+        solve = '[solve]\nblunders = "drop"\ncheck_landmarks = ["tower"]\n'
+        project.write_text(project.read_text() + solve)
+        head, first, *rows = picks.read_text().splitlines()
+        frame, name, u, *rest = first.split(",")
+        wrong = ",".join([frame, name, str(float(u) + 200.0), *rest])
+        picks.write_text("\n".join([head, wrong, *rows[:3], *rows[5:], ""]))
+        page = report([solve_flight(project).history()]).decode()
+    return re.sub(r'"first": \[3[^]]*\]', '"first": [110,110,110,110,110]', page).encode()
 
 
 def odd() -> History:
@@ -100,7 +122,8 @@ def odd() -> History:
     angles[4] = np.nan
     half = np.tile([0.1, 0.2, 0.3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], (9, 1))
     half[6], half[7] = 9.0, np.inf
-    times = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 9.0, 9.5, 10.0])
+    times = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 9.0, 9.5, 12.0])
+    angles[8, 3] += 150.0
     flags = {"two_landmarks": [1, 2], "second_solution": [1, 2, 3], "jump": [6]}
     one = by_hand(9, angles_deg=angles, half_deg=half, flags=flags, time_s=times)
     return replace(one, residual_rms=np.array([1.0, 1.2, 0.8, 1.1, 0.9, 1.3, 40.0, np.nan, 0.7]))
@@ -811,6 +834,7 @@ DOES: dict[str, list[str]] = {  # what a user does to a page, step by step
     "hill": ["key('End')"],
     "film": ["type('number', 8)", "select('group', 'attack'); type('number', 20)"],
     "case1": [],
+    "left out": ["type('number', 1)"],
     "odd": ["select('job', 1)"],
     "grid": [],
 }

@@ -30,7 +30,7 @@ from vopd.program.average import averages
 from vopd.program.constants import factor, ftpkm
 from vopd.program.earth import ellipsoidal_position
 from vopd.program.frames import LENS_RADII, WIND_ALTITUDES
-from vopd.program.ftlup import TableOutOfOrder, check_order, ftlup
+from vopd.program.ftlup import TableOutOfOrder, ftlup
 from vopd.program.ignored import kept
 from vopd.program.positions import (
     TRAJECTORY_TIMES,
@@ -102,8 +102,6 @@ def _checked(job: Job, make: Callable[[Job], Made]) -> Made:
     if not job.camera.focal_length_mm > MM_PER_PX:
         raise VopdError(f"group 8: a focal length of {job.camera.focal_length_mm:g} mm is none")
     try:
-        path = job.trajectory
-        check_order(path.time_s, path.altitude_ft, TRAJECTORY_TIMES)
         return make(job)
     except TableOutOfOrder as error:
         group, variable = error.table or (0, "")

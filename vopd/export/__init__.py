@@ -112,7 +112,6 @@ class AttitudeFormat:
         """
         from vopd.export.tables import render_means
 
-        self.ready()
         named = [job.with_about(_printable(job.about)).whole for job in jobs]
         return render_means(self.name, named, request)
 
