@@ -884,6 +884,12 @@ def test_sizes_of_a_calibration_under_other_names() -> None:
     no_lens(f"{text}image_size: [128, 96]\n")  # or 96 x 128
 
 
+def test_a_key_of_yaml_with_nothing_behind_it_is_named() -> None:
+    """It was "'None' is not a number"."""
+    text = f"camera_matrix: {MATRIX}\nimage_width: 64\nimage_height: 48\nD:\n"
+    assert_approved([no_lens(text), no_lens(text.replace("48\nD:", "\nD: [0, 0, 0, 0, 0]"))])
+
+
 @pytest.mark.parametrize(
     "more",
     [

@@ -13,6 +13,7 @@ import pytest
 
 import vopd
 from tests.approved.texts import assert_approved, refused
+from tests.kit import flight_files
 from tests.kit.command import vopd as run
 from tests.kit.flight_project import TOML, camera_m, read_text, text_told, truth_deg, write_project
 from tests.tolerances import assert_close, within
@@ -25,6 +26,7 @@ from vopd.flight.formats.track import (
     photo_number,
     read_mrk,
 )
+from vopd.flight.project.read import read_flight
 from vopd.geometry.earth import geodetic
 
 
@@ -208,6 +210,32 @@ def test_geo_txt_with_a_text_for_a_number() -> None:
 
 
 # GPX
+
+
+@pytest.mark.parametrize(
+    ("geoid", "height"),
+    [
+        (45.2, '"ellipsoid"'), (45.2, "{ undulation_m = -45.2 }"), (45.2, "{ undulation_m = 44 }"),
+        (1.9, '"ellipsoid"'), (0, "{ undulation_m = 45 }"),
+    ],
+)  # fmt: skip
+def test_the_geoid_of_a_gpx_is_that_of_its_heights(
+    geoid: float, height: str, tmp_path: Path
+) -> None:
+    """45 m too low, and nothing told; 0 stands for none."""
+    files = flight_files.project(
+        flight_files.LENSES["inline"], flight_files.PICKS["CSV of frames"],
+        flight_files.LANDMARKS["CSV, geodetic"], flight_files.TRACKS["GPX"],
+    )  # fmt: skip
+    start, track = files["flight.toml"].split("[track]")
+    files["flight.toml"] = start + "[track]" + track.replace('"ellipsoid"', height)
+    files["track.gpx"] = files["track.gpx"].replace(
+        "</ele>", f"</ele><geoidheight>{geoid}</geoidheight>"
+    )
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    found = read_flight(str(tmp_path / "flight.toml")).findings
+    assert_approved([one.message for one in found])
 
 
 def gpx(*points: str) -> str:

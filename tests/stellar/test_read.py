@@ -401,6 +401,8 @@ REFUSED = (
     f"{PX},sigma_mm",
     "x,y,z,u,v,w",
     "x,y,sigma_mm,name",
+    "x_mm,y_mm,ra_rad,dec_rad,name",
+    "x_mm,y_mm,x_ft,y_ft,z_ft,name",
 )
 
 

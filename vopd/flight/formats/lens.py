@@ -476,6 +476,9 @@ def read_opencv(file: InputFile, question: LensQuestion) -> LensRead:
     if message := twice(key for key, _ in own):
         raise file.error(message)
     values = _of_one(file, dict(own), question)
+    needed = (*MATRIX, *COEFFICIENTS, *PAIRS[0], *SIZES)
+    if empty := [key for key in needed if key in values and values[key] is None]:
+        raise file.error("nothing stands behind it", column=empty[0])
     matrix = _numbers(file, _first(file, values, MATRIX, "camera matrix"))
     listed = _first(file, values, COEFFICIENTS, "distortion coefficients", needed=False)
     k = _coefficients(file, listed, question)

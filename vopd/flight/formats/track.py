@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +88,7 @@ class TrackRows:
     by_video: bool = False  # seconds after the first frame of the video that it came with
     doubts: Sequence[str] = ()  # sentences for warnings
     tags: Mapping[str, ImageTags] = field(default_factory=dict)  # of images, by their names
+    geoid_m: float | None = None  # height of the geoid above the ellipsoid, where the file says it
 
     def label(self, row: int) -> str:
         """Name a row: by its line, its image, or its place in the file."""
@@ -357,13 +359,15 @@ def read_gpx(file: InputFile) -> TrackRows:
         dtype=np.float64,
     )
     sigma = sigma_of_dilution_m(dilution[:, 0], dilution[:, 1])
+    geoid_m = [p.geoid_height for p in points if p.geoid_height and isfinite(p.geoid_height)]
     return TrackRows(
         coordinate,
         True,
         "EPSG:4326",
         "utc",
         time_s,
-        f"GPX, {count_text(len(points), 'position')}{without}, UTC",
+        geoid_m=float(np.median(geoid_m)) if geoid_m else None,
+        said=f"GPX, {count_text(len(points), 'position')}{without}, UTC",
         sigma_m=sigma if np.isfinite(sigma).any() else None,
         sigma_by=DILUTION_SAID,
     )

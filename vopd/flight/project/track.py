@@ -453,11 +453,11 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     if crs is None and not rows.geodetic:
         raise section.error("crs", "is needed: the file has x and y")
     where = f"{project.name}: [track]"
-    position = earth_centred_positions(
-        rows.coordinate, rows.geodetic, crs, track_height(section, rows, landmarks), where
-    )
+    level = track_height(section, rows, landmarks)
+    position = earth_centred_positions(rows.coordinate, rows.geodetic, crs, level, where)
     notes = Notes([f"{file.name}: {rows.said}{_above_ground(section)}"], {})
     doubts = [*rows.doubts, *doubt_of_heights("track", rows.names_units, crs)]
+    doubts += _doubt_of_level(rows, level, file.name)
     doubts += doubts_of_own_sigmas(section, file.name, rows.sigma_by, rows.sigma_m)
     if rows.image and (times.image or rows.time_s is None):
         times, time_s = times_of_track(section, rows, times)
@@ -480,6 +480,29 @@ def read_path(project: Project, times: FrameTimes) -> PathRead:
     if not np.isfinite(path.position_m[:, 0]).any():
         raise section.error("file", why_nowhere(section, rows, times))
     return PathRead(path, notes.said, times, doubts, notes.missing, rows)
+
+
+GEOID_APART_M = 2.0  # of one geoid by a receiver's own table and by another
+
+
+def _doubt_of_level(rows: TrackRows, level: HeightDatum | None, name: str) -> list[str]:
+    """Warn of a level of heights that is not the geoid of the track's own file.
+
+    Args:
+        rows: the track
+        level: from which its heights count, as the project says
+        name: of the file
+    """
+    own = {"ellipsoid": 0.0, "undulation": level.undulation_m if level else 0.0}
+    if rows.geoid_m is None or level is None or level.name not in own or level.ground_m:
+        return []
+    if abs(own[level.name] - rows.geoid_m) <= GEOID_APART_M:
+        return []
+    return [
+        f"[track] height: {name} has a geoidheight of {rows.geoid_m:g} m, beside which ele counts "
+        f"from the sea: that is {{ undulation_m = {rows.geoid_m:g} }}, and it counts as "
+        f"{level.said}; compare it with a height that you know"
+    ]
 
 
 def track_height(

@@ -227,10 +227,20 @@ def read_cell(text: str, name: str) -> float:
     return value
 
 
+OTHER_UNITS = (
+    (re.compile("(ra|dec)_rad"), "multiply by 57.2957795131 and call them ra_deg, dec_deg"),
+    (re.compile("[xyz]_(ft|feet)"), "multiply by 0.3048 and call them x_m, y_m, z_m"),
+)
+"""Columns of positions in units that are not read, and what to do."""
+
+
 def _kind(names: tuple[str, ...]) -> str:
     """Find the set of KINDS that the header names."""
     choices = ", ".join(f"`{kind}`" for kind in KINDS)
     given = [kind for kind, columns in KINDS.items() if any(name in names for name in columns)]
+    for units, how in OTHER_UNITS:
+        if not given and (other := [name for name in names if units.fullmatch(name)]):
+            raise ColumnError(f"{', '.join(other)}: {how}")
     if not given and "name" in names:
         return "name"
     if "ra_deg" in names or "ra_hours" in names:  # dec_deg stands in two sets
