@@ -26,7 +26,7 @@ from vopd.attitude.findings import HistorySummary
 from vopd.attitude.history import HistoryOptions
 from vopd.attitude.sigmas import Sigmas
 from vopd.cards.write import write_deck
-from vopd.cli import attitude, histories, plot, report
+from vopd.cli import adjust, attitude, histories, plot, report
 from vopd.cli.console import Messages
 from vopd.cli.histories import Collected
 from vopd.cli.options import SharedOptions
@@ -546,7 +546,8 @@ def test_the_progress_counts_frames_and_is_wiped_at_the_end_of_a_deck(
 # What is not sent to a terminal, and epochs
 
 
-def test_the_name_of_a_page() -> None:
+def test_the_name_of_a_page_and_of_a_figure() -> None:
+    assert [adjust.figure_suffix(f"a{one}") for one in (".PNG", ".svg")] == [".png", ".svg"]
     for name in ("a.html", "a.HTM", "-"):
         report.check_page_name(name)
     for name in ("a.htmlx", "html", "a"):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.approved.texts import assert_approved, refused
-from tests.kit.command import CASE_1, DECKS, vopd
-from vopd.cli import demo, new
+from tests.kit.command import CASE_1, DECKS, ROOT, handed, vopd
+from vopd.cli import adjust, demo, new
 from vopd.convert import flight_to_deck
 from vopd.files import OutputError
 from vopd.findings import Finding, VopdError
@@ -223,6 +223,16 @@ def test_what_a_new_project_asks(
     monkeypatch.chdir(tmp_path)
     ran = vopd("new", "p", "--picks", "some.file", stdin=typed)
     assert_approved([ran.stdout, values, ran.status])
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_an_adjusted_project_is_told_on_standard_error(
+    quiet: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flight = ROOT / "examples" / "hill" / "flight.toml"
+    words = "--free", "focal", "-o", tmp_path / "new", *["-q"] * quiet
+    given = handed(monkeypatch, adjust, "write_project", "adjust", flight, *words)
+    assert (given[0], given[2:]) == (tmp_path / "new", (True, quiet))
 
 
 def test_files_that_are_there_already_are_not_touched(tmp_path: Path) -> None:

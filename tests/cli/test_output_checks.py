@@ -97,6 +97,10 @@ def test_photographs_that_an_input_names_are_needed(
             refuse_to_overwrite(inputs, name)
     for name in ("figure.png", "f1.png", "images/f0.csv", "images/f2.png", "elsewhere/g0.png"):
         refuse_to_overwrite(inputs, name)
+    Path("é.png").touch()
+    Path("night.json").write_text(json.dumps([{"image": "é.png"}]))  # as "\\u00e9.png"
+    with pytest.raises(OutputError):
+        refuse_to_overwrite(("night.json",), "é.png")
 
 
 @pytest.mark.parametrize(

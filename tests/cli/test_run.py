@@ -470,7 +470,11 @@ def test_the_status_of_a_run(
         (VopdError("a.dat: wrong"), 1),
         (click.UsageError("no such option"), 2),
         (click.ClickException("wrong"), 1),
+        (click.UsageError("no such option " * 99), 2),
         (click.Abort(), 130),
+        (OSError(23, "Too many open files in system", "a.dat"), 1),
+        (OSError(24, "Too many open files"), 1),
+        (ImportError("libblas.so: failed to map segment from shared object"), 1),
         (FileNotFoundError(2, "No such file or directory"), 1),
         (FileNotFoundError(2, "No such file or directory", "a.dat"), 1),
     ],
@@ -491,6 +495,14 @@ def test_what_each_exception_becomes(
     assert ended.out == ""
     assert_approved(ended.err)
     assert bool(thrown) == isinstance(error, OSError | ReaderGone)
+
+
+def test_a_package_that_is_missing_is_no_lack_of_memory() -> None:
+    def command() -> None:
+        raise ImportError("No module named 'lost'")
+
+    with pytest.raises(ImportError):
+        at_the_boundary(command)
 
 
 @pytest.mark.parametrize(("returned", "status"), [(3, 3), (None, 0), ("text", 0), (0, 0)])
