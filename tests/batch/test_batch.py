@@ -386,7 +386,9 @@ def test_strict(tmp_path: Path) -> None:
     assert vopd("batch", CASE_1, "-d", tmp_path / "two", "--strict").status == 3
 
 
-def test_a_flight_whose_track_leaps_is_doubtful_without_a_flag(tmp_path: Path) -> None:
+def test_a_flight_whose_track_leaps_is_doubtful_without_a_flag(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The fix of the fourth second stands 220 m aside, after the last frame; the next are right."""
     shutil.copytree(ROOT / "examples" / "hill", tmp_path / "hill")
     track = tmp_path / "hill" / "track.csv"
@@ -398,6 +400,9 @@ def test_a_flight_whose_track_leaps_is_doubtful_without_a_flag(tmp_path: Path) -
     assert (ran.status, row["status"], row["flagged"], row["mistaken"]) == (3, "solved", 0, 1)
     assert (out / "flight.html").exists()
     assert vopd("batch", project, "-d", tmp_path / "again").status == 0
+    monkeypatch.chdir(project.parent)
+    text = vopd("attitude", "flight.toml", "--format", "text").stdout
+    assert_approved(text[text.index("next ") :])
 
 
 def test_an_error_in_the_program_costs_one_source(
