@@ -341,8 +341,8 @@ def test_landmarks_are_in_degrees_minutes_and_feet(tmp_path: Path) -> None:
     assert_close("cards of a flight", marks.altitude_ft, np.array([410.0, 430.0]) * FT)
 
 
-@pytest.mark.parametrize("turn", [0, 30, -150])
-def test_a_turn_about_the_view_is_group_3(turn: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize("turn", [0.0, 30.0, -150.2])
+def test_a_turn_about_the_view_is_group_3(turn: float, tmp_path: Path) -> None:
     """The vehicle's roll is the camera's less the turn."""
     job = job_of(tmp_path, PLAIN + f"[vehicle]\nmount = {{ ypr_deg = [0, 0, {turn}] }}\n")
     assert job.camera.multiplier.tolist() == [1.0, 1.0, 1.0]
@@ -360,6 +360,7 @@ NOTES = {
     "a loss": '[solve]\nloss = "cauchy"\n',
     "a mount": '[vehicle]\nmount = "down"\n',
     "a turn": "[vehicle]\nmount = { ypr_deg = [0, 0, 5] }\n",
+    "a turn of more digits": "[vehicle]\nmount = { ypr_deg = [0, 0, -150.25] }\n",
     "sigmas of the path": "sigma_m = 0.5\n",
     "of the time": "sigma_t_s = 0.5\n",
     "none": "sigma_m = 0\n",

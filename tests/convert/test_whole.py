@@ -161,10 +161,25 @@ def test_everything_of_a_located_feature(name: str) -> None:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("off", [(0.004, -0.006, 3000.0), (-0.02, 0.03, -2000.0)])
-def test_everything_of_a_search_by_trials(off: tuple[float, float, float]) -> None:
+def two_frames() -> Job:
+    """Of the frames that have the landmark only two are left; the next job begins at group 7."""
+    readings = feature().readings
+    own = readings.layout.frame[readings.points.landmark == NUMBER]
+    kept = np.setdiff1d(np.arange(len(readings.frame)), own[1:-1])
+    return replace(moved(0.001, 0.001, 50.0), readings=readings.take(kept), return_group=7)
+
+
+SEARCHED = {
+    "near": moved(0.004, -0.006, 3000.0),
+    "far": moved(-0.02, 0.03, -2000.0),
+    "two frames": two_frames(),
+}
+
+
+@pytest.mark.parametrize("name", SEARCHED)
+def test_everything_of_a_search_by_trials(name: str) -> None:
     told: list[int] = []
-    found = search_feature(moved(*off), NUMBER, ALL, "a.dat", told.append)
+    found = search_feature(SEARCHED[name], NUMBER, ALL, "a.dat", told.append)
     assert_approved(
         [
             " ".join(text.split(": ", 1)[1] for text in described(one, digits=5))

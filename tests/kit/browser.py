@@ -140,3 +140,27 @@ def drawn(browser: Any) -> list[str]:
     """Describe what the page of picks draws on its canvases: colour, width, path or text."""
     found: list[str] = browser.execute_script(DRAWN)
     return found
+
+
+STYLES = """
+  const drawing = ["fill", "stroke", "strokeWidth", "strokeDasharray", "fillOpacity", "opacity",
+    "fontWeight", "paintOrder", "filter"];
+  const text = ["color", "backgroundColor", "fontSize", "fontWeight", "textAlign", "whiteSpace",
+    "position", "display", "overflowX", "maxHeight", "opacity", "borderLeftWidth", "columnCount"];
+  const found = {};
+  for (const one of document.querySelectorAll("body *:not(option, wbr)")) {
+    const own = one.ownerSVGElement, state = one.matches("[aria-current] *") ? ["chosen"] : [];
+    const photograph = own?.classList.contains("photo") ? ["photo"] : [];
+    const name = [one.localName, ...one.classList, ...state, ...photograph].join(".");
+    if (name in found) continue;
+    const style = getComputedStyle(one);
+    found[name] = (own ? drawing : text).map((key) => style[key]).join(" ");
+  }
+  return found;
+"""
+
+
+def styles(browser: Any) -> dict[str, str]:
+    """Describe how each kind of element looks: colours, lines, fonts, how it is laid out."""
+    found: dict[str, str] = browser.execute_script(STYLES)
+    return found

@@ -39,7 +39,7 @@ from vopd.figures.patches import has_patches
 from vopd.findings import VopdError
 from vopd.flight.result import solve_flight_read
 from vopd.pipeline import read_deck, run
-from vopd.report import COLUMNS, batch_page, embedded_figures, report, style_and_script
+from vopd.report import COLUMNS, batch_page, embedded_figures, pick, report, style_and_script
 from vopd.report.answer import angle_table
 from vopd.report.frames import SHOWN, frames_json, undrawn
 
@@ -477,3 +477,10 @@ def test_what_a_page_draws_is_decided_by_all_of_its_jobs(monkeypatch: pytest.Mon
             assert bool(said) == (gone == "picks")
         if said:
             assert_approved(said)
+
+
+def test_the_limits_of_pages() -> None:
+    """Of reports, in picks, places and frames; of pages of picks, in bytes and pixels."""
+    limits = {frames_module: ("MOST_PICKS", "MOST_OTHERS", "MOST_FOOTPRINTS", "FAR_M", "FAR_PX")}
+    limits[pick] = ("QUALITIES", "WANTED_BYTES", "MOST_BYTES", "MOST_SIDE_PX")
+    assert_approved([f"{n} {getattr(of, n)}" for of, names in limits.items() for n in names])

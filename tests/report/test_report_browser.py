@@ -25,7 +25,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
 from tests.approved.texts import assert_approved
-from tests.kit.browser import all_shown, forget, load
+from tests.kit.browser import all_shown, forget, load, styles
 from tests.kit.command import ROOT
 from tests.kit.histories import by_hand, flight, histories, with_estimate
 from tests.kit.html_page import data_of
@@ -847,3 +847,31 @@ def test_what_is_drawn_and_said(name: str, browser: Any, tmp_path: Path) -> None
     for does in ["", *DOES[name]]:
         browser.execute_script(HANDS + does)
         assert_approved(all_shown(browser, STATE))
+
+
+LOOKS: dict[str, dict[str, Any]] = {  # media, and pixels of the screen's width
+    "light": {"media": "", "features": [{"name": "prefers-color-scheme", "value": "light"}]},
+    "dark": {"media": "", "features": [{"name": "prefers-color-scheme", "value": "dark"}]},
+    "print": {"media": "print"},
+    "narrow": {"media": "", "width": 360},
+}
+
+
+def test_how_everything_looks(browser: Any, tmp_path: Path) -> None:
+    """Light; dark, on paper, and on a narrow screen what looks otherwise then."""
+    for name in ("left out", "film", "hill"):
+        load(browser, tmp_path, page_of(name))
+        usual: dict[str, str] = {}
+        try:
+            for media in LOOKS.values():
+                width = media.get("width", 1000)
+                size = {"width": width, "height": 800, "deviceScaleFactor": 1, "mobile": False}
+                browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+                given = {key: one for key, one in media.items() if key != "width"}
+                browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []} | given)
+                found = styles(browser)
+                assert_approved({k: v for k, v in found.items() if usual.get(k) != v})
+                usual = usual or found
+        finally:
+            browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "", "features": []})
+            browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

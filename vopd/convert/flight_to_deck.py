@@ -87,13 +87,12 @@ def flight_job(result: FlightResult) -> tuple[Job, list[NumberRow], list[str]]:
 
 def _camera(film: CardFilm, flight: Flight, estimate: Estimate, frames: Ints) -> Camera:
     first = estimate.camera_deg[frames[0]]
-    roll_deg = rounded_to_fit(roll_offset_deg(flight) or 0.0, 78, 7)
     return Camera(
         focal_length_mm=rounded_to_fit(film.focal_length_mm, 82, 0),
         lens_radius_mm=film.radius_mm,
         lens_distortion_um=film.distortion_um,
         multiplier=np.ones(3),
-        offset_deg=np.array([0.0, 0.0, roll_deg]),
+        offset_deg=np.array([0.0, 0.0, _card_roll_deg(flight)]),
         initial_deg=np.round(first, 3),
     )
 
@@ -104,6 +103,11 @@ def roll_offset_deg(flight: Flight) -> float | None:
     if not turn[0, 0] > 1.0 - 1e-12:
         return None
     return 0.0 - float(np.degrees(np.arctan2(turn[2, 1], turn[1, 1])))
+
+
+def _card_roll_deg(flight: Flight) -> float:
+    """Round the roll that group 3 adds to what its columns hold."""
+    return rounded_to_fit(roll_offset_deg(flight) or 0.0, 78, 7)
 
 
 NOTED_M = 0.01
@@ -132,6 +136,7 @@ def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str
     sigma, of_parameters = flight.picks.sigma_px[held], flight.options.parameter_sigma
     of_lens = {*parameters_of(flight.lens)} - {"focal"}
     of = f"of {frames} frames"
+    turn_deg, card_deg = roll_offset_deg(flight) or 0.0, _card_roll_deg(flight)
     unused = int((~held).sum())
     lines = {
         count_text(
@@ -153,6 +158,10 @@ def lost_on_cards(flight: Flight, result: FlightResult, held: Bools) -> list[str
         != "least-squares",
         "the camera's mount is not on the cards: their vehicle is the camera": (
             roll_offset_deg(flight) is None
+        ),
+        f"group 3 holds {card_deg:g} degree of the mount's turn: roll angles of the cards' vehicle "
+        f"are off by {size_text(abs(card_deg - turn_deg))} degree": (
+            abs(card_deg - turn_deg) > TURNED_DEG
         ),
         "the velocity is not known: alpha, beta and eta of the cards mean nothing": (
             flight.path.velocity_m_s is None
