@@ -402,7 +402,14 @@ def test_a_flight_whose_track_leaps_is_doubtful_without_a_flag(
     assert vopd("batch", project, "-d", tmp_path / "again").status == 0
     monkeypatch.chdir(project.parent)
     text = vopd("attitude", "flight.toml", "--format", "text").stdout
-    assert_approved(text[text.index("next ") :])
+    assert_approved(text[text.index("doubtful ") :])
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no such device")
+def test_a_device_is_no_source(tmp_path: Path) -> None:
+    ran = vopd("batch", "/dev/zero", "-d", tmp_path / "out")
+    assert ran.status == 1
+    assert_approved(ran.stderr)
 
 
 def test_an_error_in_the_program_costs_one_source(

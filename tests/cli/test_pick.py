@@ -23,6 +23,7 @@ from vopd.findings import VopdError
 from vopd.flight.flight import Refraction
 from vopd.flight.project.new import example_project
 from vopd.flight.solve.lines_of_sight import sight_lines
+from vopd.flight.solve.next_click import NextPlace
 from vopd.report.pick import PageContent, pick_page
 
 MARKS = "landmark,lat_deg,lon_deg,h_m\nmast,47,8,400\n</script>,47.001,8,400\n"
@@ -148,6 +149,28 @@ def test_a_project_goes_on_where_it_was(tmp_path: Path) -> None:
     frame, mark = np.divmod(np.arange(12), 6)
     lines = sight_lines(camera_m(time_s), marks_m(), frame, mark, Refraction())
     assert_close("direction on a page", to.reshape(-1, 3), lines.direction)
+
+
+def test_no_click_is_asked_for_where_a_landmark_is_hidden(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three places are shown; for each that is hidden one more is looked for."""
+    keys = '[picks]\nvideo = "a.mp4"\ntracked = "t.csv"\ntracked_from = "clicks"\nfile'
+    project = write_project(tmp_path, TOML.replace("[picks]\nfile", keys, 1))
+    saved = "# pixels: u right, v down, (0, 0) the centre of the first pixel\n# hidden: 7,mast\n"
+    Path("picks.csv").write_text(saved + "frame,landmark,u_px,v_px\n3,well,1.5,2\n")
+    solved = SimpleNamespace(estimates=SimpleNamespace(joint="joint"))
+    asked: list[Any] = []
+
+    def places(*given: Any) -> list[NextPlace]:
+        asked.append(given)
+        marks = [("7", "mast"), ("7", "pond"), ("9", "mast"), ("11", "well"), ("12", "well")]
+        return [NextPlace(frame, mark, f"{mark} in {frame}", (1.0, 2.0)) for frame, mark in marks]
+
+    monkeypatch.setattr("vopd.flight.result.solve_flight", lambda _: solved)
+    monkeypatch.setattr("vopd.flight.solve.next_click.next_places", places)
+    shown = [one["text"] for one in picked(project)["places"]]
+    assert (asked, shown) == ([("joint", 4)], ["pond in 7", "mast in 9", "well in 11"])
 
 
 def test_frames_that_are_picked_are_on_the_page_again(
@@ -355,7 +378,8 @@ def test_wrong_usage(tmp_path: Path) -> None:
         "many -o p.html", "none.mp4 -o p.html", "a.mp4 -o p.html --landmarks none.csv",
         "a.mp4 -o p.html --clicks picks.csv", "a.mp4 -o a.mp4/p.html",
         "a.mp4 -o p.html --clicks gcp.json",
-        "a.mp4 -o p.html --cards picks.csv", "flight.toml -o p.html --cards x --dpi 9",
+        "a.mp4 -o p.html --cards picks.csv", "a.mp4 -o p.html --dpi 9",
+        "flight.toml -o p.html --cards x --dpi 9",
         "a.mp4 -o p.html --cards picks.csv --dpi 9", "a.mp4 -o p.html --cards none.dat --dpi 9",
         "x.png -o p.html --cards short.dat --dpi 9", "x.png -o p.html --cards head.dat --dpi 9",
         "x.png -o p.html --cards film.dat --dpi 9",

@@ -540,9 +540,9 @@ def _is_of_a_batch(file: Path) -> bool:
         return False
     with suppress(OSError), file.open("rb") as content:
         size = content.seek(0, os.SEEK_END)
-        content.seek(max(size - 8, 0))
+        content.seek(size - 8)  # an error before the beginning
         end = content.read()
-        content.seek(max(size - 8 - int.from_bytes(end[:4], "little"), 0))
+        content.seek(size - 8 - int.from_bytes(end[:4], "little"))
         return end[4:] == PARQUET_END and json.dumps(STATED).encode() in content.read()
     return False
 
