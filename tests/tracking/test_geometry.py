@@ -768,3 +768,27 @@ def test_an_oblique_view_number_by_number(terrain: Any, way: Any) -> None:
             "rays": list(scene.rays(looks, pixel)), "ground_m": grounds,
         }, decimals=5)
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("count", [6, 14, 40])
+@pytest.mark.parametrize("late", [False, True])
+def test_agreements_number_by_number(count: int, late: bool) -> None:
+    """Shifts with errors as large as their limits, of landmarks with one click or several."""
+    one = laid(above(1000.0), picture(), (120.0, 70.0))
+    said = []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        mark = rng.integers(0, 3 + count // 3, count)
+        patches = [replace(one, patch=replace(one.patch, landmark=k)) for k in mark.tolist()]
+        by_turns = rng.normal(0.0, 800.0, (count, 2, 3)) + 600.0
+        sigma_px = rng.uniform(0.05, 0.8, count)
+        shift = by_turns @ rng.normal(0.0, 0.02, 3) + rng.normal(0.0, 0.45, (count, 2))
+        shift[rng.random(count) < 0.3] += 4.0
+        part = rng.uniform(-0.5, 0.5, count) if late else None
+        eye = np.tile(np.eye(2), (count, 1, 1))
+        warps = Warps(np.zeros((count, 9, 2)), np.zeros((count, 2)), eye, by_turns, mark >= 0)
+        good = rng.random(count) < 0.9
+        found = no_matches(count)._replace(shift=shift, good=good, sigma_px=sigma_px)
+        agreed = agreement(warps, found, patches, rng.uniform(0.7, 1.0, count), part)
+        said.append(whole(agreed, "none" if agreed is None else "", 7))
+    assert_approved("\n".join(said))

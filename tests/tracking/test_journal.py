@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.approved.texts import refused
+from tests.approved.texts import assert_approved, refused
 from tests.tolerances import assert_close
 from vopd.cli.track import command
 from vopd.findings import Finding, VopdError
@@ -89,6 +89,30 @@ def test_the_sigma_of_a_match_is_scaled_where_enough_residuals_tell_it(
     assert by_residuals == told
     expected = np.sqrt(0.25 * 3 * frames / (3 * frames - 2)) if told else 1.0
     assert_close("ratio", scale, expected)
+
+
+def test_of_how_far_a_click_is_the_largest_distance_is_told() -> None:
+    """By the patches of each of two clicks in the frame of the other, 50 and 48 px, and by a third.
+
+    One of a fourth frame is just within six of its standard deviations, and one of a fifth alone.
+    """
+    clicks: Any = SimpleNamespace(
+        frame=np.array([0, 5, 7, 8, 9, 10]), landmark=np.array([0, 0, 0, 0, 1, 1]),
+        pixel=np.arange(12.0).reshape(6, 2), sigma_px=np.array([1.0, 1.0, 1.0, 9.0, 0.1, 0.1]),
+    )  # fmt: skip
+    block = np.zeros(7, ROW)
+    block["frame"], block["landmark"] = [5, 0, 7, 0, 8, 9, 10], [0, 0, 0, 0, 0, 1, 1]
+    block["click"], block["status"], block["by_click"] = [0, 1, 0, 2, 0, 5, 4], FOUND, np.eye(2)
+    own = np.array([1, 0, 2, 0, 3, 4, 5])
+    block["pixel"] = clicks.pixel[own]
+    block["pixel"][:, 0] += [50.0, -48.0, 30.0, -31.0, 50.0, 3.9, 4.1]
+    journal: Any = SimpleNamespace(blocks=lambda _: [block, block[:0]])
+    flight = SimpleNamespace(landmarks=SimpleNamespace(name=("a", "b")))
+    footage: Any = SimpleNamespace(
+        flight=flight, number=10 * np.arange(11), project=SimpleNamespace(name="p.toml")
+    )
+    nobody: Any = None
+    assert_approved([str(one) for one in follow._findings(journal, footage, nobody, clicks)])
 
 
 def test_a_frame_takes_the_nearest_patch_of_its_own_segment() -> None:
