@@ -235,7 +235,12 @@ class VideoFrames:
     def _still(self, path: Path) -> Image:
         turned = optional_package("PIL.ImageOps", "images", "reading images")
         try:
-            with warnings.catch_warnings(action="ignore"), open_image(path) as image:
+            # of a name Pillow maps a bare TIFF that lies on its side as if it were upright
+            with (
+                warnings.catch_warnings(action="ignore"),
+                path.open("rb") as file,
+                open_image(file) as image,
+            ):
                 image.load()
                 turned.exif_transpose(image, in_place=True)
                 return eight_bits(image)

@@ -101,7 +101,7 @@ if "framecrc" in given:
     out.write(f"#tb 0: {{stream.time_base}}\n".encode())
     for packet in container.demux(stream):
         if packet.pts is not None:
-            times = f"0, {{packet.dts}}, {{packet.pts}}, {{packet.duration}}"
+            times = f"0, {{packet.pts}}, {{packet.pts}}, {{packet.duration}}"
             out.write(f"{{times}}, {{packet.size}}, 0x0\n".encode())
 elif "data" in given:
     for packet in container.demux(stream):
