@@ -34,6 +34,7 @@ from tests.kit.histories import flight
 from tests.tolerances import assert_close, within
 from vopd.attitude.history import history
 from vopd.export import FORMATS, FileRequest
+from vopd.export.ccsds import text_value
 from vopd.findings import Finding, VopdError
 from vopd.flight.result import solve_flight
 
@@ -330,6 +331,15 @@ def test_without_any_variance_there_is_no_covariance_block() -> None:
     text = FORMATS["acm"].render([history(one)], FileRequest(epoch=ZERO)).decode()
     found = held_to_the_standard_acm(text)
     assert found["COV"] == [] and len(found["ATT"]) == 1
+
+
+def test_texts_and_versions_that_the_standard_has() -> None:
+    assert text_value("a" * 200) == "a" * 200
+    with refused(VopdError):
+        text_value("a" * 201)
+    for version in (0, 3):
+        with refused(VopdError):
+            text_of("aem", request=replace(REQUEST, aem_version=version))
 
 
 def test_it_needs_an_epoch_and_ascii_names() -> None:

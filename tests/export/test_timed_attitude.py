@@ -69,6 +69,9 @@ def test_frames_without_a_time_are_left_out(flight: History) -> None:
     assert one.frames.tolist() == [7]
     with refused(VopdError):
         timed_attitudes([at(flight, np.full(40, np.inf))], ZERO, lambda _: None)
+    times[7] = 1e13  # a time is known, which has no date
+    with refused(VopdError):
+        timed_attitudes([at(flight, times)], ZERO, lambda _: None)
 
 
 @pytest.mark.parametrize("time_s", [1e300, -1e13, 3e11, -7e10])

@@ -16,6 +16,7 @@ from vopd.attitude.long_history import one_part
 from vopd.attitude.sigmas import Sigmas
 from vopd.estimate import MapGrid, Units
 from vopd.export import FORMATS, MEAN_FORMATS
+from vopd.export.tables import dataframe
 from vopd.findings import Finding
 
 NAMES = ["a b.jpg", "#c.jpg", "=d,e.jpg", "f\x1b.jpg", "g.jpg", "h.jpg", "i#.jpg"]
@@ -99,3 +100,7 @@ def test_everything_in_a_file_of_one_source_twice(form: str) -> None:
 def test_everything_in_a_file_of_means(form: str) -> None:
     assert form in MEAN_FORMATS
     assert_approved(content(FORMATS[form].mean_table([one_part(one) for one in jobs()], REQUEST)))
+
+
+def test_everything_that_a_data_frame_states() -> None:
+    assert_approved(dict(dataframe(jobs()).attrs))

@@ -482,5 +482,6 @@ def test_what_a_page_draws_is_decided_by_all_of_its_jobs(monkeypatch: pytest.Mon
 def test_the_limits_of_pages() -> None:
     """Of reports, in picks, places and frames; of pages of picks, in bytes and pixels."""
     limits = {frames_module: ("MOST_PICKS", "MOST_OTHERS", "MOST_FOOTPRINTS", "FAR_M", "FAR_PX")}
+    limits[report_module] = ("PHONE_IN", "MOST_PX", "QUALITY", "MOST_SHOWN")
     limits[pick] = ("QUALITIES", "WANTED_BYTES", "MOST_BYTES", "MOST_SIDE_PX")
     assert_approved([f"{n} {getattr(of, n)}" for of, names in limits.items() for n in names])

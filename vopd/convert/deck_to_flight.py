@@ -280,7 +280,7 @@ def _roll_deg(job: Job) -> float | None:
     camera = job.camera
     if np.any(camera.multiplier != 1.0) or np.any(camera.offset_deg[:2] % 360.0):
         return None
-    return 0.0 - float(camera.offset_deg[2])
+    return -float(camera.offset_deg[2])
 
 
 def _positions(job: Job) -> Geodetic:
