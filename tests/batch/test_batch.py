@@ -401,7 +401,8 @@ def test_a_flight_whose_track_leaps_is_doubtful_without_a_flag(
     assert (out / "flight.html").exists()
     assert vopd("batch", project, "-d", tmp_path / "again").status == 0
     monkeypatch.chdir(project.parent)
-    text = vopd("attitude", "flight.toml", "--format", "text").stdout
+    project.rename("my flight.toml")
+    text = vopd("attitude", "my flight.toml", "--format", "text").stdout
     assert_approved(text[text.index("doubtful ") :])
 
 

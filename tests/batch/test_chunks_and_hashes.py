@@ -184,9 +184,9 @@ RECORD = SourceRecord("a", "a.dat", SOLVED, "", "digest", "1", "options")
 
 def test_a_record_is_read_as_it_was_written() -> None:
     full = replace(
-        RECORD, source="Zürich \udcff", error="line\nline", jobs=2, frames=3, attitudes=4,
+        RECORD, source="Zürich (a+b) \udcff", error="line\nline", jobs=2, frames=3, attitudes=4,
         flagged=5, not_converged=6, warnings=7, messages=["a\nb", "ü"], flags={"jump": 8},
-        seconds=0.25, outputs={"Zürich \udcff.csv": "x"},
+        seconds=0.25, outputs={"Zürich (a+b) \udcff.csv": "x"},
     )  # fmt: skip
     line = full.line()
     assert line.endswith(b"}\n") and line.count(b"\n") == 1

@@ -19,7 +19,7 @@ import pytest
 
 from tests.approved.texts import assert_approved, refused
 from tests.kit.attitude_files import EPOCH, deck_text
-from tests.kit.command import CASE_1, DECKS, ROOT, Told, telling, vopd
+from tests.kit.command import CASE_1, DECKS, ROOT, Told, handed, telling, vopd
 from tests.kit.flight_project import TOML, write_project
 from tests.kit.jobs import reread
 from vopd.attitude.findings import HistorySummary
@@ -32,6 +32,7 @@ from vopd.cli.histories import Collected
 from vopd.cli.options import SharedOptions
 from vopd.estimate import Words
 from vopd.export import FORMATS
+from vopd.figures import style
 from vopd.findings import Finding, VopdError
 from vopd.flight import result as flight_result
 from vopd.job import GOES_ON
@@ -544,6 +545,19 @@ def test_the_progress_counts_frames_and_is_wiped_at_the_end_of_a_deck(
 
 
 # What is not sent to a terminal, and epochs
+
+
+def test_what_is_missing_in_a_figure_is_noted_unless_it_is_quiet(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Said
+) -> None:
+    flight = ROOT / "examples" / "hill" / "flight.toml"
+    for quiet in ([], ["-q"]):
+        words = "adjust", flight, "--free", "focal", "--figure", tmp_path / "a.svg", *quiet
+        noted = handed(monkeypatch, style, "save", *words)[-1]
+        words = "report", CASE_1, "-o", tmp_path / "a.html", *quiet
+        for note in (noted, handed(monkeypatch, report, "report", *words)[-1]):
+            note("a letter")
+        assert capsys.readouterr().err == ("" if quiet else "a letter\na letter\n")
 
 
 def test_the_name_of_a_page_and_of_a_figure() -> None:

@@ -362,6 +362,10 @@ def test_a_page_of_the_documentation_is_shown_as_it_stands(
         own = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
         ran = vopd("help", name)
         assert (ran.status, ran.stdout) == (0, own + "\n"), name
+    shown: list[str] = []
+    monkeypatch.setattr(click, "echo_via_pager", shown.append)
+    assert vopd("help", "adjust", terminal=True).stdout == ""
+    assert shown == [(ROOT / "docs" / "adjust.md").read_text(encoding="utf-8")]
     ran = vopd("help", "xyz")
     assert ran.status == 2
     assert_approved(ran.stderr.splitlines()[-1])

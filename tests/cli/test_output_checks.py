@@ -98,9 +98,10 @@ def test_photographs_that_an_input_names_are_needed(
     for name in ("figure.png", "f1.png", "images/f0.csv", "images/f2.png", "elsewhere/g0.png"):
         refuse_to_overwrite(inputs, name)
     Path("é.png").touch()
-    Path("night.json").write_text(json.dumps([{"image": "é.png"}]))  # as "\\u00e9.png"
-    with pytest.raises(OutputError):
-        refuse_to_overwrite(("night.json",), "é.png")
+    Path("Night.JSON").write_text(json.dumps([{"image": "é.png", "source": "Stars.csv"}]))
+    for name in ("é.png", "Stars.csv"):
+        with pytest.raises(OutputError):
+            refuse_to_overwrite(("Night.JSON",), name)
 
 
 @pytest.mark.parametrize(

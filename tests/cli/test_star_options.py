@@ -139,6 +139,7 @@ REFUSED = [
     *(f"--listing {more}"
       for more in ("--pair 1,2", "--all-pairs", "--format json", "--format csv", "--method all",
                    "-o page.json")),
+    *(f"--point 1,2 {more}" for more in ("--listing", "--format csv")),
     "--reject --edit-by-pairs",
     *(f"{edit} {pairs}"
       for edit in ("--reject", "--edit-by-pairs") for pairs in ("--pair 1,2", "--all-pairs")),
