@@ -14,7 +14,16 @@ from tests.approved.texts import assert_approved
 from tests.kit.command import ROOT
 from tests.kit.drawn import described
 from tests.kit.figures import alike, film
-from tests.kit.histories import FILM, about, by_hand, flagged_film, turning, with_estimate
+from tests.kit.histories import (
+    FILM,
+    about,
+    by_hand,
+    flagged_film,
+    flight,
+    histories,
+    turning,
+    with_estimate,
+)
 from tests.kit.joint_flights import drone, flight_of
 from tests.kit.renamed_hill import renamed
 from vopd.attitude.history import History
@@ -55,9 +64,43 @@ def from_above() -> History:
     return solve_flight_read(flight_of(np.random.default_rng(2), scene, 0.3, Priors())).history()
 
 
+def with_scene(one: History, **changes: Any) -> History:
+    assert one.estimate.scene is not None
+    scene = replace(one.estimate.scene(), **changes)
+    return with_estimate(one, scene=lambda: scene)
+
+
+def case_4() -> History:
+    """A film of landmarks 40 km away."""
+    return histories("appendix_h/case4")[0]
+
+
+def hill() -> History:
+    one = solve_flight(ROOT / "examples" / "hill" / "flight.toml").history()
+    return about(one, source="hill/flight.toml")
+
+
+def all_around() -> History:
+    """The hill, of which three landmarks are behind the camera, where nothing sees them."""
+    one = hill()
+    assert one.estimate.scene is not None
+    moved_m = one.estimate.scene().landmark_m.copy()
+    moved_m[::2] = 2.0 * one.estimate.scene().camera_m[0] - moved_m[::2]
+    return with_scene(one, landmark_m=moved_m)
+
+
+def two_moved() -> History:
+    """A survey of which two landmarks were elsewhere."""
+    one = from_above()
+    assert one.estimate.scene is not None
+    moved_m = one.estimate.scene().landmark_m.copy()
+    moved_m[[0, 2]] += [[30.0, 0.0, 10.0], [0.0, 20.0, 0.0]]
+    return with_scene(one, landmark_m=moved_m)
+
+
 def clicked() -> History:
     """The hill, of which two landmarks were clicked and followed; a click is wrong."""
-    one = solve_flight(ROOT / "examples" / "hill" / "flight.toml").history()
+    one = hill()
     assert one.estimate.scene is not None
     scene = one.estimate.scene()
     assert scene.image is not None
@@ -82,27 +125,33 @@ DRAWN: dict[str, Callable[[], Any]] = {
     "no times": lambda: draw(
         ["attitude", "residuals"], [by_hand(3, time_s=np.full(3, np.nan), frame=np.arange(3))]
     ),
+    "with times and without": lambda: draw(
+        ["attitude", "residuals"], [film(), by_hand(3, time_s=np.full(3, np.nan))]
+    ),
     "means of residuals": lambda: draw("residuals", of_many(610, 4)),
     "more landmarks than colours": lambda: draw("residuals", of_many(250, 12, 3)),
+    "marks at some residuals": lambda: draw("residuals", of_many(150, 4)),
     "others among few": lambda: draw("residuals", of_many(20, 12, 3), size_in=(4.0, 8.0)),
     "each its own landmark": lambda: draw("residuals", of_many(1, 4)),
-    "jobs of one frame": lambda: draw(["attitude", "attack", "residuals"], of_many(1, 4, 3)),
+    "jobs of one frame": lambda: draw(["attitude", "attack", "residuals"], of_many(1, 4, 4)),
     "eight jobs of one frame": lambda: draw(["attitude", "residuals"], of_many(1, 8, 8)),
     "long names": lambda: draw(
         ["image", "map", "residuals"], [about(renamed(), source="hill/flight.toml")], 2
     ),
     "from above": lambda: draw(["image", "map"], [from_above()]),
+    "all around": lambda: draw("map", [all_around()], 0),
+    "turned and not": lambda: draw("attitude", [*flight(), *alike(4, 20.0)]),
+    "a place and none": lambda: draw("all", [with_estimate(case_4(), scene=None), *flight()]),
+    "far on a grid": lambda: draw(
+        "map",
+        [with_scene(case_4(), crs="EPSG:9", plane=lambda m: (m[:, :2], 0.1 * m[:, 0] / m[:, 0]))],
+    ),
+    "two lines miss": lambda: draw("map", [two_moved()]),
     "clicks": lambda: draw(["image", "map", "patches"], [clicked()]),
     "patches of picks": lambda: draw(
         "patches", [with_scene(clicked(), clicks=None)], size_in=(4.0, 5.0)
     ),
 }
-
-
-def with_scene(one: History, **changes: Any) -> History:
-    assert one.estimate.scene is not None
-    scene = replace(one.estimate.scene(), **changes)
-    return with_estimate(one, scene=lambda: scene)
 
 
 @pytest.mark.filterwarnings(r"ignore:Glyph \d+", "ignore:Matplotlib currently does not support")

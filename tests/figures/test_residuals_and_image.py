@@ -340,8 +340,9 @@ def test_residuals_of_zero_have_no_key() -> None:
 
 
 LENGTHS = {  # of the longest residual, µm: of the key
-    0.9: "0.5", 1.0: "1", 1.99: "1", 2.0: "2", 4.99: "2", 5.0: "5", 9.99: "5", 10.0: "10",
-    25.0: "20", 100.0: "100", 0.3: "0.2", 0.003: "0.002",
+    0.9: "0.5 µm", 1.0: "1 µm", 1.99: "1 µm", 2.0: "2 µm", 4.99: "2 µm", 5.0: "5 µm", 9.99: "5 µm",
+    10.0: "10 µm", 25.0: "20 µm", 100.0: "100 µm", 0.3: "0.2 µm", 0.003: "0.002 µm",
+    999.0: "500 µm", 1000.0: "1 mm",
 }  # fmt: skip
 
 
@@ -351,7 +352,7 @@ def test_round_lengths(longest_um: float) -> None:
     axis = Figure().subplots()
     residual = np.array([[0.0, -1.0]]) * longest_um / 1000.0
     residual_arrows(axis, np.zeros((1, 2)), residual, 1.0, MICROMETRES)
-    assert arrows_and_key(axis)[1].text.get_text() == f"{LENGTHS[longest_um]} µm"
+    assert arrows_and_key(axis)[1].text.get_text() == LENGTHS[longest_um]
 
 
 def test_the_scale_of_arrows_is_by_the_longest_and_not_by_a_coordinate() -> None:

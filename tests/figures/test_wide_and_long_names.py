@@ -40,8 +40,8 @@ def test_text_for_a_figure_and_round_numbers() -> None:
     """Of 300 characters all are drawn, of one more the last two are left out for three dots."""
     assert plain("a" * 300) == "a" * 300 and plain("a" * 301) == "a" * 299 + "…"
     assert plain("a\tb$") == r"a?b\$"
-    assert [round_number(one) for one in (0.0, -3.0, float("nan"), 0.19, 7.0)] == [
-        1.0, 1.0, 1.0, 0.1, 5.0,
+    assert [round_number(one) for one in (0.0, -3.0, float("nan"), 0.19, 7.0, 0.3 - 0.1)] == [
+        1.0, 1.0, 1.0, 0.1, 5.0, 0.2,
     ]  # fmt: skip
 
 

@@ -201,7 +201,8 @@ def _artist(one: Any, axis: Any, scale: Scale) -> str:
     if isinstance(one, Annotation):
         return _note(one, scale)
     if isinstance(one, Text):
-        return f"text {_text(one)} {_points(one.get_position(), scale if of_data else (3, 3))}"
+        at = _points(one.get_position(), scale if of_data else (3, 3))
+        return f"text {_text(one)} {at} {_common(one)}"
     if isinstance(one, Line2D):
         every = "" if one.get_markevery() in (None, 1) else f" at {one.get_markevery()}"
         return f"line {_marks(one)}{every} {_common(one)}: {_points(one.get_xydata(), scale)}"

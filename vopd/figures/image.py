@@ -83,7 +83,8 @@ def _draw_pixels(figure: Any, history: History, k: int, scene: JobScene, photogr
     edges = (-0.5, width - 0.5, height - 0.5, -0.5)
     if picture is not None:
         if picture.size != view.size_px:
-            said += f", {picture.size[0]} x {picture.size[1]}: not the size of the lens's images"
+            wide, high = picture.size
+            said = f"photograph of {wide} x {high}: not the size of the lens's images"
         picture.thumbnail((MOST_SHOWN_PX, MOST_SHOWN_PX))
         axis.imshow(np.asarray(picture), extent=edges, interpolation="antialiased", zorder=0)
     axis.add_patch(image_border(edges, "none" if picture is not None else "0.97"))
