@@ -147,6 +147,10 @@ def test_clicks_that_are_not_used_are_told_where_the_rest_cannot_be_solved(
 
 
 def test_options_in_a_file_are_those_of_the_command() -> None:
-    """Each by its first name; the fields of the library's options have them all."""
+    """Each by its first name and with its default; the library's options have them all."""
     own = {one.name: one.opts[0] for one in command.params if one.name in follow.OPTION}
     assert own == follow.OPTION and [*own] == [*follow.TrackOptions._fields]
+    usual = {name: value for name, value in follow.TrackOptions()._asdict().items() if value}
+    assert usual == {one.name: one.default for one in command.params if one.name in usual}
+    options = follow.TrackOptions(0.123456789012, 2.0, 3, 4, 5, 0.7, 1e6)
+    assert_approved([str(usual), options.as_text])

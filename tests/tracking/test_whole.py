@@ -153,7 +153,7 @@ def test_landmarks_that_are_elsewhere_under_a_rolling_shutter(
     folder: Path, clicked: tuple[int, ...], moves: str
 ) -> None:
     """One, or half of them; places have errors of their own, the antenna is beside the lens."""
-    plain = Plain(9, TURN, 0.08, lever_m=LEVER_M)
+    plain = Plain(12, TURN, 0.08, lever_m=LEVER_M)
     clicks = [(2, mark, 0.1 * mark, 0.0) for mark in clicked] + [(6, 3, 0.0, 0.0), (6, 4, 0.0, 0.0)]
     plain.write(folder, *clicks, **{moves: (1, 3, 4, 5, 7)})
     project = folder / "flight.toml"

@@ -209,7 +209,8 @@ def test_images_of_every_kind(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("numbers", [
-    "a f_1 f_2 f_4", "f_1 f_2 f_4 f_5 f_6 f_7", "f_1 f_3", "f_0 f_2 f_6 f_8 f_10 f_12 f_16",
+    "a f_1 f_2 f_4", "f_1 f_2 f_4 f_5 f_6 f_7", "f_1 f_2 f_3 f_6 f_7 f_8 f_9",
+    "f_1 f_3", "f_0 f_2 f_6 f_8 f_10 f_12 f_16",
     "f_1 f_2 f_9 f_10 f_11 f_20 f_21 f_22 f_23 f_24 f_30 f_31 f_32 f_33 f_34 f_36 f_37 f_38 f_39 "
     "f_40 f_41 f_42", "f_1 f_01 f_2 g_2 h f_3", "2 3 5 6 7 8 9", "f_0 f_1 f_2 f_\u0663 f_4 f_5 f_6",
 ])  # fmt: skip
