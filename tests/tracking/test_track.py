@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
 import json
 import re
@@ -228,36 +227,6 @@ def stopping_after(count: int) -> Callable[[], None]:
 FRAME_8 = ("L1", "L2", "L4", "L5")  # landmarks that are clicked there
 
 
-@pytest.fixture(scope="module")
-def tracked(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """Tracks of the clicks of frame 8, followed to both ends at once."""
-    folder = tmp_path_factory.mktemp("tracked") / "f"
-    shutil.copytree(rendered, folder)
-    with contextlib.chdir(folder):
-        true = truth()
-        clicks(*((8, mark, *true[8, mark]) for mark in FRAME_8))
-        follow(read_project("flight.toml"), TrackOptions())
-        return Path("tracked.csv").read_bytes()
-
-
-@pytest.mark.parametrize("at", [9, 17, 33])
-def test_the_same_command_goes_on(
-    flight: Path, tracked: bytes, at: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """In the first run and in the second one: the same bytes, from backward frames as well."""
-    monkeypatch.setattr(rooms, "AT_ONCE", 4)
-    true = truth()
-    clicks(*((8, mark, *true[8, mark]) for mark in FRAME_8))
-    project = read_project("flight.toml")
-    with pytest.raises(Stopped):
-        follow(project, TrackOptions(), stopping_after(at))
-    assert not (flight / "tracked.csv").exists()
-    assert (flight / "tracked.csv.part").stat().st_size > 700  # blocks, and not the head alone
-    follow(project, TrackOptions())
-    assert (flight / "tracked.csv").read_bytes() == tracked
-    assert {int(row["frame"]) for row in rows(flight / "tracked.csv")} == set(range(FRAMES))
-
-
 def test_a_run_with_another_key_begins_anew(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What an ended run has left serves no other values: the bytes are those of a new run."""
     monkeypatch.setattr(rooms, "AT_ONCE", 4)
@@ -439,21 +408,6 @@ def test_images_of_another_size_cost_the_others_nothing(flight: Path) -> None:
     assert_approved(vopd("track", "flight.toml").stderr)
 
 
-def test_lost_images_are_told_by_their_numbers(
-    flight: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The images are numbered by tens; three of nothing in turn are one stretch."""
-    in_images_by_tens()
-
-    def cover(k: int, grey: Any) -> Any:
-        nothing = np.random.default_rng(k).integers(90, 110, grey.shape).astype(np.uint8)
-        return nothing if 9 <= k < 12 else grey
-
-    monkeypatch.setattr(rooms, "grey_frames", frames_where(cover))
-    ran = vopd("track", "flight.toml")
-    assert " 90 to 110" in ran.stderr
-
-
 @pytest.mark.parametrize("how", ["waves", "shadow"])
 def test_a_landmark_that_moves(flight: Path, monkeypatch: pytest.MonkeyPatch, how: str) -> None:
     """Waves of 3 px, and a shadow that creeps .03 px a frame: by gates, or joint residuals."""
@@ -488,26 +442,6 @@ def test_a_focal_length_4_percent_off(tmp_path: Path, monkeypatch: pytest.Monkey
     vopd("track", "flight.toml")
     done = vopd("attitude", "flight.toml", "-o", "a.csv")
     assert_approved("".join(f"{one}\n" for one in done.stderr.splitlines() if "warning" in one))
-
-
-def test_a_cut(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """From frame 9 on the picture is turned round: it begins anew with the clicks of frame 14."""
-    true = truth()
-    own = [(0, mark, *true[0, mark]) for mark in ("L1", "L2", "L4", "L5")]
-    names = [mark for mark in ("L1", "L2", "L3", "L4", "L5", "L6") if (14, mark) in true]
-    last = [(14, mark, 319 - true[14, mark][0], 179 - true[14, mark][1]) for mark in names]
-    clicks(*own, *last)
-    monkeypatch.setattr(
-        rooms, "grey_frames", frames_where(lambda k, g: g if k < 9 else g[::-1, ::-1])
-    )
-    monkeypatch.setattr(
-        rooms, "grey_frames_backward",
-        lambda frames, end, low: ((k, g) for k, g in reversed(list(
-            frames_where(lambda k, g: g if k < 9 else g[::-1, ::-1])(frames, low, end)))),
-    )  # fmt: skip
-    done = follow(read_project("flight.toml"), TrackOptions())
-    assert "lost from frame 9: tracking begins anew with the clicks of frame 14" in done.lines
-    assert not any("fewer than two" in line for line in done.lines)
 
 
 BAD = {
