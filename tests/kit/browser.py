@@ -147,20 +147,30 @@ STYLES = """
     "fontWeight", "paintOrder", "filter"];
   const text = ["color", "backgroundColor", "fontSize", "fontWeight", "textAlign", "whiteSpace",
     "position", "display", "overflowX", "maxHeight", "opacity", "borderLeftWidth", "columnCount"];
-  const found = {};
-  for (const one of document.querySelectorAll("body *:not(option, wbr)")) {
-    const own = one.ownerSVGElement, state = one.matches("[aria-current] *") ? ["chosen"] : [];
-    const photograph = own?.classList.contains("photo") ? ["photo"] : [];
-    const name = [one.localName, ...one.classList, ...state, ...photograph].join(".");
-    if (name in found) continue;
-    const style = getComputedStyle(one);
-    found[name] = (own ? drawing : text).map((key) => style[key]).join(" ");
-  }
-  return found;
+  const values = () => {
+    const found = {};
+    for (const one of document.querySelectorAll("body *:not(option, wbr)")) {
+      const own = one.ownerSVGElement, state = one.matches("[aria-current] *") ? ["chosen"] : [];
+      const photograph = own?.classList.contains("photo") ? ["photo"] : [];
+      const name = [one.localName, ...one.classList, ...state, ...photograph].join(".");
+      if (name in found) continue;
+      const style = getComputedStyle(one);
+      found[name] = (own ? drawing : text).map((key) => [key, style[key]]);
+    }
+    return found;
+  };
+  const sheets = [...document.styleSheets], found = values();
+  sheets.forEach((sheet) => { sheet.disabled = true; });
+  const plain = values();
+  sheets.forEach((sheet) => { sheet.disabled = false; });
+  const own = Object.entries(found).map(([name, all]) =>
+    [name, all.filter(([, value], k) => plain[name][k][1] !== value)]);
+  return Object.fromEntries(own.filter(([, all]) => all.length)
+    .map(([name, all]) => [name, all.map((one) => one.join(" ")).join("; ")]));
 """
 
 
 def styles(browser: Any) -> dict[str, str]:
-    """Describe how each kind of element looks: colours, lines, fonts, how it is laid out."""
+    """Describe what the page's style sheet makes of each kind of element, and no browser's own."""
     found: dict[str, str] = browser.execute_script(STYLES)
     return found
