@@ -382,6 +382,22 @@ def test_a_view_above_the_horizon_meets_no_ground() -> None:
     assert_close("miss on a map", met[0] - camera_m, [-100.0, 0.0, 400.0 / 3.0])
 
 
+@pytest.mark.parametrize("azimuth_deg", [45.0, 270.0])
+def test_a_sector_is_about_the_way_of_its_view(azimuth_deg: float) -> None:
+    """Of 60 degrees, from the camera on, as wide to either side."""
+    camera_m = np.array([6378137.0, 0.0, 0.0])
+    axes = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # east, north, up
+    border = np.radians(azimuth_deg + np.array([-30.0, 30.0]))
+    up = np.stack([0.8 * np.sin(border), 0.8 * np.cos(border), [0.6, 0.6]], axis=1)
+    marks = camera_m + np.array([[100.0, 0.0, 300.0]])
+    met, endless = ground(up, marks, camera_m, axes, 320.0)
+    assert met is not None and not endless
+    east, north = (met[1:] - camera_m).T[1:]
+    found_deg = np.degrees(np.arctan2(east, north)) % 360.0
+    expected_deg = azimuth_deg + np.linspace(30.0, -30.0, 30)
+    assert_close("rotation on a page", found_deg, expected_deg)
+
+
 def test_heights_are_not_drawn_smaller_than_distances() -> None:
     """Of case 4, 37 km above landmarks that are 10 km away."""
     (history,) = histories("appendix_h/case4")

@@ -315,6 +315,10 @@ def test_pictures_are_found_from_any_folder(
     monkeypatch.chdir(tmp_path / "own" / "frames")
     assert photograph(flight, 0, "0.png").size == (1920, 1080)
     assert photograph(flight, 0, "cam/0.png").size == (1920, 1080)
+    scene = solve_flight_read(flight).history().estimate.scene
+    assert scene is not None and scene().photographs is not None
+    found = dict(scene().photographs([(7, "1.png"), (9, "0.png")]))  # by their places
+    assert found[1].size == (1920, 1080) and isinstance(found[0], VopdError)
 
 
 def test_folders_are_listed_once_for_all_images(

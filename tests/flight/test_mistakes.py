@@ -207,6 +207,9 @@ def test_another_frame_rate_is_tried_where_frames_have_numbers(tmp_path: Path) -
         corrected("another frame rate", project.changed("picks", "frame_rate_hz", 1e3), flight)
         == []
     )
+    found = corrected("another frame rate", project.changed("picks", "frame_rate_hz", 60), flight)
+    rates = [float(advice.split("frame_rate_hz = ")[1].split()[0]) for _, advice in found]
+    assert rates == [23.976, 24.0, 25.0, 29.97, 30.0, 48.0, 50.0, 59.94, 120.0]
 
 
 def test_two_landmarks_tell_nothing_of_their_labels_and_long_flights_take_too_long(
