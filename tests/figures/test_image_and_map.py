@@ -563,6 +563,7 @@ def test_a_pdf_has_a_page_a_figure(tmp_path: Path) -> None:
     which = ("--figure", "image", "--figure", "map")
     assert vopd("plot", HILL / "flight.toml", "-o", made, *which).status == 0
     assert b"/Count 2" in made.read_bytes()
+    assert b"CreationDate" not in made.read_bytes()  # the same file again has the same bytes
 
 
 @pytest.mark.parametrize("count", [2, 60])

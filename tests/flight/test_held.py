@@ -140,6 +140,9 @@ def test_free_parameters_that_the_picks_cannot_hold(free: tuple[str, ...]) -> No
     still = replace(flight, path=replace(flight.path, velocity_m_s=None))
     with refused():
         solve_flight_read(replace(still, options=replace(still.options, free=free)))
+    if len(free) > 1:  # five for five coordinates: those that are not held stay as they are stated
+        just = replace(still, options=replace(still.options, free=free[:-1]))
+        assert "focal" not in solve_flight_read(just).flight.options.free
 
 
 @pytest.mark.parametrize(
