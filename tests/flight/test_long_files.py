@@ -134,6 +134,11 @@ BY_LATITUDE = {
         "t_s,lat_deg,lon_deg,h_m\n" + each(lambda k: f"{k},{north(k)},8.0,500.0\n")
     ),
     ("track", "MRK of a drone"): each(lambda k: MARK.format(k=k, lat=north(k))),
+    (
+        "track",
+        "RTKLIB .pos",
+    ): "%  GPST  latitude(deg) longitude(deg) height(m) Q sdn(m) sde(m) sdu(m)\n"
+    + each(lambda k: f"2026/05/01 {second(k)}.000 {north(k)} 8.0 500.0 1 0.01 0.02 0.03\n"),
     ("track", "ODM shots.geojson"): geojson(
         lambda k: {"filename": f"{k}.jpg", "rotation": [0, 0, 0]}
     ),
