@@ -373,14 +373,15 @@ def test_an_ephemeris_that_cannot_be_opened(
         pass
 
 
+@pytest.mark.parametrize(("order", "word"), [("<", b"LTL-IEEE"), (">", b"BIG-IEEE")])
 @pytest.mark.parametrize(("summary", "following"), [((2, 6), 2.0), ((3, 6), 0.0)])
 def test_records_of_an_ephemeris_that_are_damaged(
-    summary: tuple[int, int], following: float, tmp_path: Path
+    summary: tuple[int, int], following: float, order: str, word: bytes, tmp_path: Path
 ) -> None:
-    """One that follows itself, and a file of another kind."""
-    head = b"DAF/SPK ".ljust(76, b"\0") + struct.pack("<i", 2)
-    head = head[:8] + struct.pack("<2i", *summary) + head[16:]
-    record = struct.pack("<3d", following, 0.0, 1.0)
+    """One that follows itself, and a file of another kind, in either order of bytes."""
+    head = b"DAF/SPK ".ljust(76, b"\0") + struct.pack(f"{order}i", 2)
+    head = (head[:8] + struct.pack(f"{order}2i", *summary) + head[16:]).ljust(88, b"\0") + word
+    record = struct.pack(f"{order}3d", following, 0.0, 1.0)
     (tmp_path / "a.bsp").write_bytes(head.ljust(1024, b"\0") + record.ljust(1024, b"\0"))
     with refused(ValueError):
         places._check_summaries(tmp_path / "a.bsp")

@@ -305,7 +305,10 @@ def test_images_are_followed_in_the_order_of_their_numbers(flight: Path) -> None
 
 
 def test_where_the_camera_was_in_each_image(flight: Path) -> None:
-    """In the order of time, not of names, moving as its velocities say, beside its antenna."""
+    """In the order of time, not of names, moving as its velocities say, beside its antenna.
+
+    Rows of the track are less sure one after the other, and a frame between two has parts of both.
+    """
     in_images_by_tens()
     names = {image.name: f"{int(image.stem)}.png" for image in [*Path("images").iterdir()]}
     for old, new in names.items():
@@ -317,10 +320,19 @@ def test_where_the_camera_was_in_each_image(flight: Path) -> None:
     Path("times.csv").write_text("\n".join(["image,t_s", *times, ""]), encoding="utf-8")
     change("flight.toml", "frame_rate_hz = 250.0", 'times = "times.csv"')
     change("flight.toml", "[track]\n", "[track]\nlever_arm_m = [1.0, 2.0, 2.0]\n")
+    track = rows(Path("track.csv"))
+    lines = [",".join([*row.values(), f"{k + 1}"]) for k, row in enumerate(track)]
+    Path("track.csv").write_text("\n".join([",".join([*track[0], "sigma_m"]), *lines, ""]))
     footage = rooms.read_footage(read_project("flight.toml"))
     scene = footage.scene
     frames = np.flatnonzero(np.isfinite(scene.path.position_m[:, 0]))  # that the track covers
     antenna_m = (scene.path.position_m - scene.landmarks.position_m.mean(axis=0)) @ scene.axes.T
+    assert scene.place_sigma_m is not None
+    row_s = np.array([float(row["t_s"]) for row in track])
+    before = np.clip(np.searchsorted(row_s, footage.time_s[frames], "right") - 1, 0, len(row_s) - 2)
+    part = (footage.time_s[frames] - row_s[before]) / np.diff(row_s)[before]
+    sigma_m = np.sqrt(3.0) * np.hypot((1.0 - part) * (before + 1.0), part * (before + 2.0))
+    assert_close("table value", scene.place_sigma_m[frames], sigma_m)
     beside_m = [np.linalg.norm(scene.camera_m(k, np.eye(3)) - antenna_m[k]) for k in frames]
     assert_close("table value", beside_m, np.full(len(frames), 3.0))
     speed = np.array([scene.velocity_m_s(k) for k in frames])
