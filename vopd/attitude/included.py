@@ -182,11 +182,7 @@ def largest_component(history: History) -> str:
 
 OF_VEHICLE = "yaw, pitch and roll"
 WEAVING = "weaving"  # of the path, which the noise of its positions hides; only ever left out
-ATTACK_ALONE = (
-    "velocity",
-    "wind",
-    WEAVING,
-)  # move the angles of attack, which a mean does not have
+ATTACK_ALONE = "velocity", "wind", WEAVING  # move the angles of attack, which a mean has not
 LEAST_DEG = 0.0001  # smaller errors are told without their size
 OF_ATTACK = 100.0  # times the vehicle's: an error of the angles of attack
 TELLS = 0.1  # of the largest error of the vehicle's angles: one that is told beside those of attack

@@ -416,9 +416,6 @@ def _refuse_changed(
     """Refuse files that are not those of which the covariance speaks, and other values of keys."""
     files = files_spoken_of(project)
     now = digests({key: one.path for key, one in files.items()})
-    now |= {
-        key: one for key, one in found.digest.items() if key == VALUES
-    }  # checked in `with_held`
     of_files = {f"[{name}] {key}" for name, key in SPEAKS_OF}
     if {*found.digest} - of_files:  # earlier versions spoke of files alone
         now |= digests_of_keys({name: one.values for name, one in project.sections.items()})
