@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import multiprocessing
 import os
 import sys
 from collections.abc import Iterable, Iterator
@@ -609,3 +610,18 @@ def test_a_long_video_is_hashed_by_its_size_and_ends(tmp_path: Path) -> None:
     assert len({first, *changed}) == 4
     table = b"t_s,lat_deg,lon_deg,h_m\n"
     assert hash_with(middle, begins=table) != hash_with(begins=table)
+
+
+@pytest.mark.parametrize("ways", [["spawn"], ["fork", "spawn", "forkserver"]])
+def test_processes_start_as_copies_where_the_system_has_them(
+    ways: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Windows has none."""
+
+    def started(way: str) -> Any:
+        return SimpleNamespace(way=way, set_forkserver_preload=lambda names: None)
+
+    monkeypatch.setattr(multiprocessing, "get_all_start_methods", lambda: ways)
+    monkeypatch.setattr(multiprocessing, "get_context", started)
+    found: Any = pieces._context()
+    assert found.way == ways[-1]
