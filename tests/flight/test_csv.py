@@ -421,10 +421,10 @@ def test_landmarks_that_a_tracker_has_not_seen_are_no_picks(nowhere: str, tmp_pa
     assert len(read(tmp_path, "picks", text.replace(nowhere, "0,1")).landmark) == 4
 
 
-def test_the_line_that_names_a_separator_is_to_be_removed(tmp_path: Path) -> None:
-    assert_approved(
-        told_of(tmp_path, "landmarks", "sep=,\nlandmark,lat_deg,lon_deg,h_m\na,2,3,4\n")
-    )
+@pytest.mark.parametrize("word", ["sep", "SEP"])
+def test_the_line_that_names_a_separator_is_to_be_removed(word: str, tmp_path: Path) -> None:
+    text = f"{word}=,\nlandmark,lat_deg,lon_deg,h_m\na,2,3,4\n"
+    assert_approved(told_of(tmp_path, "landmarks", text))
 
 
 @pytest.mark.parametrize("heights", [

@@ -176,7 +176,7 @@ def test_landmarks_that_the_project_does_not_have_are_told_by_name() -> None:
 
 
 def test_a_name_that_begins_with_a_number_sign_is_no_comment_in_quotes() -> None:
-    _, findings = joined((0, "#3", 1, 2, 1.0), (0, "mast", 5, 6, 1.0))
+    _, findings = joined((0, "#3", 1, 2, 1.0), (0, "P#3", 1, 2, 1.0), (0, "mast", 5, 6, 1.0))
     assert_approved([one.message for one in findings])
 
 
