@@ -569,7 +569,7 @@ def _readout(joint: JointSolution) -> Readout | None:
     model, flight = joint.model, joint.model.flight
     if part_of_interval(flight) > LONG_READOUT:
         return None
-    turning = np.nan_to_num(turning_rates(flight, joint.state.rotation)[0])
+    turning = np.nan_to_num(turning_rates(flight, joint.solved.attitudes.rotation)[0])
     if not turning.any():
         return None
     rows = flight.shutter or Shutter(0.0, "down", False)

@@ -349,8 +349,7 @@ class Factored:
         from scipy.linalg import cho_solve
 
         scale = self._scale[:, None]
-        # NaN of equations that overflow stay NaN, and the step is none
-        return np.asarray(cho_solve(self._triangle, right * scale, check_finite=False) * scale)
+        return np.asarray(cho_solve(self._triangle, right * scale) * scale)
 
     def _chain(self, fix_scale: complex | Array) -> BlockTridiagonal:
         """Factor the equations of the fixes."""
