@@ -55,16 +55,17 @@ IN_METRES = re.compile(r"(^|_)(m|meters?|metres?)(?=_|$)")
 BESIDE = re.compile(r"(^|_)(gps|gnss|utm|wgs84|deg|degrees?|dd|decimal)(?=_|$)")
 """Words of the name of a coordinate that leave it the same: its receiver, system or unit."""
 OF_ANGLE = re.compile(r"(^|_)(deg|degrees?)(_|$)")
+_GROUND, _ELLIPSOID, _SEA = "rel|relative|agl", "ell|ellipsoid(al)?|hae", "asl|a?msl|orthometric"
 LEVEL = re.compile(
-    r"(^|_)(baro|rel|relative|agl|asl|a?msl|ell|ellipsoid(al)?|hae|orthometric"
+    rf"(^|_)(baro|{_GROUND}|{_SEA}|{_ELLIPSOID}"
     r"|above(_[a-z]+){0,9}?(?=_(m|ft|feet)$|$))(?=_|$)"
 )
 """Words of the name of a height alone: what it is counted from, which the project says."""
 FROM_GROUND = re.compile(
-    r"(^|_)(rel|relative|agl|above_([a-z]+_)?(ground|take_?off|home|launch|pad))(?=_|$)"
+    rf"(^|_)({_GROUND}|above_([a-z]+_)?(ground|take_?off|home|launch|pad))(?=_|$)"
 )
-FROM_ELLIPSOID = re.compile(r"(^|_)(ell|ellh|ellipsoid(al)?|hae)(?=_|$)")
-FROM_SEA = re.compile(r"(^|_)(asl|h?a?msl|orthometric|geoid|sea_?level)(?=_|$)")
+FROM_ELLIPSOID = re.compile(rf"(^|_)({_ELLIPSOID}|ellh)(?=_|$)")
+FROM_SEA = re.compile(rf"(^|_)({_SEA}|ha?msl|geoid|sea_?level)(?=_|$)")
 """Words of the name of a height that say its level: the ground or the place of the take-off, the
 ellipsoid, or the sea."""
 PLANE, GEODETIC = ("x_m", "y_m", "z_m"), ("lat_deg", "lon_deg", "h_m")

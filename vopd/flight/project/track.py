@@ -235,8 +235,7 @@ def path_by_image(
         at_s, at_m = time_s[order], position[order]
         own, own_sigma = (None if one is None else one[order] for one in (velocity, sigma_m_s))
         rough = track_roughness(at_s, at_m, sigma_m[order])
-        by_time = path_velocity(at_s, at_m, at_s, at_m, rough, own, own_sigma, notes)
-        weave = hidden_weave(at_s, rough) if own is None and own_sigma is None else None
+        *by_time, weave = path_velocity(at_s, at_m, at_s, at_m, rough, own, own_sigma, notes)
         of_rows = np.full((3, *position.shape), np.nan)
         for every, one in zip(of_rows, by_time, strict=True):
             every[order] = np.nan if one is None else one
@@ -327,18 +326,24 @@ def velocity_by_fit(
 def path_velocity(
     at: Floats, here: Floats, time_s: Floats, position: Floats, rough: Roughness,
     velocity_m_s: Floats | None, sigma_m_s: Floats | None, notes: Notes,
-) -> tuple[Floats, Floats, Floats | None]:  # fmt: skip
+) -> tuple[Floats, Floats, Floats | None, tuple[float, float] | None]:  # fmt: skip
     """Find the velocity at some moments: between those that the track has itself, or by a fit.
 
-    The first five arguments, and what is returned, are those of `velocity_by_fit`.
+    The first five arguments are those of `velocity_by_fit`.
 
     Args:
         velocity_m_s: of the track, north, east, down, (T, 3); None: it has none
         sigma_m_s: stated standard deviations, (T, 3); None: none are
         notes: added to
+
+    Returns:
+        What `velocity_by_fit` returns, and the weave that a fit misses; None where there is no
+        fit, or its standard deviation is stated.
     """
+    weave = None
     if velocity_m_s is None:
         velocity, acceleration, sigma = velocity_by_fit(at, here, time_s, position, rough, notes)
+        weave = hidden_weave(time_s, rough) if sigma_m_s is None else None
     else:
         velocity, sigma = _columns_at(at, time_s, velocity_m_s), None
         acceleration = _columns_at(at, time_s, np.gradient(velocity_m_s, time_s, axis=0))
@@ -348,7 +353,7 @@ def path_velocity(
         if velocity_m_s is not None:  # those that are called exact stay so
             off_m_s = off_line(at, time_s, velocity_m_s, sigma_m_s)
             sigma = np.where(sigma > 0.0, np.hypot(sigma, off_m_s), 0.0)
-    return velocity, acceleration, sigma
+    return velocity, acceleration, sigma, weave
 
 
 # The camera's path: a fixed position, or a track by time or by image
@@ -599,10 +604,9 @@ def path_by_time(
     here = _interpolated(way, time_s, position, at)
     rough = track_roughness(time_s, position, sigma_m)
     velocity_m_s = None if velocity_m_s is None else velocity_m_s[near]
-    velocity, acceleration, of_frames = path_velocity(
+    velocity, acceleration, of_frames, weave = path_velocity(
         at, here, time_s, position, rough, velocity_m_s, sigma_m_s, notes
     )
-    weave = hidden_weave(time_s, rough) if velocity_m_s is None and sigma_m_s is None else None
     unknown = ~inside[:, None]
     key_sigma(section, "sigma_t_s", "", notes)
     fixes = path_errors(at, inside, time_s, position, sigma_m, rough, way)
