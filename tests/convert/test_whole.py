@@ -10,8 +10,8 @@ import pytest
 
 from tests.approved.texts import assert_approved
 from tests.kit.command import ROOT
-from tests.kit.described import described
 from tests.kit.jobs import without
+from tests.kit.whole import whole
 from vopd.arrays import Floats
 from vopd.convert.deck_to_flight import deck_flight, deck_project
 from vopd.convert.feature import coordinates_of, ignoring, locate_feature, with_coordinates
@@ -99,7 +99,7 @@ def test_everything_in_the_project_of_a_deck(name: str) -> None:
 @pytest.mark.parametrize("name", JOBS)
 def test_everything_in_the_flight_of_a_deck(name: str) -> None:
     chosen = NO_FIXES if name == "beyond" else ALL
-    assert_approved(described(deck_flight(JOBS[name](), chosen, "a.dat")))
+    assert_approved(whole(deck_flight(JOBS[name](), chosen, "a.dat"), form=".9g"))
 
 
 # A feature
@@ -150,15 +150,13 @@ LOCATED = {
 def test_everything_of_a_located_feature(name: str) -> None:
     job, sigma_ft = LOCATED[name]
     found = locate_feature(job, NUMBER, ALL, "a.dat", sigma_ft)
-    assert_approved(
-        [
-            *described(found.adjustment.parameters, "parameters", 6),
-            *described(found.adjustment.covariance, "covariance", 6),
-            *map(str, found.adjustment.result.findings), *found.notes,
-            *described([found.number, found.frames, found.sigma_ft, found.rounded_ft], "told", 6),
-            *described(found.job.landmarks, "landmarks"),
-        ]
-    )  # fmt: skip
+    told = [found.number, found.frames, found.sigma_ft, found.rounded_ft]
+    assert_approved("\n".join([
+        whole(found.adjustment.parameters, "parameters", ".6g"),
+        whole(found.adjustment.covariance, "covariance", ".6g"),
+        *map(str, found.adjustment.result.findings), *found.notes,
+        whole(told, "told", ".6g"), whole(found.job.landmarks, "landmarks", ".9g"),
+    ]))  # fmt: skip
 
 
 def two_frames() -> Job:
@@ -182,14 +180,18 @@ def test_everything_of_a_search_by_trials(name: str) -> None:
     found = search_feature(SEARCHED[name], NUMBER, ALL, "a.dat", told.append)
     assert_approved(
         [
-            " ".join(text.split(": ", 1)[1] for text in described(one, digits=5))
+            " ".join(text.split(": ", 1)[1] for text in whole(one, form=".5g").split("\n"))
             for one in found.trials
         ]
     )
     told_last = [found.coordinates, found.last_step, found.frames, found.stands]
     first, last = found.jobs[0], found.jobs[-1]
     assert_approved([
-        *described(told_last, "found", 6), told, [one.return_group for one in found.jobs],
-        *described(first.ignored, "first"), *described(last.ignored, "ignored"),
-        *described(last.landmarks, "marks"),
+        whole(told_last, "found", ".6g"), told, [one.return_group for one in found.jobs],
     ])  # fmt: skip
+    for name, one in (
+        ("first", first.ignored),
+        ("ignored", last.ignored),
+        ("marks", last.landmarks),
+    ):
+        assert_approved(whole(one, name, ".9g"))

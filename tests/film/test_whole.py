@@ -60,7 +60,7 @@ def test_an_estimate_number_by_number(job: Job, chosen: Fixes) -> None:
     left_out = ("about", "scene", "frame_names")
     every = {field.name: getattr(one, field.name) for field in fields(one)}
     told = {name: value for name, value in every.items() if name not in left_out}
-    assert_approved(whole(told | {"about": one.about._replace(words=None)}, decimals=8))
+    assert_approved(whole(told | {"about": one.about._replace(words=None)}, form=".8f"))
     assert_approved(surroundings(one))
 
 

@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 from PIL.Image import Image
 
-DECIMALS = 6
+NONE = 1e-9  # a smaller number is none: its digits are rounding
 
 
-def whole(value: Any, name: str = "", decimals: int = DECIMALS) -> str:
+def whole(value: Any, name: str = "", form: str = ".6f") -> str:
     """Describe a record, array, dict or sequence: a line for each of its parts.
 
-    Numbers have five decimals or more, so that `tests.approved.compare` allows one unit of the
-    last. Pictures are described by a grid of their pixels.
+    Numbers are written in a form with five decimals, or significant digits, or more, so that
+    `tests.approved.compare` allows one unit of the last. Pictures are described by a grid of their
+    pixels.
     """
 
     def lines(value: Any, name: str) -> Iterator[str]:
@@ -43,7 +44,7 @@ def whole(value: Any, name: str = "", decimals: int = DECIMALS) -> str:
         return f"{len(value)} bytes" if isinstance(value, bytes) else str(value)
 
     def number(value: float) -> str:
-        found = f"{value:.{decimals}f}"
+        found = f"{0.0 if abs(value) < NONE else value:{form}}"
         return found.removeprefix("-") if not found.strip("-0.") else found
 
     return "\n".join(lines(value, name))

@@ -638,7 +638,7 @@ def test_patches_from_other_heights(height_m: float) -> None:
         less |= {"spread_px": one.patch.spread_px, "weight": one.patch.weight.sum()}
         place_m = {"first_m": one.place_m[0], "last_m": one.place_m[-1], "click_m": one.clicked_m}
         said.append(whole(less | place_m | warps._replace(pixel=warps.pixel[:, ::99])._asdict()))
-        said.append(whole(found, decimals=5))
+        said.append(whole(found, form=".5f"))
         for radius_px, least in ((8.0, 0.6), (14.0, 0.9)):
             said.append(whole(search(shown(height_m, 0.1), warps, [one], radius_px, least)))
     assert_approved("\n".join(said))
@@ -653,7 +653,7 @@ def test_what_is_just_a_match_and_what_is_not() -> None:
     def tell(name: str, first: Floats, then: Floats, least: float = 0.6, side: int = 25) -> None:
         one = laid(scene, first, (120.3, 70.8), side)
         found = match(then, warp(scene, view(1, NADIR), [one]), [one], start, 4.0, least)
-        said.append(f"{name}: {whole(found._asdict(), decimals=5)}".replace("\n", ", "))
+        said.append(f"{name}: {whole(found._asdict(), form='.5f')}".replace("\n", ", "))
 
     for part in (0.06, 0.075, 0.09, 0.14, 0.2):
         little = 120.0 + part * (shown(1000.0) - 120.0)
@@ -766,7 +766,7 @@ def test_an_oblique_view_number_by_number(terrain: Any, way: Any) -> None:
             "camera_m": scene.camera_m(1, tilted), "velocity_m_s": scene.velocity_m_s(1),
             "late_s": scene.late_s(pixel), "pixels": list(scene.pixels(looks, away)),
             "rays": list(scene.rays(looks, pixel)), "ground_m": grounds,
-        }, decimals=5)
+        }, form=".5f")
     )  # fmt: skip
 
 
