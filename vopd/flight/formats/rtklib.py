@@ -14,9 +14,9 @@ from vopd.arrays import Floats
 from vopd.files import reason
 from vopd.findings import count_text, shown
 from vopd.flight.formats.files import InputFile
-from vopd.flight.formats.track import GPS_ZERO_S, POS_HEAD, WEEK_S, TrackRows
+from vopd.flight.formats.track import POS_HEAD, WEEK_S, TrackRows
 from vopd.geometry.earth import geodetic, local_axes
-from vopd.inputs import leap_second, plain_number, read_moment, whole_number
+from vopd.inputs import GPS_ZERO_S, leap_second, plain_number, read_moment, whole_number
 
 GEODETIC = "latitude(deg)", "longitude(deg)", "height(m)"
 CENTRED = "x-ecef(m)", "y-ecef(m)", "z-ecef(m)"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import UTC
 from math import isfinite
 from pathlib import Path
 
@@ -46,7 +46,7 @@ from vopd.flight.formats.landmarks import (
 from vopd.flight.formats.tables import CsvTable, has_columns, read_csv
 from vopd.geometry.earth import earth_centred_m, geodetic, local_axes
 from vopd.geometry.rotations import rotation_matrices
-from vopd.inputs import LEAP_SECOND, leap_second, plain_number, whole_number
+from vopd.inputs import GPS_ZERO_S, LEAP_SECOND, leap_second, plain_number, whole_number
 
 # Positions of a receiver, of which nothing better is known: 3 m, and upward 5 m, each times
 # the dilution of precision if the file has it
@@ -247,7 +247,6 @@ def no_fix_text(no_fix: Bools, noun: str) -> str:
 # DJI's manuals call latitude and longitude compensated, and the tags of the photos repeat
 # them: positions are taken as they stand.
 
-GPS_ZERO_S = datetime(1980, 1, 6, tzinfo=UTC).timestamp()
 WEEK_S = 604_800.0
 LABELS = {4: "N", 6: "E", 8: "V", 10: "Lat", 12: "Lon", 14: "Ellh", 19: "Q"}
 LAYOUT = "a line is number, seconds, [week], N, E, V, Lat, Lon, Ellh, three sigmas and Q"
